@@ -29,10 +29,10 @@ from measure import keep
 from peer_process import PeerProcess
 
 from supple.integrate import FixedStep, Run, RungeKutta4
-from supple.intrinsic import CondensedLine, IntrinsicBody, LoadPath, condense
-from supple.intrinsic.engine import IntrinsicEngine
-from supple.intrinsic.line_march import march_lines
 from supple.machine import Fixed, FollowerForce, Placed, System
+from supple.methods.intrinsic import CondensedLine, IntrinsicBody, LoadPath, condense
+from supple.methods.intrinsic.engine import IntrinsicEngine
+from supple.methods.intrinsic.line_march import march_lines
 from supple.simulation import simulate
 from supple_benchmarks.intrinsic.box_beam import meshed
 

@@ -30,12 +30,6 @@ import numpy as np
 from measure import keep
 from peer_process import PeerProcess
 
-from supple.explicit import (
-    BulkViscosity,
-    ExplicitEngine,
-    StVenantKirchhoff,
-    explicit_subdomain,
-)
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Run
 from supple.machine import (
@@ -43,6 +37,12 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, Mesh, block
+from supple.methods.explicit import (
+    BulkViscosity,
+    ExplicitEngine,
+    StVenantKirchhoff,
+    explicit_subdomain,
+)
 
 STEEL = Isotropic(210e9, 0.3, 7850.0)
 SPIN = np.array([0.0, 0.0, 1000.0])

@@ -17,8 +17,8 @@ import numpy as np
 from measure import keep
 
 from supple.integrate import FixedStep, Run, RungeKutta4
-from supple.intrinsic import CLAMPED, IntrinsicBody, intrinsic_body
 from supple.machine import Fixed, FollowerForce, Placed, System
+from supple.methods.intrinsic import CLAMPED, IntrinsicBody, intrinsic_body
 from supple.simulation import simulate, simulate_batch
 from supple_benchmarks.intrinsic.beams import beam_line
 

@@ -32,15 +32,15 @@ from exudyn_run import Outcome, TimedRun, best_of, timed_run
 from measure import keep
 from mujoco_chain import MUJOCO, in_mujoco
 
-from supple.algebra.kept_programs import KeptProgram
 from supple.body import AveragingInterface, MeanAxisFrame, RigidBody, flexible_body
 from supple.export import interface_nodes, write_exudyn
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, block
-from supple.multibody.compiled.engine import controls, initial_state
-from supple.multibody.compiled.programs import COMPILED_MARCH, QUICK_MARCH
+from supple.methods.floating.compiled.engine import controls, initial_state
+from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH
+from supple.programs.kept_programs import KeptProgram
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, ReducedBody, reduce
 from supple.simulation import simulate
 

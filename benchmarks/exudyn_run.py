@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.multibody.compiled import programs
+from supple.methods.floating.compiled import programs
 
 Outcome = tuple[int, int, float, np.ndarray]
 """Steps, Newton iterations, wall seconds, and the positions (t, 3) of a point at the output times."""

@@ -23,10 +23,10 @@ from supple.body import FullBody
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Solution, StepRule, Tolerances
 from supple.integrate.run import run as march_through
 from supple.machine import System
-from supple.multibody import FullEngine
-from supple.multibody.full.implicit_step import ImplicitStep
-from supple.multibody.full.newton import NewtonIteration, exact_newton, modified_newton
-from supple.multibody.full.predictor import unknowns_of
+from supple.methods.floating import FullEngine
+from supple.methods.floating.full.implicit_step import ImplicitStep
+from supple.methods.floating.full.newton import NewtonIteration, exact_newton, modified_newton
+from supple.methods.floating.full.predictor import unknowns_of
 from supple.storage import write_json
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.nrel5mw_blade import (

@@ -30,8 +30,8 @@ from supple.machine import (
     Table,
 )
 from supple.machine.laws.spin_up import SpinUp
-from supple.multibody.compiled.engine import controls, initial_state
-from supple.multibody.compiled.programs import COMPILED_MARCH
+from supple.methods.floating.compiled.engine import controls, initial_state
+from supple.methods.floating.compiled.programs import COMPILED_MARCH
 from supple.reduction import (
     CompressedDerivatives,
     NoDerivatives,

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import supple as sp
-from supple.explicit import ENERGIES, Energies, J2Plasticity, LinearHardening
 from supple.machine import Contact, RigidPlane, Tie
+from supple.methods.explicit import ENERGIES, Energies, J2Plasticity, LinearHardening
 from supple.reduction import NormalModes
 
 ALUMINIUM = sp.Isotropic(70e9, 0.3, 2700.0)

@@ -15,7 +15,7 @@ import numpy as np
 
 import supple as sp
 from supple import machine as m
-from supple.multibody import balances
+from supple.equations import balances
 from supple.reduction import CraigBampton, ReducedBody
 from supple.sensors import DeflectionSensor, JointMotionSensor, Place
 from supple.units import SI

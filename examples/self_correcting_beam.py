@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.body import FullBody, MeanAxisFrame, RigidInterface, flexible_body
-from supple.correction import ReductionStart, SelfCorrected, SelfCorrection, self_correct
+from supple.error import ReductionStart, SelfCorrected, SelfCorrection, self_correct
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System

@@ -21,9 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.equations import balances
 from supple.integrate import FixedStep, Run, Solution
 from supple.mesh import CellType, RodCells
-from supple.multibody import balances
 from supple.reduction import (
     AttachmentModes,
     CraigBampton,

@@ -27,13 +27,11 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.body import RigidInterface as RigidInterface
     from supple.body import flexible_body as flexible_body
     from supple.cases import read_case as read_case
-    from supple.correction import ErrorStudy as ErrorStudy
-    from supple.correction import ReductionStart as ReductionStart
-    from supple.correction import SelfCorrection as SelfCorrection
-    from supple.correction import self_correct as self_correct
-    from supple.correction import state_errors as state_errors
-    from supple.explicit import explicit_subdomain as explicit_subdomain
-    from supple.explicit import modal_subdomain as modal_subdomain
+    from supple.error import ErrorStudy as ErrorStudy
+    from supple.error import ReductionStart as ReductionStart
+    from supple.error import SelfCorrection as SelfCorrection
+    from supple.error import self_correct as self_correct
+    from supple.error import state_errors as state_errors
     from supple.fem import HomogeneousSection as HomogeneousSection
     from supple.fem import Isotropic as Isotropic
     from supple.fem import shell_model as shell_model
@@ -47,8 +45,6 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.integrate import GeneralizedAlpha as GeneralizedAlpha
     from supple.integrate import Run as Run
     from supple.integrate import Tolerances as Tolerances
-    from supple.intrinsic import LoadPath as LoadPath
-    from supple.intrinsic import condense as condense
     from supple.linearization import linearize as linearize
     from supple.linearization import machine_modes as machine_modes
     from supple.machine import GROUND as GROUND
@@ -84,6 +80,10 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.mesh import block as block
     from supple.mesh import cylinder as cylinder
     from supple.mesh import strip as strip
+    from supple.methods.explicit import explicit_subdomain as explicit_subdomain
+    from supple.methods.explicit import modal_subdomain as modal_subdomain
+    from supple.methods.intrinsic import LoadPath as LoadPath
+    from supple.methods.intrinsic import condense as condense
     from supple.reduction import AttachmentModes as AttachmentModes
     from supple.reduction import CompressedDerivatives as CompressedDerivatives
     from supple.reduction import CraigBampton as CraigBampton
@@ -132,11 +132,11 @@ _NAMES = {
         "Table Spline Ramp Sine SpinUp Turning Spin"
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
-    "supple.intrinsic": "condense LoadPath",
-    "supple.explicit": "modal_subdomain explicit_subdomain",
+    "supple.methods.intrinsic": "condense LoadPath",
+    "supple.methods.explicit": "modal_subdomain explicit_subdomain",
     "supple.simulation": "simulate simulate_batch equilibrium",
     "supple.linearization": "linearize machine_modes",
-    "supple.correction": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
+    "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "node_positions rms_error stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",

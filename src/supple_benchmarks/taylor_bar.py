@@ -11,11 +11,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from supple.explicit import (
-    J2Plasticity,
-    LinearHardening,
-    explicit_subdomain,
-)
 from supple.fem import Isotropic, solid_model
 from supple.integrate import Run
 from supple.machine import (
@@ -26,6 +21,11 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, cylinder
+from supple.methods.explicit import (
+    J2Plasticity,
+    LinearHardening,
+    explicit_subdomain,
+)
 from supple.simulation import simulate
 
 __all__ = ["COPPER", "taylor_bar", "taylor_bar_end"]

@@ -8,10 +8,6 @@ import numpy as np
 import pytest
 
 from supple.body import MeanAxisFrame, flexible_body
-from supple.explicit import (
-    Explicit,
-    modal_subdomain,
-)
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
 from supple.machine import (
@@ -22,6 +18,10 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, block
+from supple.methods.explicit import (
+    Explicit,
+    modal_subdomain,
+)
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import simulate
 

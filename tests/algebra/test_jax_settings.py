@@ -49,7 +49,7 @@ def test_unlike_machines_share_no_programs(monkeypatch):
 @pytest.mark.slow
 def test_programs_are_kept_from_python(tmp_path):
     """Importing the package is enough, and an earlier choice stays."""
-    script = "import supple.multibody, jax; print(jax.config.jax_compilation_cache_dir)"
+    script = "import supple.methods.floating, jax; print(jax.config.jax_compilation_cache_dir)"
     bare = {key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
     for more, expected in (
         ({"XDG_CACHE_HOME": str(tmp_path)}, str(tmp_path / "supple" / "compiled")),

@@ -18,7 +18,7 @@ from supple.body import (
     rayleigh_at_modes,
 )
 from supple.errors import ModelError
-from supple.multibody.full.full_damping import full_damping
+from supple.methods.floating.full.full_damping import full_damping
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, clamped_modes, reduce
 
 FRAMES = {

@@ -10,7 +10,7 @@ import pytest
 
 from supple.cases import modes_case, read_case, run_case, static_case
 from supple.errors import CaseError, ModelError
-from supple.intrinsic import CLAMPED, IntrinsicBody, intrinsic_body
+from supple.methods.intrinsic import CLAMPED, IntrinsicBody, intrinsic_body
 
 WING = Path(__file__).parents[2] / "examples" / "wing.toml"
 WHOLE = [

@@ -12,7 +12,7 @@ from supple.cases import read_case, run_case
 from supple.cli.main import app
 from supple.errors import CaseError, ModelError
 from supple.export import write_dmig_punch
-from supple.intrinsic import CLAMPED, IntrinsicBody, intrinsic_modes
+from supple.methods.intrinsic import CLAMPED, IntrinsicBody, intrinsic_modes
 
 POINTS = straight(1.0, 6)
 GRIDS = np.arange(11, 18)

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from supple.cli.main import app
-from supple.correction import CorrectionFolder
+from supple.error import CorrectionFolder
 from supple.storage import read_header, read_reduced_body, read_solution
 
 

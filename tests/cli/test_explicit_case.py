@@ -11,15 +11,15 @@ from typer.testing import CliRunner
 from supple.cases import read_case, run_case
 from supple.cli.main import app
 from supple.errors import CaseError
-from supple.explicit import (
-    BulkViscosity,
-)
 from supple.machine import (
     EveryNode,
     MeanMotion,
     Mortar,
 )
 from supple.mesh import CellType, block
+from supple.methods.explicit import (
+    BulkViscosity,
+)
 from supple.storage import read_solution
 
 CASE = """

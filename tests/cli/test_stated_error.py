@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from supple.cases import read_case
 from supple.cli.main import app
-from supple.correction import Deflection, JointForce
+from supple.error import Deflection, JointForce
 from supple.errors import CaseError
 from supple.results.judged_stress import JudgedStress
 from supple.storage import read_header, read_solution

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from supple.correction import CorrectionFolder
+from supple.error import CorrectionFolder
 from supple.errors import ResultFileError
 from supple.storage import holds_reduced_body, read_interface_names, read_reduced_body, write_reduced_body
 from supple.storage.file_seal import sealed

@@ -9,7 +9,7 @@ import time
 import pytest
 from fixtures.runs_on_disk import RUNS, STARTS, bits, pendulum, started, turned_strip
 
-from supple.correction import correct_recorded
+from supple.error import correct_recorded
 from supple.errors import ResultFileError
 from supple.simulation import simulate
 from supple.storage import read_header, read_solution
@@ -24,7 +24,7 @@ simulate(pendulum(), RUNS[sys.argv[2]], file=sys.argv[1], progress=print)
 CORRECTING = """
 import sys
 from fixtures.runs_on_disk import RUNS, STARTS, turned_strip
-from supple.correction import correct_recorded
+from supple.error import correct_recorded
 correct_recorded(turned_strip(), RUNS["self-correcting"], STARTS, sys.argv[1], case="strip", progress=print)
 """
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from supple.equations import joint_residuals
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
@@ -21,7 +22,6 @@ from supple.machine import (
     SpringDamper,
     System,
 )
-from supple.multibody import joint_residuals
 from supple.simulation import simulate
 
 Z = (0.0, 0.0, 1.0)

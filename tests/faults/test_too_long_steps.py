@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from supple.body import RigidBody
+from supple.equations.build_model import system_length
+from supple.equations.checks.output_rate import hidden_vibration
 from supple.errors import ConvergenceError, ResolutionWarning, ValidityError
 from supple.integrate import (
     FixedStep,
@@ -28,8 +30,6 @@ from supple.machine import (
     SpringDamper,
     System,
 )
-from supple.multibody.checks.output_rate import hidden_vibration
-from supple.multibody.equations.build_model import system_length
 from supple.results.run_summary import cost_numbers
 from supple.simulation import simulate, simulate_batch
 

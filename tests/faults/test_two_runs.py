@@ -10,7 +10,7 @@ from fixtures.bar_case import bar_case
 from fixtures.runs_on_disk import RUNS, bits, pendulum, started
 
 from supple.cases import read_case, run_case
-from supple.correction import CorrectionFolder
+from supple.error import CorrectionFolder
 from supple.errors import ResultFileError, UnlockedWarning
 from supple.simulation import simulate
 from supple.storage import ResultFile, exclusive_lock, read_header, read_solution, write_solution

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from supple.body import RigidBody
+from supple.equations.checks.rate_jumps import rate_jumps
+from supple.equations.checks.step_resolution import missed_between_steps
 from supple.errors import ModelError, ResolutionWarning, ValidityError
 from supple.integrate import AdaptiveStep, FixedStep, Run, Validity
 from supple.machine import (
@@ -27,8 +29,6 @@ from supple.machine import (
     TimeFunction,
 )
 from supple.machine.laws.instants import instants_of
-from supple.multibody.checks.rate_jumps import rate_jumps
-from supple.multibody.checks.step_resolution import missed_between_steps
 from supple.simulation import simulate, simulate_batch
 
 MASS = 2.0

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from supple.body import MeanAxisFrame, NodalFixedFrame
+from supple.equations import balances
 from supple.integrate import FixedStep, Newmark, Run, Tolerances
 from supple.machine import Placed, System
-from supple.multibody import balances
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import simulate
 from supple_benchmarks.validation.rotors import (

@@ -9,9 +9,9 @@ import pytest
 from scipy import linalg
 
 from supple.body import MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
+from supple.equations.floating_inertia import floating_mass
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.mesh import strip
-from supple.multibody.equations.floating_inertia import floating_mass
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, NormalModes, Rubin, SteadyLoads, reduce
 from supple.reduction.condensed_inertia import condensed_gram, missing_centrifugal_stiffness
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from supple.body import MeanAxisFrame, RayleighDamping
+from supple.equations.build_model import build_model
 from supple.machine import Placed, System
-from supple.multibody.equations.build_model import build_model
 from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,

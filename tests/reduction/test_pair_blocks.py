@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from supple.body import MeanAxisFrame
-from supple.multibody.equations.polynomial_force import polynomial_energy, polynomial_force
+from supple.equations.polynomial_force import polynomial_energy, polynomial_force
 from supple.reduction import CompressedDerivatives, NoLoads, Rubin, reduce
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
 

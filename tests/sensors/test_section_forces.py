@@ -14,9 +14,9 @@ from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, Rig
 from supple.errors import ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import Solution, Statistics
-from supple.intrinsic import CLAMPED, intrinsic_body
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
 from supple.mesh import CellType, Mesh, block, strip
+from supple.methods.intrinsic import CLAMPED, intrinsic_body
 from supple.reduction import CraigBampton, NoLoads, reduce
 from supple.sensors import Place, SectionForceSensor, read_sensors, write_readings, write_readings_hdf5
 from supple.simulation import equilibrium

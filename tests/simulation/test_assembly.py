@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from supple.equations import joint_residuals
 from supple.errors import ConvergenceError, ModelError
 from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, ConstantRate, Placed, PrescribedRotation, Revolute, System
-from supple.multibody import joint_residuals
 from supple.simulation import assemble, simulate
 
 Z = (0.0, 0.0, 1.0)

@@ -10,10 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from supple.algebra import available_memory, worker_processes
+from supple.algebra import available_memory
 from supple.algebra.jax_settings import give_programs_back
-from supple.algebra.kept_programs import KeptProgram
 from supple.body import FullBody, MeanAxisFrame, RigidBody
+from supple.equations.build_model import build_model
+from supple.equations.compiler_options import STARTING
 from supple.errors import ConvergenceError, MemoryShortageError, ModelError
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
@@ -34,9 +35,9 @@ from supple.machine import (
     System,
     Table,
 )
-from supple.multibody.compiled import kept_tangent
-from supple.multibody.equations.build_model import build_model
-from supple.multibody.equations.compiler_options import STARTING
+from supple.methods.floating.compiled import kept_tangent
+from supple.programs import worker_processes
+from supple.programs.kept_programs import KeptProgram
 from supple.simulation import shares_of_cases, simulate, simulate_batch
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
+from supple.equations import StaticSearch
 from supple.errors import ConvergenceError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import FixedStep, Run, Tolerances
@@ -25,7 +26,6 @@ from supple.machine import (
     TorsionSpringDamper,
 )
 from supple.mesh import CellType, block, strip
-from supple.multibody import StaticSearch
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import equilibrium, simulate
 

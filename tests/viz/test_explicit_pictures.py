@@ -4,10 +4,6 @@ import numpy as np
 import pytest
 from fixtures.explicit_bars import SOFT, explicit_bar
 
-from supple.explicit import (
-    NodalMotion,
-    explicit_subdomain,
-)
 from supple.fem import solid_model
 from supple.integrate import Solution, Statistics
 from supple.machine import (
@@ -20,6 +16,10 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, block
+from supple.methods.explicit import (
+    NodalMotion,
+    explicit_subdomain,
+)
 from supple.viz import explicit_pictures, skin_of
 from supple.viz.camera import Camera
 from supple.viz.contact_clearance import CLEARANCE, clear_of_contact

@@ -43,7 +43,6 @@ from supple.cases.shared_rules import FileName, usable_names
 from supple.cases.split import Split
 from supple.cases.table import Key, Made, OneOf, table_of
 from supple.errors import ModelError
-from supple.explicit import ExplicitShell, ExplicitSubdomain, ModalSubdomain
 from supple.fem import FiniteElementModel
 from supple.importers.toml import (
     ZERO,
@@ -57,8 +56,9 @@ from supple.importers.toml import (
     table,
     unknown,
 )
-from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed
+from supple.methods.explicit import ExplicitShell, ExplicitSubdomain, ModalSubdomain
+from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import CondensedQuartic, NoLoads, ReducedBody, reduce
 from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body

@@ -22,7 +22,7 @@ from supple.cases.sensors import SensedCase
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.cases.stated_error import Judged
-from supple.correction import ErrorStudy, JudgedQuantity, ReductionStart
+from supple.error import ErrorStudy, JudgedQuantity, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes

@@ -22,7 +22,8 @@ from supple.importers.toml import (
     unknown,
 )
 from supple.integrate import Run, Solution, Validity
-from supple.intrinsic import (
+from supple.machine import System
+from supple.methods.intrinsic import (
     BALL,
     CLAMPED,
     FREE,
@@ -37,7 +38,6 @@ from supple.intrinsic import (
     released,
     sliding,
 )
-from supple.machine import System
 from supple.simulation import simulate
 
 Support = Literal["clamped", "free", "ball", "hinged", "sliding"]

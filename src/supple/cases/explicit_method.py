@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from supple.explicit import (
+from supple.importers.toml import CheckedTable, Positive
+from supple.methods.explicit import (
     ExactLinks,
     Explicit,
     LaggedGyroscopicForce,
@@ -15,7 +16,6 @@ from supple.explicit import (
     ProjectedDifference,
     PublishedScheme,
 )
-from supple.importers.toml import CheckedTable, Positive
 
 
 class Projected(CheckedTable):

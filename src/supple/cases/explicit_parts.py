@@ -9,7 +9,9 @@ from supple.body import FlexibleBody, LinearRayleighDamping
 from supple.cases import material_laws
 from supple.cases.body_kinds import is_explicit, kind_of
 from supple.cases.material_laws import MaterialLaw, StVenantKirchhoffLaw
-from supple.explicit import (
+from supple.fem import FiniteElementModel
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
+from supple.methods.explicit import (
     BulkViscosity,
     CentrifugalStiffness,
     ExplicitShell,
@@ -20,9 +22,7 @@ from supple.explicit import (
     explicit_subdomain,
     modal_subdomain,
 )
-from supple.explicit.modal_stress import isotropic_materials
-from supple.fem import FiniteElementModel
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
+from supple.methods.explicit.modal_stress import isotropic_materials
 from supple.reduction import NormalModes, Rubin
 
 

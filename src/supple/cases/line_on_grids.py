@@ -13,7 +13,7 @@ from supple.cases.body_kinds import Matrices, Superelement, kind_of
 from supple.cases.condense import Condense, is_condensed
 from supple.cases.interfaces import Interface
 from supple.importers.toml import KeyPath, Mistakes, Raw, table, tables
-from supple.intrinsic import IntrinsicBody, read_condensed_line
+from supple.methods.intrinsic import IntrinsicBody, read_condensed_line
 
 _ON_ELEMENTS = ("tip", "stations")
 _ON_GRIDS = ("paths", "root_mass")

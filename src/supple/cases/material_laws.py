@@ -6,10 +6,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from supple.explicit import J2Plasticity, LinearHardening, NeoHookean, PowerHardening, StVenantKirchhoff
-from supple.explicit.materials import Law
 from supple.fem import Isotropic
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, Positive, Raw, table
+from supple.methods.explicit import (
+    J2Plasticity,
+    LinearHardening,
+    NeoHookean,
+    PowerHardening,
+    StVenantKirchhoff,
+)
+from supple.methods.explicit.materials import Law
 
 
 class StVenantKirchhoffLaw(CheckedTable):

@@ -15,7 +15,8 @@ from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import Progress, silent
 from supple.cases.reductions import DEFAULT_ACCURACY
 from supple.cases.static_case import looked_at, spin_of
-from supple.correction import Missed, correct_statically
+from supple.equations.build_model import system_length
+from supple.error import Missed, correct_statically
 from supple.errors import CaseError
 from supple.linearization import (
     CampbellDiagram,
@@ -27,7 +28,6 @@ from supple.linearization import (
     mode_motion,
 )
 from supple.machine import Spin, System
-from supple.multibody.equations.build_model import system_length
 from supple.results.run_summary import unit_names
 from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.storage import write_json

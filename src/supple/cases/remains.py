@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple.cases.case import Case
-from supple.correction import ROUNDS_FOLDER, CorrectionFolder
+from supple.error import ROUNDS_FOLDER, CorrectionFolder
 from supple.errors import ResultFileError
 from supple.storage import read_header
 from supple.storage.result_file import check_same_run

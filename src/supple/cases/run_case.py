@@ -17,11 +17,11 @@ from supple.cases.notify import Progress, silent
 from supple.cases.outputs import check_outputs
 from supple.cases.remains import check_remains, readings_paths, report_path, result_path
 from supple.cases.static_case import starting_system
-from supple.correction import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
+from supple.equations import warn_of_missing_modes
+from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
 from supple.integrate import Solution, Validity
 from supple.machine import System
-from supple.multibody import warn_of_missing_modes
 from supple.results import TrackedMotion, stress_numbers, summarize, tracked_places
 from supple.sensors import Reading, read_sensors, write_readings, write_readings_hdf5
 from supple.simulation import reduced_bodies, simulate_kept

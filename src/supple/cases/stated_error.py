@@ -9,7 +9,7 @@ from pydantic import Field
 
 from supple.cases.body_kinds import at_elements
 from supple.cases.shared_rules import PlaceOf, joint_names
-from supple.correction import Deflection, JointForce, JudgedQuantity
+from supple.error import Deflection, JointForce, JudgedQuantity
 from supple.fem import FiniteElementModel
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, table, tables, unknown
 from supple.results.judged_stress import JudgedStress

@@ -13,7 +13,7 @@ import numpy as np
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import Progress, silent
-from supple.correction import correct_at_rest
+from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.machine import Controller, Spin, System
 from supple.results import TrackedMotion, summarize, tracked_places

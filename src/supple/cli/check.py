@@ -14,7 +14,7 @@ from supple.cases import Case, read_case
 from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
-from supple.intrinsic import IntrinsicBody
+from supple.methods.intrinsic import IntrinsicBody
 from supple.terminal import console, words
 from supple.units import UNNAMED, UnitSystem, measured
 

@@ -9,7 +9,7 @@ import typer
 
 from supple import cases
 from supple.cases.remains import kept_so_far
-from supple.correction import SelfCorrectionError, correction_numbers
+from supple.error import SelfCorrectionError, correction_numbers
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines
 from supple.results.run_tables import (

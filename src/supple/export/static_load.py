@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from supple.body import FlexibleBody
+from supple.equations.nodal_load import nodal_forces, prepared
 from supple.errors import ModelError
 from supple.machine import BaseAcceleration, ForceElement, NodalLoad
-from supple.multibody.equations.nodal_load import nodal_forces, prepared
 
 __all__ = ["static_load"]
 

@@ -6,4 +6,4 @@ __all__ = ["ExplicitRule"]
 
 
 class ExplicitRule:
-    """Base of `supple.explicit.Explicit`, the step rule of modal parts and of nonlinear finite elements."""
+    """Base of `supple.methods.explicit.Explicit`, the rule of modal parts and nonlinear finite elements."""

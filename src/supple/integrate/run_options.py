@@ -48,7 +48,7 @@ class Run:
         intrinsic bodies one chosen from the periods of their modes, of explicit parts what is stable
     method : GeneralizedAlpha (rho_inf = 0.8) | Newmark | HilberHughesTaylor; of machines of intrinsic bodies
         alone also RungeKutta4 | ResidualRungeKutta4; Kinematic where the joints leave nothing free; of
-        explicit parts supple.explicit.Explicit, also where it is left out
+        explicit parts supple.methods.explicit.Explicit, also where it is left out
     tolerances : Tolerances
     validity : Validity     warn of a motion beyond what the kinematics allow, or stop at it
     start : float           time of the initial state

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from supple.equations.control_linearization import LinearControl
 from supple.machine import Placed, Spin, System
-from supple.multibody.equations.control_linearization import LinearControl
 
 if TYPE_CHECKING:
     from supple.linearization.sparse_machine import SparseMachine

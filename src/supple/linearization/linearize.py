@@ -13,28 +13,28 @@ from scipy.spatial.transform import Rotation
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
-from supple.errors import ModelError
-from supple.intrinsic.line_statics import LineStatics, line_statics
-from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
-from supple.linearization.sparse_machine import SparseMachine
-from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
-from supple.machine.forces import JointFriction
-from supple.multibody import StaticSearch
-from supple.multibody.compiled.compiled_machine import CompiledMachine
-from supple.multibody.compiled.iterate import position_scale
-from supple.multibody.compiled.statics import CompiledStatics, balanced
-from supple.multibody.equations.build_model import build_model
-from supple.multibody.equations.consistent_start import placed_configuration
-from supple.multibody.equations.control_linearization import LinearControl, control_at_rest, unrest
-from supple.multibody.equations.joint_force import constraint_rows
-from supple.multibody.equations.static_search import StaticState
-from supple.multibody.equations.steady_motion import (
+from supple.equations import StaticSearch
+from supple.equations.build_model import build_model
+from supple.equations.consistent_start import placed_configuration
+from supple.equations.control_linearization import LinearControl, control_at_rest, unrest
+from supple.equations.coordinate_scales import position_scale
+from supple.equations.joint_force import constraint_rows
+from supple.equations.static_search import StaticState
+from supple.equations.steady_motion import (
     LinearEquations,
     steady_motion,
     work_of_turning,
 )
-from supple.multibody.full.full_system import FullSystem
-from supple.multibody.full.statics import FullStatics, carried_state
+from supple.errors import ModelError
+from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
+from supple.linearization.sparse_machine import SparseMachine
+from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
+from supple.machine.forces import JointFriction
+from supple.methods.floating.compiled.compiled_machine import CompiledMachine
+from supple.methods.floating.compiled.statics import CompiledStatics, balanced
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.floating.full.statics import FullStatics, carried_state
+from supple.methods.intrinsic.line_statics import LineStatics, line_statics
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest, resting_state

@@ -15,7 +15,7 @@ from supple.algebra.bordered_factor import BorderedFactor, bordered_factor
 from supple.errors import AccuracyError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.machine import Spin, System
-from supple.multibody.full.linear_equations import SparseEquations
+from supple.methods.floating.full.linear_equations import SparseEquations
 
 __all__ = ["SparseMachine"]
 

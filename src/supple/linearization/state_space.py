@@ -11,11 +11,11 @@ import numpy as np
 import scipy.io
 
 from supple.arguments import check_sequence
+from supple.equations.control_linearization import LinearControl
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.ports import Port
 from supple.linearization.sparse_machine import SparseMachine
-from supple.multibody.equations.control_linearization import LinearControl
 
 __all__ = ["Acceleration", "StateSpace", "Velocity", "state_space"]
 

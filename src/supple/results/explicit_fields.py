@@ -9,10 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from supple.explicit import ExplicitShell, ExplicitSubdomain, FourPointMotion, ModalSubdomain, NodalMotion
-from supple.explicit.elements import SolidPoints
-from supple.explicit.explicit_shell import ShellElements
-from supple.explicit.modal_stress import modal_von_mises, stress_of_modes
+from supple.methods.explicit import (
+    ExplicitShell,
+    ExplicitSubdomain,
+    FourPointMotion,
+    ModalSubdomain,
+    NodalMotion,
+)
+from supple.methods.explicit.elements import SolidPoints
+from supple.methods.explicit.explicit_shell import ShellElements
+from supple.methods.explicit.modal_stress import modal_von_mises, stress_of_modes
 
 __all__ = ["PartStress", "element_means", "largest_part_stress", "nodal_von_mises"]
 

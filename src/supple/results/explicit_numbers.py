@@ -8,8 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit import ENERGIES, STEPS, Energies, ExplicitShell, ExplicitSubdomain, ModalSubdomain
 from supple.integrate import Solution
+from supple.methods.explicit import (
+    ENERGIES,
+    STEPS,
+    Energies,
+    ExplicitShell,
+    ExplicitSubdomain,
+    ModalSubdomain,
+)
 
 __all__ = ["energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from supple.equations.start_change import velocities_taken
 from supple.integrate import Solution
 from supple.machine import System
-from supple.multibody.equations.start_change import velocities_taken
 
 __all__ = ["first_swing", "start_lines", "start_numbers"]
 

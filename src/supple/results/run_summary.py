@@ -12,8 +12,8 @@ from supple.arguments import checked_arguments
 from supple.body import FullBody, RigidBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
-from supple.intrinsic import IntrinsicBody
 from supple.machine import System
+from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import Locking, ReducedBody, body_modes, clamped_modes
 from supple.results.explicit_fields import largest_part_stress
 from supple.results.explicit_numbers import march_numbers, part_numbers

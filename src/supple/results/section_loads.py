@@ -15,7 +15,7 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel, QuadraticStrain
 from supple.fem.quadratic_strain import internal_forces
 from supple.integrate.motion import FloatingMotion
-from supple.intrinsic import IntrinsicBody, IntrinsicMotion
+from supple.methods.intrinsic import IntrinsicBody, IntrinsicMotion
 from supple.reduction import ReducedBody
 
 __all__ = ["CuttingPlane", "line_section_loads", "section_loads"]

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.equations.build_model import initial_points
 from supple.integrate import Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement, JointFriction
 from supple.machine.pose import Pose, Wrench
-from supple.multibody.equations.build_model import initial_points
 from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.reading import Channel, Quantity
 

@@ -7,11 +7,11 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+from supple.equations.build_model import initial_points
 from supple.integrate import Solution
 from supple.machine import GROUND, At, Joint, System
 from supple.machine.forces import ForceElement
 from supple.machine.pose import Pose
-from supple.multibody.equations.build_model import initial_points
 
 __all__ = ["body_named", "both_ends", "check_ends", "end_poses"]
 

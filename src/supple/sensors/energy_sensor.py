@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.equations import balances
 from supple.integrate import Solution
 from supple.machine import System
-from supple.multibody import balances
 from supple.sensors.reading import Channel, Quantity
 
 __all__ = ["EnergySensor"]

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.equations.build_model import initial_points
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement
-from supple.multibody.equations.build_model import initial_points
 from supple.sensors.end_motion import both_ends, check_ends
 from supple.sensors.joint_motion_sensor import joint_named
 from supple.sensors.reading import Channel, Quantity

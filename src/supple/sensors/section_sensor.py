@@ -13,8 +13,8 @@ from supple.body import FullBody
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
-from supple.intrinsic import IntrinsicBody
 from supple.machine import System
+from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.results.section_loads import CuttingPlane, line_section_loads, section_loads
 from supple.sensors.force_sensors import six_channels

@@ -9,14 +9,14 @@ from scipy.spatial.transform import Rotation
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
+from supple.equations.build_model import build_model
+from supple.equations.consistent_start import placed_configuration
+from supple.equations.joint_closure import joints_assembled
+from supple.equations.start_change import Moved
+from supple.equations.starting_machine import StartingMachine
 from supple.machine import System
-from supple.multibody.compiled.compiled_machine import CompiledMachine
-from supple.multibody.equations.build_model import build_model
-from supple.multibody.equations.consistent_start import placed_configuration
-from supple.multibody.equations.joint_closure import joints_assembled
-from supple.multibody.equations.start_change import Moved
-from supple.multibody.equations.starting_machine import StartingMachine
-from supple.multibody.full.full_system import FullSystem
+from supple.methods.floating.compiled.compiled_machine import CompiledMachine
+from supple.methods.floating.full.full_system import FullSystem
 
 __all__ = ["AssembledMachine", "assemble"]
 

@@ -16,9 +16,14 @@ import numpy as np
 
 from supple.algebra.available_memory import require_memory
 from supple.algebra.jax_settings import before_compiled_code
-from supple.algebra.worker_processes import on_all_cores
 from supple.arguments import check_instance, checked_arguments
 from supple.body.full_body import FullBody
+from supple.equations.checks.output_rate import report_output_rate
+from supple.equations.checks.step_length import report_step_length
+from supple.equations.checks.validity import Peaks, watch
+from supple.equations.floating_solution import failure_message
+from supple.equations.model import Model
+from supple.equations.stops import Stops, filled_up, laws_of, stepping_instants
 from supple.errors import ModelError
 from supple.integrate import (
     Progress,
@@ -27,19 +32,14 @@ from supple.integrate import (
     Statistics,
     damps_joint_forces,
 )
-from supple.intrinsic import IntrinsicBody
 from supple.machine.control import SampledController
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
-from supple.multibody.checks.output_rate import report_output_rate
-from supple.multibody.checks.step_length import report_step_length
-from supple.multibody.checks.validity import Peaks, watch
-from supple.multibody.compiled.batch_start import Axes, BatchStart, batch_start, differing
-from supple.multibody.compiled.engine import controls, tangents_made
-from supple.multibody.compiled.state import State
-from supple.multibody.equations.floating_solution import failure_message
-from supple.multibody.equations.model import Model
-from supple.multibody.equations.stops import Stops, filled_up, laws_of, stepping_instants
+from supple.methods.floating.compiled.batch_start import Axes, BatchStart, batch_start, differing
+from supple.methods.floating.compiled.engine import controls, tangents_made
+from supple.methods.floating.compiled.state import State
+from supple.methods.intrinsic import IntrinsicBody
+from supple.programs.worker_processes import on_all_cores
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.results_of_cases import MarchedCase, solutions_of

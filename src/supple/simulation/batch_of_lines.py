@@ -18,14 +18,14 @@ import numpy as np
 from supple.algebra.available_memory import require_memory
 from supple.errors import ModelError
 from supple.integrate import Progress, Run, Solution
-from supple.intrinsic import IntrinsicEngine
-from supple.intrinsic.line_march import MarchState
-from supple.intrinsic.line_system import LineSystem
-from supple.intrinsic.march_of_cases import march_of_cases
-from supple.intrinsic.report_truncation import report_truncation_of_cases
-from supple.intrinsic.supported_root import is_joined
 from supple.machine import System
-from supple.multibody.compiled.batch_start import differing, stacked
+from supple.methods.floating.compiled.batch_start import differing, stacked
+from supple.methods.intrinsic import IntrinsicEngine
+from supple.methods.intrinsic.line_march import MarchState
+from supple.methods.intrinsic.line_system import LineSystem
+from supple.methods.intrinsic.march_of_cases import march_of_cases
+from supple.methods.intrinsic.report_truncation import report_truncation_of_cases
+from supple.methods.intrinsic.supported_root import is_joined
 from supple.simulation.batch_in_turn import batch_in_turn
 from supple.simulation.batch_solution import BatchSolution
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from supple.body import FullBody, RigidBody
-from supple.explicit import Explicit, ExplicitShell, ExplicitSubdomain, ModalSubdomain
-from supple.explicit.method import explicit_method
 from supple.integrate import Run
-from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, System
+from supple.methods.explicit import Explicit, ExplicitShell, ExplicitSubdomain, ModalSubdomain
+from supple.methods.explicit.method import explicit_method
+from supple.methods.intrinsic import IntrinsicBody
 from supple.simulation.engines import is_explicit
 from supple.storage.run_inputs import Inputs
 from supple.storage.value_bytes import bytes_of, digest_of_parts

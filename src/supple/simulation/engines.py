@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 from supple.errors import ModelError
-from supple.explicit import ExplicitEngine
 from supple.integrate import Engine, ExplicitRule, Kinematic, Run
-from supple.intrinsic import intrinsic_engine
 from supple.machine import System
-from supple.multibody import CompiledEngine, FullEngine, KinematicEngine
+from supple.methods.explicit import ExplicitEngine
+from supple.methods.floating import CompiledEngine, FullEngine, KinematicEngine
+from supple.methods.intrinsic import intrinsic_engine
 
 __all__ = ["register_engine"]
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
+from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.consistent_start import placed_velocity
+from supple.equations.floating_solution import floating_solution
+from supple.equations.static_search import StaticSearch
 from supple.errors import BasisWarning
 from supple.integrate import Solution, Statistics
-from supple.intrinsic.line_statics import LineStatics
 from supple.machine import Spin, System
-from supple.multibody.equations.configuration import Configuration, SystemMotion
-from supple.multibody.equations.consistent_start import placed_velocity
-from supple.multibody.equations.floating_solution import floating_solution
-from supple.multibody.equations.static_search import StaticSearch
+from supple.methods.intrinsic.line_statics import LineStatics
 from supple.simulation.full_rest import RestError, full_rest, known_fulls, rest_errors
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (

@@ -19,18 +19,18 @@ import numpy as np
 
 from supple.algebra import read_only
 from supple.body import FullBody, MeanAxisFrame, frame_projector
-from supple.errors import AccuracyError, ConvergenceError
-from supple.intrinsic.line_statics import LineStatics
-from supple.machine import System
-from supple.multibody.equations.model import Model
-from supple.multibody.equations.static_search import (
+from supple.equations.model import Model
+from supple.equations.static_search import (
     StaticSearch,
     StaticState,
     moved_state,
     search_equilibrium,
 )
-from supple.multibody.full.full_system import FullSystem
-from supple.multibody.full.statics import FullStatics
+from supple.errors import AccuracyError, ConvergenceError
+from supple.machine import System
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.floating.full.statics import FullStatics
+from supple.methods.intrinsic.line_statics import LineStatics
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 from supple.simulation.resting_state import RestingState, placed_at_rest

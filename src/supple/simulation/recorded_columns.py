@@ -10,9 +10,9 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.errors import ResultFileError
-from supple.explicit import ModalSubdomain
-from supple.intrinsic import IntrinsicBody
 from supple.machine import Placed, System
+from supple.methods.explicit import ModalSubdomain
+from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import ReducedBody
 from supple.storage.column_measures import KEY, measures, probe, same_measures
 from supple.storage.result_content import Metadata, ResultHeader

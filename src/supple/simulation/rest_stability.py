@@ -7,7 +7,7 @@ import scipy.linalg
 
 from supple.algebra.bordered_factor import bordered_factor
 from supple.body import FullBody
-from supple.intrinsic.line_statics import LineStatics
+from supple.methods.intrinsic.line_statics import LineStatics
 from supple.simulation.resting_state import RestingState
 
 __all__ = ["is_stable"]

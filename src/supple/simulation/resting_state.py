@@ -9,26 +9,26 @@ from typing import NamedTuple
 import numpy as np
 
 from supple.body import FullBody
-from supple.errors import ModelError
-from supple.intrinsic import IntrinsicBody
-from supple.intrinsic.line_statics import line_statics
-from supple.machine import Placed, Spin, System
-from supple.machine.control import Controller, SampledController
-from supple.multibody import CompiledStatics, FullStatics
-from supple.multibody.compiled.compiled_machine import CompiledMachine
-from supple.multibody.equations.build_model import build_model
-from supple.multibody.equations.configuration import Configuration
-from supple.multibody.equations.consistent_start import consistent_start
-from supple.multibody.equations.control_force import first_states, states_by_controller
-from supple.multibody.equations.model import Model
-from supple.multibody.equations.static_search import (
+from supple.equations.build_model import build_model
+from supple.equations.configuration import Configuration
+from supple.equations.consistent_start import consistent_start
+from supple.equations.control_force import first_states, states_by_controller
+from supple.equations.model import Model
+from supple.equations.static_search import (
     StaticMachine,
     StaticSearch,
     StaticState,
     search_equilibrium,
 )
-from supple.multibody.equations.steady_motion import Turning
-from supple.multibody.full.full_system import FullSystem
+from supple.equations.steady_motion import Turning
+from supple.errors import ModelError
+from supple.machine import Placed, Spin, System
+from supple.machine.control import Controller, SampledController
+from supple.methods.floating import CompiledStatics, FullStatics
+from supple.methods.floating.compiled.compiled_machine import CompiledMachine
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.intrinsic import IntrinsicBody
+from supple.methods.intrinsic.line_statics import line_statics
 
 __all__ = ["RestingState", "at_rest", "check_time", "placed_at_rest", "resting_state"]
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import jax
 import numpy as np
 
+from supple.equations.floating_solution import floating_solution
+from supple.equations.model import Model
 from supple.integrate import Solution, Statistics
 from supple.machine import System
-from supple.multibody.compiled.engine import engine_state, system_motion
-from supple.multibody.compiled.state import State
-from supple.multibody.equations.floating_solution import floating_solution
-from supple.multibody.equations.model import Model
+from supple.methods.floating.compiled.engine import engine_state, system_motion
+from supple.methods.floating.compiled.state import State
 
 __all__ = ["MarchedCase", "solutions_of"]
 

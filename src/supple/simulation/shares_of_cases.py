@@ -23,13 +23,13 @@ from typing import Any
 import jax
 import numpy as np
 
-from supple.algebra.kept_programs import KeptProgram
-from supple.algebra.worker_processes import Task
-from supple.multibody.compiled.batch_start import Axes, BatchStart, stacked
-from supple.multibody.compiled.programs import COMPILED_MARCH
-from supple.multibody.compiled.state import Controls, State
-from supple.multibody.equations.compiler_options import MARCHING
-from supple.multibody.equations.model import Model
+from supple.equations.compiler_options import MARCHING
+from supple.equations.model import Model
+from supple.methods.floating.compiled.batch_start import Axes, BatchStart, stacked
+from supple.methods.floating.compiled.programs import COMPILED_MARCH
+from supple.methods.floating.compiled.state import Controls, State
+from supple.programs.kept_programs import KeptProgram
+from supple.programs.worker_processes import Task
 
 __all__ = ["SharesOfCases", "shares_of"]
 

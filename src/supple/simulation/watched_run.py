@@ -6,18 +6,18 @@ import warnings
 from typing import Any
 
 from supple.algebra.jax_settings import before_compiled_code
+from supple.equations.checks.output_rate import report_output_rate
+from supple.equations.checks.rate_jumps import warn_of_rate_jumps
+from supple.equations.checks.redundant_joints import check_redundant_joints
+from supple.equations.checks.step_length import report_step_length
+from supple.equations.checks.step_resolution import warn_of_missed_loads
+from supple.equations.checks.validity import watch
 from supple.errors import ModelError, StepCutWarning
-from supple.explicit.yielding import yield_watch
 from supple.integrate import FixedStep, Progress, Recorder, Run, Solution, Statistics, StepControl
 from supple.integrate import run as march_through
-from supple.intrinsic.report_truncation import report_truncation
 from supple.machine import System
-from supple.multibody.checks.output_rate import report_output_rate
-from supple.multibody.checks.rate_jumps import warn_of_rate_jumps
-from supple.multibody.checks.redundant_joints import check_redundant_joints
-from supple.multibody.checks.step_length import report_step_length
-from supple.multibody.checks.step_resolution import warn_of_missed_loads
-from supple.multibody.checks.validity import watch
+from supple.methods.explicit.yielding import yield_watch
+from supple.methods.intrinsic.report_truncation import report_truncation
 from supple.simulation.engines import engine_for, is_explicit
 
 __all__ = ["check_laws_cover", "report_resolution", "warn_of_unseen_laws", "watched_run"]

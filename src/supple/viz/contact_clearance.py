@@ -12,10 +12,10 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit.march.touching_surface import projected, touching_surface
 from supple.machine import System
 from supple.machine.obstacles import Obstacle
 from supple.mesh.outer_faces import outer_triangles
+from supple.methods.explicit.march.touching_surface import projected, touching_surface
 
 __all__ = ["clear_of_contact"]
 

@@ -11,7 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.explicit import (
+from supple.integrate import Solution
+from supple.machine import System
+from supple.methods.explicit import (
     ENERGIES,
     OBSTACLES,
     Energies,
@@ -19,9 +21,7 @@ from supple.explicit import (
     ExplicitSubdomain,
     ModalSubdomain,
 )
-from supple.explicit.modal_stress import isotropic_materials
-from supple.integrate import Solution
-from supple.machine import System
+from supple.methods.explicit.modal_stress import isotropic_materials
 from supple.results import without_noise
 from supple.results.explicit_fields import element_means, nodal_von_mises
 from supple.units import UNNAMED, UnitSystem, labelled

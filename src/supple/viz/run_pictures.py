@@ -12,9 +12,9 @@ from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
-from supple.intrinsic import IntrinsicBody
 from supple.machine import At, System
 from supple.mesh import Mesh
+from supple.methods.intrinsic import IntrinsicBody
 from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results import (
     TrackedMotion,

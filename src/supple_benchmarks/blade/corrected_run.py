@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from supple.body import FlexibleBody, FullBody, RayleighDamping
-from supple.correction import ReductionStart, Round, SelfCorrection, SelfCorrectionError, self_correct
+from supple.error import ReductionStart, Round, SelfCorrection, SelfCorrectionError, self_correct
 from supple.integrate import Run
 from supple.reduction import AmplitudeProduct, CompressedDerivatives, CraigBampton, StaticLoad
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES, FullRun

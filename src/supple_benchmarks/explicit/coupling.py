@@ -9,7 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.linalg import eigh
 
-from supple.explicit.coupling import (
+from supple.fem import Isotropic, lumped_mass, solid_model
+from supple.mesh import CellType, Mesh, block
+from supple.methods.explicit.coupling import (
     CoupledMotion,
     Coupling,
     ElementSide,
@@ -19,8 +21,6 @@ from supple.explicit.coupling import (
     PrakashHjelmstad,
     dual_march,
 )
-from supple.fem import Isotropic, lumped_mass, solid_model
-from supple.mesh import CellType, Mesh, block
 
 __all__ = ["dual_against_primal", "multi_time_steps"]
 

@@ -10,13 +10,6 @@ import jax
 import numpy as np
 
 from supple.body import AveragingInterface, flexible_body
-from supple.explicit import (
-    ExplicitEngine,
-    J2Plasticity,
-    LinearHardening,
-    explicit_subdomain,
-    modal_subdomain,
-)
 from supple.fem import FiniteElementModel, Isotropic, solid_model
 from supple.integrate import Run, run
 from supple.machine import (
@@ -28,6 +21,13 @@ from supple.machine import (
     Tie,
 )
 from supple.mesh import CellType, Mesh, block
+from supple.methods.explicit import (
+    ExplicitEngine,
+    J2Plasticity,
+    LinearHardening,
+    explicit_subdomain,
+    modal_subdomain,
+)
 from supple.reduction import Rubin
 
 __all__ = ["crash"]

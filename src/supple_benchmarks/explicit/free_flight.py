@@ -12,20 +12,20 @@ from jax import lax
 
 from supple.algebra.rotation import rotation_log
 from supple.body import flexible_body
-from supple.explicit import (
+from supple.fem import Isotropic, solid_model
+from supple.mesh import CellType, block
+from supple.methods.explicit import (
     ModalSubdomain,
     ProjectedDifference,
     PublishedScheme,
     modal_subdomain,
 )
-from supple.explicit.frame_invariants import angular_momentum, kinetic_energy, strain_energy
-from supple.explicit.frame_model import FrameModel, FrameState, Generalized, Steps
-from supple.explicit.frame_moments import arms, moments
-from supple.explicit.mass_fields import mass_fields
-from supple.explicit.rigid_links import link_residual
-from supple.explicit.step_limit import local_limit, true_limit
-from supple.fem import Isotropic, solid_model
-from supple.mesh import CellType, block
+from supple.methods.explicit.frame_invariants import angular_momentum, kinetic_energy, strain_energy
+from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, Steps
+from supple.methods.explicit.frame_moments import arms, moments
+from supple.methods.explicit.mass_fields import mass_fields
+from supple.methods.explicit.rigid_links import link_residual
+from supple.methods.explicit.step_limit import local_limit, true_limit
 from supple.reduction import NormalModes
 
 __all__ = ["free_flight", "step_limit"]

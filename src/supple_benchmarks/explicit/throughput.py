@@ -7,14 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from supple.explicit import (
-    BulkViscosity,
-    ExplicitEngine,
-    J2Plasticity,
-    LinearHardening,
-    StVenantKirchhoff,
-    explicit_subdomain,
-)
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Run, run
 from supple.machine import (
@@ -22,6 +14,14 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, block
+from supple.methods.explicit import (
+    BulkViscosity,
+    ExplicitEngine,
+    J2Plasticity,
+    LinearHardening,
+    StVenantKirchhoff,
+    explicit_subdomain,
+)
 
 __all__ = ["throughput"]
 

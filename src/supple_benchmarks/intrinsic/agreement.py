@@ -14,9 +14,9 @@ from scipy.optimize import brentq
 from supple.body import AveragingInterface, FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.errors import ConvergenceError
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.intrinsic import LoadPath, condense
 from supple.machine import DeadForce, Fixed, System, split_body
 from supple.mesh import AlongAxis, strip
+from supple.methods.intrinsic import LoadPath, condense
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation.equilibrium import equilibrium
 from supple_benchmarks.intrinsic.blade import blade_rows

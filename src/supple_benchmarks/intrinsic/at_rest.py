@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from supple.intrinsic import CLAMPED, intrinsic_body
 from supple.machine import DeadForce, Fixed, System
+from supple.methods.intrinsic import CLAMPED, intrinsic_body
 from supple.simulation import equilibrium
 from supple_benchmarks.intrinsic.beams import beam_line
 from supple_benchmarks.references.elastica import elastica

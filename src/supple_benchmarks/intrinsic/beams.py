@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.fem import BeamSection, Isotropic, lumped_mass, shell_model
-from supple.intrinsic import CondensedLine, condensed_line
 from supple.mesh import CellType, Mesh
+from supple.methods.intrinsic import CondensedLine, condensed_line
 
 __all__ = ["beam_line"]
 

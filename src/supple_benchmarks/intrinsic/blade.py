@@ -26,12 +26,12 @@ from supple.body import (
     RigidInterface,
     flexible_body,
 )
+from supple.equations import StaticSearch
 from supple.errors import ConvergenceError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, shell_model
-from supple.intrinsic import LoadPath, condense
 from supple.machine import DeadForce, Fixed, Placed, System, split_body
 from supple.mesh import AlongAxis
-from supple.multibody import StaticSearch
+from supple.methods.intrinsic import LoadPath, condense
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,

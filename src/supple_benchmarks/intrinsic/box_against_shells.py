@@ -16,8 +16,8 @@ from scipy.sparse.linalg import spsolve
 from supple.body import FlexibleBody, FullBody, NodalFixedFrame
 from supple.errors import SuppleError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, RungeKutta4
-from supple.intrinsic import IntrinsicBody, LoadPath, condense
 from supple.machine import Fixed, Placed, System
+from supple.methods.intrinsic import IntrinsicBody, LoadPath, condense
 from supple.results import node_positions
 from supple.simulation import simulate
 

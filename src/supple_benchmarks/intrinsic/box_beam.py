@@ -14,9 +14,9 @@ from scipy.sparse.linalg import eigsh
 from supple.body import AveragingInterface, FlexibleBody, RigidInterface, flexible_body
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, RungeKutta4
-from supple.intrinsic import IntrinsicBody, LoadPath, condense
 from supple.machine import Fixed, Placed, System
 from supple.mesh import box_beam as box_mesh
+from supple.methods.intrinsic import IntrinsicBody, LoadPath, condense
 from supple.simulation import simulate
 from supple_benchmarks.intrinsic.box_against_shells import box_against_shells, parabolic_velocity
 from supple_benchmarks.intrinsic.box_modes import box_modes, kinds_of

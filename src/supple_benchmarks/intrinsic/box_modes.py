@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.intrinsic import IntrinsicBody
+from supple.methods.intrinsic import IntrinsicBody
 
 __all__ = ["KINDS", "box_modes", "kinds_of"]
 

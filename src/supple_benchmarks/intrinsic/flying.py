@@ -13,9 +13,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.integrate import FixedStep, ResidualRungeKutta4, Run, RungeKutta4
-from supple.intrinsic import IntrinsicBody
-from supple.intrinsic.stable_step import largest_stable_step
 from supple.machine import DeadForce, Placed, System
+from supple.methods.intrinsic import IntrinsicBody
+from supple.methods.intrinsic.stable_step import largest_stable_step
 from supple.simulation import simulate
 from supple_benchmarks.intrinsic.u_beam import of_beam_elements, on_stations, solid_u
 from supple_benchmarks.intrinsic.u_spectrum import eigenvalue_differences, stiffness_pattern

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.intrinsic import CLAMPED, intrinsic_modes
+from supple.methods.intrinsic import CLAMPED, intrinsic_modes
 from supple_benchmarks.computer import describe_computer
 from supple_benchmarks.intrinsic.agreement import agreement_rows
 from supple_benchmarks.intrinsic.at_rest import bend_of_45_degrees, elastica_rows, order_of

@@ -10,11 +10,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.intrinsic import CLAMPED, intrinsic_modes
-from supple.intrinsic.dense_couplings import dense_couplings, dense_rates
-from supple.intrinsic.line_equations import line_rates
-from supple.intrinsic.line_model import line_model
-from supple.intrinsic.runge_kutta import runge_kutta_step
+from supple.methods.intrinsic import CLAMPED, intrinsic_modes
+from supple.methods.intrinsic.dense_couplings import dense_couplings, dense_rates
+from supple.methods.intrinsic.line_equations import line_rates
+from supple.methods.intrinsic.line_model import line_model
+from supple.methods.intrinsic.runge_kutta import runge_kutta_step
 from supple_benchmarks.intrinsic.beams import beam_line
 
 __all__ = ["speed_rows"]

@@ -11,7 +11,8 @@ import numpy as np
 
 from supple.body import AveragingInterface, FlexibleBody, flexible_body
 from supple.fem import Isotropic, solid_model
-from supple.intrinsic import (
+from supple.mesh import CellType, Mesh
+from supple.methods.intrinsic import (
     FREE,
     CondensedLine,
     IntrinsicBody,
@@ -20,7 +21,6 @@ from supple.intrinsic import (
     condense,
     intrinsic_body,
 )
-from supple.mesh import CellType, Mesh
 from supple_benchmarks.intrinsic.beams import beam_line
 
 __all__ = ["of_beam_elements", "on_stations", "solid_u"]

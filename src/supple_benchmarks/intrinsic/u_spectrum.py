@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from supple.body import FlexibleBody
-from supple.intrinsic import CondensedLine, IntrinsicBody
+from supple.methods.intrinsic import CondensedLine, IntrinsicBody
 
 __all__ = ["eigenvalue_differences", "stiffness_pattern"]
 

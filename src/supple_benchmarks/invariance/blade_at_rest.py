@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from supple.body import FullBody
+from supple.equations import StaticSearch
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
-from supple.multibody import StaticSearch
 from supple.simulation import equilibrium
 from supple_benchmarks.nrel5mw_blade import BODY, FRAMES, RATED, ROOT, Blade
 

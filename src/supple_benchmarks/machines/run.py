@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import FullBody
+from supple.equations import balances, joint_residuals
 from supple.fem import Isotropic
 from supple.integrate import Solution
 from supple.machine import System
-from supple.multibody import balances, joint_residuals
 from supple.reduction import ReducedBody
 from supple.results import von_mises_history
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import Frame, FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
-from supple.correction import Deflection, ErrorStudy, state_errors
+from supple.error import Deflection, ErrorStudy, state_errors
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import PARTS, FixedStep, Run, Solution
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.correction import (
+from supple.error import (
     CorrectedSystem,
     ErrorEstimator,
     ErrorStudy,
@@ -23,9 +23,9 @@ from supple.correction import (
     self_correct,
     system_corrections,
 )
-from supple.correction.integration_error import with_shorter_steps, with_tolerance
-from supple.correction.judged_quantity import quantity_distance
-from supple.correction.run_distance import largest_distance
+from supple.error.integration_error import with_shorter_steps, with_tolerance
+from supple.error.judged_quantity import quantity_distance
+from supple.error.run_distance import largest_distance
 from supple.errors import SuppleError, SuppleWarning
 from supple.integrate import PARTS, Run, Solution
 from supple.machine import System

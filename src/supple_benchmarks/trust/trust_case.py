@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from supple.correction import SelfCorrection
+from supple.error import SelfCorrection
 from supple.integrate import FixedStep, Run, StepControl
 from supple.machine import System
 from supple.reduction import (

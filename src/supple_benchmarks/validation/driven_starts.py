@@ -25,7 +25,6 @@ from supple.body import (
 )
 from supple.fem import Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Solution
-from supple.intrinsic import LoadPath, condense, released
 from supple.machine import (
     GROUND,
     At,
@@ -38,6 +37,7 @@ from supple.machine import (
     Revolute,
     System,
 )
+from supple.methods.intrinsic import LoadPath, condense, released
 from supple.reduction import CraigBampton, NoDerivatives, reduce
 from supple.simulation import simulate
 from supple_benchmarks.validation.beam_chain import line_mesh, rectangle

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
-from supple.correction import (
+from supple.error import (
     Deflection,
     ErrorStudy,
     JointForce,
@@ -23,7 +23,7 @@ from supple.correction import (
     self_correct,
     state_errors,
 )
-from supple.correction.judged_quantity import quantity_distance
+from supple.error.judged_quantity import quantity_distance
 from supple.errors import SuppleWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances

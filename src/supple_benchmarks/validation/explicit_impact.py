@@ -9,12 +9,6 @@ from numpy.typing import NDArray
 from scipy.special import ellipj, ellipk
 
 from supple.body import flexible_body
-from supple.explicit import (
-    ENERGIES,
-    STEPS,
-    ModalSubdomain,
-    explicit_subdomain,
-)
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Run, Solution
 from supple.machine import (
@@ -25,6 +19,12 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, block
+from supple.methods.explicit import (
+    ENERGIES,
+    STEPS,
+    ModalSubdomain,
+    explicit_subdomain,
+)
 from supple.simulation import simulate
 from supple_benchmarks.taylor_bar import taylor_bar_end
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase

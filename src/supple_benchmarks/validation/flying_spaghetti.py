@@ -17,9 +17,9 @@ from scipy.integrate import solve_ivp
 
 from supple.fem import BeamSection, Isotropic, lumped_mass, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
-from supple.intrinsic import FREE, IntrinsicBody, condensed_line, intrinsic_body
 from supple.machine import DeadForce, FollowerTorque, System
 from supple.mesh import CellType, Mesh
+from supple.methods.intrinsic import FREE, IntrinsicBody, condensed_line, intrinsic_body
 from supple.simulation import simulate
 from supple_benchmarks.planar_beam import BeamElements, PlanarBeam
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase

@@ -9,15 +9,6 @@ from numpy.typing import NDArray
 
 from supple.fem import BeamSection, Isotropic, lumped_mass, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run
-from supple.intrinsic import (
-    CLAMPED,
-    FREE,
-    IntrinsicBody,
-    RootSupport,
-    condensed_line,
-    intrinsic_body,
-)
-from supple.intrinsic.centre_drift import centre_drift
 from supple.linearization import linearize, machine_modes
 from supple.machine import (
     DeadForce,
@@ -31,6 +22,15 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, Mesh
+from supple.methods.intrinsic import (
+    CLAMPED,
+    FREE,
+    IntrinsicBody,
+    RootSupport,
+    condensed_line,
+    intrinsic_body,
+)
+from supple.methods.intrinsic.centre_drift import centre_drift
 from supple.simulation import equilibrium, simulate
 from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase

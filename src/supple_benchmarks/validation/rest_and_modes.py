@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from supple.body import FlexibleBody, FullBody, NodalFixedFrame, RigidInterface, flexible_body
-from supple.correction import ReductionStart, SelfCorrection, correct_at_rest
+from supple.error import ReductionStart, SelfCorrection, correct_at_rest
 from supple.errors import BasisWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import linearize, machine_modes

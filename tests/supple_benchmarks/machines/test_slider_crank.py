@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from supple.equations import balances, joint_residuals
 from supple.integrate import FixedStep, Run, Tolerances
-from supple.multibody import balances, joint_residuals
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
 from supple_benchmarks.machines.slider_crank import (

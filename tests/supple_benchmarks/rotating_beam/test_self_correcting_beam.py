@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame
-from supple.correction import ReductionStart, SelfCorrection, self_correct
+from supple.error import ReductionStart, SelfCorrection, self_correct
 from supple.fem import GREEN_LAGRANGE
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System

@@ -1,0 +1,144 @@
+"""Equations of motion of a system of floating bodies with joints: a sum of terms, and its exact tangent.
+
+    M(q) vdot + c(q, v) + f(q) + D(q) v + G(q)^T lambda = Q(t, q, v),        g(q, t) = 0
+
+assembled from the bodies' 6 + r equations each: force (global), moment about the frame origin (body
+components), deformation. Every term is a file of its own: `inertia`, `internal_force`, `joint_force`,
+`marker_force`, `control_force`, `nodal_load`. Source: [Wu2019] (26)-(28), (50).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+
+from supple.equations import (
+    control_force,
+    inertia,
+    internal_force,
+    joint_force,
+    marker_force,
+    nodal_load,
+)
+from supple.equations.configuration import (
+    AnyArray,
+    Configuration,
+    SystemMotion,
+    turns_by_increment,
+)
+from supple.equations.floating_inertia import InertiaTerms
+from supple.equations.internal_force import InternalMatrices
+from supple.equations.joint_force import LinearizedJoints, constraint_rows, linearized
+from supple.equations.model import Model
+from supple.equations.places import Block, assembled_matrix, assembled_vector
+from supple.integrate import StepFactors
+
+__all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangent", "tangent_blocks"]
+
+
+class Linearization(NamedTuple):
+    """What the tangent takes over from the evaluation of the equations at the same motion, by group."""
+
+    inertia: tuple[InertiaTerms, ...]
+    internal: tuple[InternalMatrices, ...]
+    joints: tuple[LinearizedJoints, ...]
+
+
+class Balance(NamedTuple):
+    """The terms in balance, each (n,), whose sum is the residual; and how far the joints are open."""
+
+    inertia: AnyArray
+    internal: AnyArray
+    applied: AnyArray
+    joint: AnyArray
+    constraint_residual: AnyArray
+    """Active constraint equations, (m,)"""
+    linearization: Linearization
+
+    @property
+    def residual(self) -> AnyArray:
+        """The unbalanced force, (n,)."""
+        return self.inertia + self.internal + self.applied + self.joint
+
+
+def balance(model: Model, motion: SystemMotion) -> Balance:
+    """All terms of the equations of motion, the joints' equations, and what their tangent needs."""
+    n = model.n_velocities
+    inertial, elastic, inertia_terms, matrices = [], [], [], []
+    for group in model.groups:
+        states = inertia.floating_states(model, group, motion)
+        own, terms = inertia.force(group, group.of(motion.configuration.rotations), states)
+        inertial.append((group.velocities, own))
+        inertia_terms.append(terms)
+        own, own_matrices = internal_force.force(group, states)
+        elastic.append((group.velocities, own))
+        matrices.append(own_matrices)
+    applied = [(load.velocities, -nodal_load.force(load, motion)) for load in model.nodal_loads]
+    for forces in model.forces:
+        applied += [(places, -own) for places, own in marker_force.force(model, forces, motion)]
+    applied += [(places, -own) for places, own in control_force.force(model, motion)]
+    joints = linearized(model, motion.time, motion.configuration)
+    return Balance(
+        inertia=assembled_vector(n, inertial),
+        internal=assembled_vector(n, elastic),
+        applied=assembled_vector(n, applied),
+        joint=assembled_vector(n, joint_force.force(model, joints, motion.multipliers)),
+        constraint_residual=joint_force.residuals(model, joints),
+        linearization=Linearization(tuple(inertia_terms), tuple(matrices), joints),
+    )
+
+
+def constraint_jacobian(model: Model, time: Any, configuration: Configuration) -> jax.Array:
+    """Derivative `G` of the active equations for the velocities, (m, n)."""
+    return constraint_rows(model, linearized(model, time, configuration))
+
+
+def tangent(
+    model: Model,
+    motion: SystemMotion,
+    linearization: Linearization,
+    increments: jax.Array,
+    factors: StepFactors,
+) -> jax.Array:
+    """Derivative of the residual for the new accelerations, (n, n).
+
+    Velocities and increments of the configuration follow the accelerations with the `factors` of the step;
+    the linearisation is that of `balance` at the same motion.
+    """
+    blocks = tangent_blocks(model, motion, linearization, increments, factors)
+    return assembled_matrix((model.n_velocities, model.n_velocities), blocks)
+
+
+def tangent_blocks(
+    model: Model,
+    motion: SystemMotion,
+    linearization: Linearization,
+    increments: jax.Array,
+    factors: StepFactors,
+) -> list[Block]:
+    """The contributions to `tangent`."""
+    turns = turns_by_increment(model, increments)
+    blocks = []
+    for group, terms, matrices in zip(
+        model.groups, linearization.inertia, linearization.internal, strict=True
+    ):
+        own = inertia.tangent(
+            group,
+            group.of(motion.configuration.rotations),
+            inertia.floating_states(model, group, motion),
+            terms,
+            internal_force.tangent(matrices, factors),
+            group.of(turns),
+            factors,
+        )
+        blocks.append(Block(group.velocities, group.velocities, own))
+    for load in model.nodal_loads:
+        own = -factors.by_position * nodal_load.tangent(load, motion, turns[load.body])
+        blocks.append(Block(load.velocities, load.velocities, own))
+    minus = StepFactors(-factors.by_position, -factors.by_velocity)
+    for forces in model.forces:
+        blocks += marker_force.tangent(model, forces, motion, turns, minus)
+    blocks += control_force.tangent(model, motion, turns, minus)
+    blocks += joint_force.tangent(model, motion, linearization.joints, turns, factors.by_position)
+    return blocks

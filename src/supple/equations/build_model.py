@@ -1,0 +1,407 @@
+"""From a system to the arrays that the equations of motion read, equal bodies and joints in groups."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.cross import cross_matrix
+from supple.body import BodyForm, FullBody, RigidBody
+from supple.equations.floating_inertia import inertia_arrays
+from supple.equations.model import (
+    Actuator,
+    BodyGroup,
+    ControlLaw,
+    Ends,
+    ForceGroup,
+    JointGroup,
+    Model,
+    NodalLoadArrays,
+    Reader,
+)
+from supple.equations.nodal_load import prepared
+from supple.equations.places import Places
+from supple.errors import ModelError
+from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
+from supple.machine.control import Controller, EndReading, JointReading, SampledController
+from supple.machine.forces import JointFriction
+from supple.reduction.condensed_inertia import condensed_gram
+
+__all__ = [
+    "build_model",
+    "end_at",
+    "initial_points",
+    "is_on_full_nodes",
+    "row_scales",
+    "seen_coordinates",
+    "system_length",
+]
+
+T = TypeVar("T")
+
+
+def build_model(
+    system: System, active: tuple[int, ...] | None = None, like: tuple[System, Model] | None = None
+) -> Model:
+    """The arrays of a system; `active` leaves out redundant constraint equations.
+
+    like : a system and its model, whose arrays serve where the bodies are its very own, and the joints
+
+    A full body takes part by the motions of its interfaces alone, six coordinates each: what joints and
+    forces see of it. Its inertia, elasticity and nodal loads are the sparse engine's.
+    Raises ModelError for a part of an explicit march.
+    """
+    system.check_has_frames()
+    sizes = tuple(_size(placed) for placed in system.bodies)
+    length = system_length(system)
+    places = _BodyPlaces.of(sizes)
+    n_equations = system.n_constraints
+    forces = [load for load in system.loads if isinstance(load, ForceElement)]
+    nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
+    groups = joints = None
+    if like is not None and _are(system.bodies, like[0].bodies):
+        groups = like[1].groups
+        joints = like[1].joints if _are(system.joints, like[0].joints) else None
+    return Model(
+        groups=_body_groups(system, places, length) if groups is None else groups,
+        joints=_joint_groups(system, places) if joints is None else joints,
+        forces=_force_groups(system, forces, places),
+        nodal_loads=tuple(
+            _nodal_load(system, load, places) for load in nodal if not is_on_full_nodes(system, load)
+        ),
+        gravity=system.gravity,
+        base_accelerations=tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
+        length=length,
+        mass=sum(placed.body.mass for placed in system.bodies),
+        sizes=sizes,
+        n_equations=n_equations,
+        active=tuple(range(n_equations)) if active is None else active,
+        controllers=tuple(_control_law(system, controller, places) for controller in system.controllers),
+    )
+
+
+def _are(own: Sequence[Any], others: Sequence[Any]) -> bool:
+    return len(own) == len(others) and all(one is other for one, other in zip(own, others, strict=True))
+
+
+def is_on_full_nodes(system: System, load: NodalLoad) -> bool:
+    """True for loads on the nodes of a full body, which only the sparse engine can apply."""
+    body = system.bodies[system.body_index(load.body)].body
+    return isinstance(body, FullBody) and load.nodes.size > 0
+
+
+def _size(placed: Placed) -> int:
+    body = placed.body
+    return 6 * len(body.interfaces) if isinstance(body, FullBody) else body.n_coordinates
+
+
+def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
+    """Coordinates (t, r) of a body as the model has them: of a full body the motions of its interfaces."""
+    return coordinates @ body.interface_motions.T if isinstance(body, FullBody) else coordinates
+
+
+@dataclass(frozen=True)
+class _BodyPlaces:
+    """Where the velocities and coordinates of each body stand."""
+
+    sizes: tuple[int, ...]
+    velocities: tuple[int, ...]
+    coordinates: tuple[int, ...]
+
+    @classmethod
+    def of(cls, sizes: tuple[int, ...]) -> _BodyPlaces:
+        """Of bodies with so many coordinates, one after the other."""
+        ends = np.cumsum([0, *sizes])[:-1]
+        return cls(sizes, tuple(int(e) + 6 * i for i, e in enumerate(ends)), tuple(int(e) for e in ends))
+
+    def pair(self, bodies: Sequence[int]) -> tuple[Places, Places]:
+        """Places of the velocities and of the coordinates of bodies of one size."""
+        r = self.sizes[bodies[0]]
+        return (
+            Places(tuple(self.velocities[index] for index in bodies), 6 + r),
+            Places(tuple(self.coordinates[index] for index in bodies), r),
+        )
+
+
+def _grouped(items: Sequence[T], key: Callable[[T], Hashable]) -> list[list[T]]:
+    """Items of equal keys together, in the order of their first ones."""
+    groups: dict[Hashable, list[T]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return list(groups.values())
+
+
+def _stacked(trees: Sequence[Any]) -> Any:
+    """Pytrees of one structure as one, with a leading axis on every leaf."""
+    return jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *trees)
+
+
+def _shared(trees: Sequence[Any]) -> Any:
+    """As `_stacked`; trees of one and the same arrays once, with a leading axis of one."""
+    first = jax.tree.leaves(trees[0])
+    same = all(a is b for tree in trees for a, b in zip(jax.tree.leaves(tree), first, strict=True))
+    return _stacked(trees[:1] if same else trees)
+
+
+def _stacked_laws(laws: Sequence[Any]) -> Any:
+    """As JAX arrays, which laws take for a group's and do not check again; None without laws."""
+    if laws[0] is None:
+        return None
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.stack([np.asarray(leaf) for leaf in leaves])), *laws)
+
+
+def _structure(tree: Any) -> Hashable:
+    """What two pytrees must share to be stacked."""
+    leaves, structure = jax.tree.flatten(tree)
+    return structure, tuple((np.shape(leaf), np.result_type(leaf)) for leaf in leaves)
+
+
+def rigid_gram(body: RigidBody) -> np.ndarray:
+    """Inertia Gram matrix of a rigid body about its frame origin, (6, 6)."""
+    mass, cross = float(body.mass), cross_matrix(np.asarray(body.centre))
+    inertia = np.asarray(body.inertia) - mass * cross @ cross
+    return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
+
+
+_ELASTIC = ("stiffness", "damping")
+_TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
+
+
+def _arrays(body: Any, length: float) -> dict[str, Any]:
+    """Inertia and elasticity of a rigid or reduced body."""
+    scale = length * np.sqrt(body.mass)
+    if isinstance(body, RigidBody):
+        empty, gram = np.zeros((0, 0)), rigid_gram(body)
+        elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, empty)}
+    else:
+        gram = condensed_gram(body)
+        elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
+        elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
+    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
+
+
+def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:
+    found = [
+        (index, _arrays(placed.body, length))
+        for index, placed in enumerate(system.bodies)
+        if not isinstance(placed.body, FullBody)
+    ]
+    groups = []
+    for group in _grouped(found, lambda each: _structure(each[1])):
+        members = tuple(index for index, _ in group)
+        velocities, coordinates = places.pair(members)
+        arrays = {
+            name: (_shared if name in _TENSORS else _stacked)([own[name] for _, own in group])
+            for name in group[0][1]
+        }
+        groups.append(BodyGroup(members, velocities, coordinates, **arrays))
+    return tuple(groups)
+
+
+@dataclass(frozen=True)
+class _End:
+    """One end of a joint or force."""
+
+    body: int
+    motion: np.ndarray
+    cubic_turn: float
+    offset: np.ndarray
+    axes: np.ndarray
+
+    @property
+    def key(self) -> Hashable:
+        """Ends of one key are computed together."""
+        return self.body < 0, self.motion.shape
+
+
+def _ends(places: _BodyPlaces, ends: Sequence[_End]) -> Ends:
+    bodies = tuple(end.body for end in ends)
+    velocities, coordinates = (None, None) if bodies[0] < 0 else places.pair(bodies)
+    return Ends(
+        bodies,
+        velocities,
+        coordinates,
+        motion=np.stack([end.motion for end in ends]),
+        cubic_turn=np.array([end.cubic_turn for end in ends]),
+        offset=np.stack([end.offset for end in ends]),
+        axes=np.stack([end.axes for end in ends]),
+    )
+
+
+def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, np.ndarray]:
+    """Rest position (3,) of an interface, and its motion (6, r) per coordinate of its body here."""
+    body = placed.body
+    found = body.interface(interface)
+    if isinstance(body, FullBody):
+        index = [own.name for own in body.interfaces].index(interface)
+        return np.asarray(found.position), np.eye(6 * len(body.interfaces))[6 * index : 6 * index + 6]
+    return np.asarray(found.position), np.asarray(found.motion)
+
+
+def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) -> _End:
+    if end == GROUND:
+        return _End(body=-1, motion=np.zeros((6, 0)), cubic_turn=0.0, offset=ground_point, axes=axes)
+    index = system.body_index(end.body)
+    placed = system.bodies[index]
+    position, motion = interface_motion(placed, end.interface)
+    cubic_turn = placed.body.interface(end.interface).cubic_turn
+    return _End(index, motion, cubic_turn, offset=position, axes=placed.assembly.rotation.T @ axes)
+
+
+def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
+    """Global positions of both ends at the start; the ground's, unless given, is where the other one is."""
+    own = [None if end == GROUND else system.initial_point(end) for end in (element.first, element.second)]
+    given = element.ground_point if isinstance(element, ForceElement) else None
+    on_ground = given if given is not None else next(point for point in own if point is not None)
+    first, second = (on_ground if point is None else point for point in own)
+    return first, second
+
+
+def _both_ends(system: System, element: Joint | ForceElement) -> tuple[_End, _End]:
+    first, second = initial_points(system, element)
+    axes = element.initial_axes
+    return _end(system, element.first, axes, first), _end(system, element.second, axes, second)
+
+
+def end_at(system: System, end: At) -> Ends:
+    """One end, of global axes at assembly."""
+    places = _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies))
+    return _ends(places, [_end(system, end, np.eye(3), np.zeros(3))])
+
+
+def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]:
+    rows = system.constraint_slices
+    found = [(joint, rows[joint.name].start, *_both_ends(system, joint)) for joint in system.joints]
+
+    def kind(each: tuple[Joint, int, _End, _End]) -> Hashable:
+        joint, _, first, second = each
+        return type(joint), _structure(joint.law), first.key, second.key
+
+    groups = []
+    for group in _grouped(found, kind):
+        joint = group[0][0]
+        groups.append(
+            JointGroup(
+                constraint=type(joint).constraint,
+                rows=Places(tuple(row for _, row, _, _ in group), joint.n_constraints),
+                law=_stacked_laws([own.law for own, _, _, _ in group]),
+                first=_ends(places, [first for _, _, first, _ in group]),
+                second=_ends(places, [second for _, _, _, second in group]),
+            )
+        )
+    return tuple(groups)
+
+
+def _force_groups(
+    system: System, loads: Sequence[ForceElement], places: _BodyPlaces
+) -> tuple[ForceGroup, ...]:
+    for load in loads:
+        _check_apart(system, load)
+    assembled = [load.assembled(*initial_points(system, load)) for load in loads]
+    found = [(load, *_both_ends(system, load)) for load in assembled]
+
+    def kind(each: tuple[ForceElement, _End, _End]) -> Hashable:
+        load, first, second = each
+        return type(load), _structure(load.law), _structure(load.parameters), first.key, second.key
+
+    return tuple(
+        ForceGroup(
+            wrenches=type(group[0][0]).wrenches,
+            law=_stacked_laws([load.law for load, _, _ in group]),
+            parameters=_stacked([load.parameters for load, _, _ in group]),
+            first=_ends(places, [first for _, first, _ in group]),
+            second=_ends(places, [second for _, _, second in group]),
+            reaction=_reaction_rows(system, [load for load, _, _ in group]),
+        )
+        for group in _grouped(found, kind)
+    )
+
+
+def _reaction_rows(system: System, loads: Sequence[ForceElement]) -> Places | None:
+    """The first two equations of the joints in which there is friction: their force across the axis."""
+    if not isinstance(loads[0], JointFriction):
+        return None
+    rows = system.constraint_slices
+    frictions = [load for load in loads if isinstance(load, JointFriction)]
+    return Places(tuple(rows[load.joint.name].start for load in frictions), 2)
+
+
+def _control_law(
+    system: System, controller: Controller | SampledController, places: _BodyPlaces
+) -> ControlLaw:
+    joints = {joint.name: joint for joint in system.joints}
+
+    def reader(name: str, reading: JointReading | EndReading) -> Reader:
+        if isinstance(reading, JointReading):
+            ends = _both_ends(system, joints[reading.joint])
+        else:
+            own = _end(system, reading.at, np.eye(3), np.zeros(3))
+            ends = own, own
+        first, second = (_ends(places, [end]) for end in ends)
+        return Reader(name, isinstance(reading, JointReading), first, second)
+
+    def actuator(name: str, element: ForceElement) -> Actuator:
+        (group,) = _force_groups(system, [element], places)
+        return Actuator(name, element.value_shape, group)
+
+    sampled = isinstance(controller, SampledController)
+    return ControlLaw(
+        outputs=None if sampled else controller.outputs,
+        rates=None if sampled else controller.rates,
+        readers=tuple(reader(name, reading) for name, reading in controller.reads.items()),
+        actuators=tuple(actuator(name, element) for name, element in controller.drives.items()),
+        initial=np.zeros(0) if sampled else np.asarray(controller.initial),
+    )
+
+
+def _check_apart(system: System, load: ForceElement) -> None:
+    first, second = initial_points(system, load)
+    if load.acts_along_line and np.array_equal(first, second):
+        raise ModelError(
+            f"{load.label}: both ends start at {first.tolist()}, so it has no direction: move one of them"
+        )
+
+
+def _nodal_load(system: System, load: NodalLoad, places: _BodyPlaces) -> NodalLoadArrays:
+    index = system.body_index(load.body)
+    placed = system.bodies[index]
+    if load.nodes.size:
+        body: Any = placed.body  # reduced, or the load would be the sparse engine's
+        positions, basis = body.nodes[load.nodes], body.displacement_basis[load.nodes]
+    else:
+        position, motion = interface_motion(placed, str(getattr(load, "at", "")))
+        positions, basis = position[None], motion[None, :3]
+    velocities, coordinates = places.pair([index])
+    return NodalLoadArrays(index, velocities, coordinates, prepared(load), positions, basis)
+
+
+def row_scales(system: System) -> np.ndarray:
+    """What counts as one of each constraint equation: the system's size for positions, 1 for angles, (m,)."""
+    length = system_length(system)
+    return np.array(
+        [length if row.startswith("position") else 1.0 for joint in system.joints for row in joint.rows]
+    )
+
+
+def system_length(system: System) -> float:
+    """Size of the system: the largest distance between interfaces, nodes and frame origins at the start."""
+    assemblies = [(placed.body.nodes, *placed.assembly) for placed in system.bodies]
+    points = [position[None] for _, position, _ in assemblies]
+    points += [position + nodes @ rotation.T for nodes, position, rotation in assemblies]
+    extent = np.ptp(np.concatenate(points), axis=0)
+    return float(np.linalg.norm(extent)) or _largest_gyration(system)
+
+
+def _largest_gyration(system: System) -> float:
+    """Of rigid bodies in one point: a length of theirs, so that nothing depends on the unit of length."""
+    inertias = [
+        (placed.body.inertia, placed.body.mass)
+        for placed in system.bodies
+        if isinstance(placed.body, RigidBody)
+    ]
+    return max((float(np.sqrt(np.trace(inertia) / mass)) for inertia, mass in inertias), default=1.0)

@@ -1,0 +1,165 @@
+"""Energies and momenta of a simulated system, at every output time."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.body import FullBody, RigidBody
+from supple.equations.build_model import build_model
+from supple.equations.configuration import AnyArray
+from supple.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
+from supple.equations.full_inertia import FullInertia
+from supple.equations.model import BodyGroup
+from supple.equations.polynomial_force import Quartic, polynomial_energy
+from supple.errors import ModelError
+from supple.integrate import FloatingMotion, Solution
+from supple.machine import Placed, System
+from supple.reduction import ReducedBody
+
+__all__ = ["Balances", "balances"]
+
+# Numbers of a full body's nodal field held at a time (8 MiB), for a long run of a large body would not fit.
+_FIELD_NUMBERS = 2**20
+
+
+class Balances(NamedTuple):
+    """What a free conservative system keeps, (t,) or (t, 3)."""
+
+    kinetic: AnyArray
+    strain: AnyArray
+    potential: AnyArray
+    """In the uniform gravity field, zero at the global origin."""
+    momentum: AnyArray
+    """Linear momentum, global."""
+    angular_momentum: AnyArray
+    """About the global origin, global."""
+
+    @property
+    def total(self) -> AnyArray:
+        """Kinetic, strain and potential energy together."""
+        return self.kinetic + self.strain + self.potential
+
+
+def balances(system: System, solution: Solution) -> Balances:
+    """Energies and momenta of the whole system at the output times: the sum over its bodies."""
+    system.check_has_frames()
+    every = [
+        body_balances(placed.body, solution.bodies[placed.body.name], system.gravity)
+        for placed in system.bodies
+    ]
+    return Balances(*(np.asarray(sum(items)) for items in zip(*every, strict=True)))
+
+
+@singledispatch
+def body_balances(body: Any, _motion: Any, _gravity: np.ndarray) -> Balances:
+    """Energies and momenta of one body; each method registers those of its form."""
+    raise ModelError(f"body '{body.name}' is {body.kind}, whose energies are not known")
+
+
+@body_balances.register(RigidBody | ReducedBody)
+def _(body: Any, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
+    """Of a rigid or reduced body: its Gram matrix and tensors."""
+    (group,) = build_model(System((Placed(body),))).groups
+    arrays = jax.tree.map(lambda leaf: leaf[0], _Arrays.of(group))
+    moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
+    return _of_reduced_body(arrays, jnp.asarray(gravity), moving)
+
+
+class _Arrays(NamedTuple):
+    """What a rigid or reduced body is made of."""
+
+    gram: jax.Array
+    stiffness: jax.Array
+    cubic: jax.Array | None
+    quartic: Quartic | None
+
+    @classmethod
+    def of(cls, group: BodyGroup) -> _Arrays:
+        """The arrays of a group of bodies."""
+        return cls(group.gram, group.stiffness, group.cubic, group.quartic)
+
+
+class _Motion(NamedTuple):
+    """The parts of a `FloatingMotion` that energies need, as a pytree."""
+
+    position: jax.Array
+    rotation: jax.Array
+    coordinates: jax.Array
+    velocity: jax.Array
+    angular_velocity: jax.Array
+    coordinate_rates: jax.Array
+
+
+@jax.jit
+def _of_reduced_body(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:
+    """Of a rigid or reduced body."""
+
+    def at_one_time(now: _Motion) -> Balances:
+        position, rotation, coordinates = now.position, now.rotation, now.coordinates
+        floating = FloatingState(
+            coordinates,
+            now.angular_velocity,
+            now.coordinate_rates,
+            jnp.zeros(3),
+            jnp.zeros(3),
+            jnp.zeros_like(coordinates),
+        )
+        local_velocity = rotation.T @ now.velocity
+        linear, angular = frame_momenta(body.gram, floating, local_velocity)
+        mass = body.gram[0, 0]
+        centre = _first_moment(body.gram, coordinates)
+        return Balances(
+            kinetic=kinetic_energy(body.gram, floating, local_velocity),
+            strain=polynomial_energy(body.stiffness, body.cubic, body.quartic, coordinates),
+            potential=-gravity @ (mass * position + rotation @ centre),
+            momentum=rotation @ linear,
+            angular_momentum=rotation @ angular + jnp.cross(position, rotation @ linear),
+        )
+
+    return jax.vmap(at_one_time)(motion)
+
+
+def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
+    """`sum m (x + u)` in body components, (3,): from `Phi_t^T M Phi_w(0) = -(m c)~`, and `Phi_t^T M V g`."""
+    block = gram[:3, 3:6]
+    rest = jnp.stack([block[1, 2], block[2, 0], block[0, 1]])
+    return rest + gram[:3, 6 + 3 * coordinates.shape[0] :] @ coordinates
+
+
+@body_balances.register
+def _(full: FullBody, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
+    """Of a full body: node by node, `T = V^T M V / 2`, and the strain energy of its elements."""
+    inertia = FullInertia(full.body)
+    size = max(1, _FIELD_NUMBERS // full.body.n_nodal)
+    parts = [
+        _at_instants(inertia, gravity, motion.at(slice(start, start + size)))
+        for start in range(0, len(motion.position), size)
+    ]
+    return Balances(*(np.concatenate(items) for items in zip(*parts, strict=True)))
+
+
+def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
+    """Of a full body, at instants whose coordinates (n, t) fit in memory together."""
+    rotation = motion.rotation
+    local = inertia.momenta(
+        motion.coordinates.T,
+        motion.coordinate_rates.T,
+        motion.angular_velocity.T,
+        np.einsum("tji,tj->it", rotation, motion.velocity),
+    )
+    centre, linear, angular = (
+        np.einsum("tij,jt->ti", rotation, vectors)
+        for vectors in (inertia.first_moment(motion.coordinates.T), local.linear, local.angular)
+    )
+    return Balances(
+        kinetic=local.kinetic,
+        strain=inertia.body.force.energies(motion.coordinates.T),
+        potential=-(inertia.mass * motion.position + centre) @ gravity,
+        momentum=linear,
+        angular_momentum=angular + np.cross(motion.position, linear),
+    )

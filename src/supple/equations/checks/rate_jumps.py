@@ -1,0 +1,104 @@
+"""Prescribed motions whose speed or acceleration jumps: a blow, or joint forces that jump."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.equations.checks.strictness import say
+from supple.errors import ResolutionWarning
+from supple.integrate import Run
+from supple.machine import System
+from supple.machine.laws import Constant, TimeLaw
+from supple.machine.laws.instants import KnownLaw, instants_of, shortest_scale_of
+from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, sampled
+
+__all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
+
+SPEED, ACCELERATION = 1e-6, 1e-3
+"""Of the largest speed, or acceleration, of the run: what jumps by less is rounding."""
+BESIDE = 1e-7
+"""Of the shortest scale of a law: how near to an instant its sides are looked at."""
+
+
+@dataclass(frozen=True)
+class RateJump:
+    """A jump of a prescribed motion at a time: of the motion itself, of its speed, of its acceleration."""
+
+    time: float
+    motion: float
+    speed: float
+    acceleration: float
+
+
+def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], float, float]:
+    """Jumps of a law of numbers () between two times, and its largest speed and acceleration there."""
+    times = np.linspace(begin, end, N_SAMPLES + 1)
+
+    def of_times(at: np.ndarray) -> np.ndarray:
+        return np.hstack(sampled(law, at, order=2))
+
+    samples = of_times(times)
+    _, fastest, hardest = np.abs(samples).max(axis=0)
+    if not np.isfinite(samples).all():
+        return [], fastest, hardest  # the run says where it fails
+    if isinstance(law, KnownLaw):
+        instants = instants_of(law, begin, end)
+        beside = BESIDE * min(shortest_scale_of(law, begin, end), end - begin)
+        sides = Jumps(np.maximum(instants - beside, begin), np.minimum(instants + beside, end))
+    else:
+        found = [jumps(lambda at, i=i: of_times(at)[:, [i]], times, samples[:, [i]]) for i in range(3)]
+        sides = Jumps(*(np.concatenate(each) for each in zip(*found, strict=True)))
+    if not sides.before.size:
+        return [], float(fastest), float(hardest)
+    steps = np.abs(of_times(sides.after) - of_times(sides.before))
+    steps[:, 0] -= (sides.after - sides.before) * fastest  # what a smooth motion covers between the two
+    size = np.ptp(samples[:, 0])
+    sized = [
+        RateJump(
+            float((before + after) / 2),
+            float(motion) if motion > SPEED * size else 0.0,
+            float(speed) if speed > SPEED * fastest else 0.0,
+            float(acceleration) if acceleration > ACCELERATION * hardest else 0.0,
+        )
+        for before, after, (motion, speed, acceleration) in zip(*sides, steps, strict=True)
+    ]
+    return [each for each in sized if each.motion or each.speed or each.acceleration], fastest, hardest
+
+
+def warn_of_rate_jumps(system: System, run: Run) -> set[str]:
+    """Warn ResolutionWarning of each joint whose prescribed motion jumps within the run; their names."""
+    begin, end = float(run.times[0]), float(run.times[-1])
+    named = set()
+    for joint in system.joints:
+        if joint.law is None or isinstance(joint.law, Constant):
+            continue
+        found, _, _ = rate_jumps(joint.law, begin, end)
+        if found:
+            named.add(joint.name)
+            say(_message(joint.name, found), ResolutionWarning, run.validity)
+    return named
+
+
+def _message(joint: str, found: Sequence[RateJump]) -> str:
+    for what, size, consequence in (
+        ("", "motion", "no machine can follow it; the joint opens or the step fails there"),
+        (
+            "speed of its ",
+            "speed",
+            "an infinite force for an instant, which the step size alone makes finite",
+        ),
+        ("acceleration of its ", "acceleration", "the forces of the joint jump, and oscillate after it"),
+    ):
+        own = [each for each in found if getattr(each, size)]
+        if own:
+            worst = max(own, key=lambda each: getattr(each, size))
+            more = f" (and at {len(own) - 1} other times)" if len(own) > 1 else ""
+            return (
+                f"joint '{joint}': the {what}prescribed motion jumps by {getattr(worst, size):.3g} at "
+                f"t = {worst.time:.6g}{more}: {consequence}. Let it rise smoothly (Ramp, SpinUp, or a Spline "
+                "through rows)"
+            )
+    raise AssertionError("a jump of nothing")

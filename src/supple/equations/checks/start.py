@@ -1,0 +1,75 @@
+"""Say what the joints changed of an initial state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from supple.equations.checks.strictness import say
+from supple.equations.start_change import Open, Slowed, StartChange
+from supple.errors import StartWarning
+from supple.integrate import Validity
+
+__all__ = ["report_start"]
+
+MOST_NAMES = 3
+ROUNDING = 1e-9
+
+
+def report_start(change: StartChange, validity: Validity) -> None:
+    """Warn StartWarning of joints that did not meet, and of velocities they do not allow."""
+    if change.open:
+        worst = change.open[0]
+        others = _others(change.open[1:])
+        bodies = ", ".join(
+            f"body '{moved.body}' was moved by {moved.distance:.3g}"
+            + (f" and turned by {moved.angle:.3g} rad" if moved.angle > ROUNDING else "")
+            for moved in change.moved[:MOST_NAMES]
+        )
+        message = (
+            f"joint '{worst.joint}' is open by {worst.gap:.3g} in the initial configuration ({worst.row})"
+            f"{others}: {bodies} to close it. Place the bodies so that both ends meet"
+        )
+        say(message, StartWarning, validity)
+    if change.slowed:
+        before, after = change.energies
+        bodies = ", ".join(map(_slowed, change.slowed[:MOST_NAMES]))
+        percent = f" ({100 * (after / before - 1):+.3g} %)" if before else ""
+        message = (
+            f"the joints do not allow the initial velocities, which were changed: the kinetic energy is "
+            f"{after:.4g} instead of {before:.4g}{percent}; {bodies}; "
+            f"against {_joints(change.against)}. Give velocities that the joints allow, or none to a body "
+            "that joints drive"
+        )
+        say(message, StartWarning, validity)
+    if change.deforming:
+        bodies = ", ".join(
+            f"body '{each.body}' deforms at a rate of kinetic energy {each.energy:.3g}"
+            for each in change.deforming[:MOST_NAMES]
+        )
+        message = (
+            f"no rigid motion of the bodies has the velocities that the joints prescribe at the start: "
+            f"{bodies}; by {_joints(change.unmet)}. Let the prescribed motion begin from rest, or prescribe "
+            "what the bodies can follow without deformation"
+        )
+        say(message, StartWarning, validity)
+
+
+def _joints(joints: Sequence[Open]) -> str:
+    return ", ".join(f"'{each.joint}' ({each.row})" for each in joints[:MOST_NAMES])
+
+
+def _others(joints: Sequence[Open]) -> str:
+    if not joints:
+        return ""
+    names = ", ".join(f"'{each.joint}'" for each in joints[:MOST_NAMES])
+    return f", and so are {len(joints)} others ({names})" if len(joints) > 1 else f", and so is {names}"
+
+
+def _slowed(body: Slowed) -> str:
+    (speed, new_speed), (spin, new_spin) = body.speeds, body.spins
+    changes = [
+        f"a {what} of {new:.4g} instead of {old:.4g}"
+        for old, new, what in ((speed, new_speed, "speed"), (spin, new_spin, "spin"))
+        if abs(new - old) > ROUNDING * (speed + new_speed + spin + new_spin)
+    ]
+    return f"body '{body.body}' starts with {' and '.join(changes) or 'another direction of motion'}"

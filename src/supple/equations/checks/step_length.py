@@ -1,0 +1,34 @@
+"""Was a fixed step short enough? The largest local error and rotation of a run, with the remedy."""
+
+from __future__ import annotations
+
+from supple.equations.checks.strictness import say
+from supple.errors import ResolutionWarning
+from supple.integrate import FixedStep, Run, Statistics
+
+__all__ = ["report_step_length"]
+
+LARGEST_ERROR = 1e-2
+"""Local error of a step, as `AdaptiveStep` measures it."""
+LARGEST_TURN = 0.5
+"""rad: rotation of a body within a step."""
+
+
+def report_step_length(statistics: Statistics, run: Run) -> None:
+    """Warn ResolutionWarning of a fixed step with a large local error, or in which a body turns far."""
+    step = run.step_control
+    if not isinstance(step, FixedStep):
+        return
+    found, shorter = [], 1.0
+    if statistics.largest_error > LARGEST_ERROR:
+        found.append(f"its local error reaches {statistics.largest_error:.2g} of the machine's size, or rad")
+        shorter = (LARGEST_ERROR / statistics.largest_error) ** (1 / 3)  # the local error is of third order
+    if statistics.largest_turn > LARGEST_TURN:
+        found.append(f"a body turns by {statistics.largest_turn:.2g} rad within it")
+        shorter = min(shorter, LARGEST_TURN / statistics.largest_turn)
+    if found:
+        message = (
+            f"the fixed step of {step.size:.3g} is too long for this motion: {' and '.join(found)}. Take "
+            f"{step.size * shorter:.1g} or less, or adaptive steps"
+        )
+        say(message, ResolutionWarning, run.validity)

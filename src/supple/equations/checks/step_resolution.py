@@ -1,0 +1,158 @@
+"""Do fixed steps see the loads and the prescribed motions? What happens within a step is looked at first.
+
+A step knows a load at its two ends. What straight lines from step to step miss of it is found by evaluating
+it within the steps as well, at uneven times, and at the instants of the law, stated or found by sampling.
+A sine of n steps a period is missed by (2 pi / n)^2 / 8 of its amplitude, one of n < 2 by all of it. A load
+that jumps where a step ends is seen as well as a step can. A prescribed motion loads by its acceleration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.checks.strictness import say
+from supple.errors import ResolutionWarning
+from supple.integrate import FixedStep, Run
+from supple.machine import System, TimeLaw
+from supple.machine.laws import Constant
+from supple.machine.laws.instants import instants_of, shortest_scale_of
+from supple.machine.laws.sampled_law import MOST_NUMBERS, sampled
+
+__all__ = ["Missed", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
+
+MISSED = 0.2
+"""Of the largest load: what may be missed within a step; five steps a period of a sine."""
+MOST_STEPS = 2**13
+"""Looked at, spread over the run."""
+WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
+"""Places within a step: uneven, for a load could return after even ones."""
+BESIDE, JUMPS = 0.1, 0.3
+"""A change by so much of the largest load, so many steps before to after an instant, is a jump to a step."""
+NEAR = 1e-6
+"""Of a step: how near to an instant both its sides are looked at."""
+
+
+@dataclass(frozen=True)
+class Missed:
+    """The most that a step misses of a quantity over time, in parts of its largest size, and when."""
+
+    share: float
+    time: float
+
+
+def fixed_step(run: Run) -> float:
+    """The fixed step that is taken: a whole number of them spans each output interval."""
+    interval = float(run.times[1] - run.times[0])
+    return interval / np.ceil(interval / run.step_control.largest * (1 - 1e-9))
+
+
+def jumps_in_steps(system: System, run: Run) -> bool:
+    """Whether a load, or the acceleration of a prescribed motion, jumps within a fixed step or at its end.
+
+    The step takes it for a straight line, as if it were half a step earlier or later.
+    """
+    if not isinstance(run.step_control, FixedStep):
+        return False
+    begin, end, step = float(run.times[0]), float(run.times[-1]), fixed_step(run)
+    loads = [(load.law, 0) for load in system.loads]
+    motions = [(joint.law, 2) for joint in system.joints]
+    return any(
+        law is not None and not isinstance(law, Constant) and _jumps_in(law, begin, end, step, derivative)
+        for law, derivative in loads + motions
+    )
+
+
+def _jumps_in(law: TimeLaw, begin: float, end: float, step: float, derivative: int) -> bool:
+    instants = instants_of(law, begin, end)
+    instants = instants[:MOST_STEPS]
+    if not len(instants):
+        return False
+    beside = np.clip(instants[:, None] + BESIDE * step * np.array([-1.0, 1.0]), begin, end)
+    sides = sampled(law, beside.ravel(), order=derivative)[derivative]
+    sides = sides.reshape(len(instants), 2, -1)
+    size = np.abs(sampled(law, np.linspace(begin, end, 257), order=derivative)[derivative]).max()
+    return bool(np.abs(sides[:, 1] - sides[:, 0]).max() > JUMPS * max(size, np.abs(sides).max()))
+
+
+def missed_between_steps(
+    law: TimeLaw, begin: float, step: float, n_steps: int, instants: np.ndarray, *, derivative: int = 0
+) -> Missed:
+    """What `n_steps` equal steps miss of a quantity over time of any shape, or of its derivative.
+
+    instants : (k,)     times at which it breaks or turns; steps that hold them are looked at first
+    """
+    shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
+    numbers = max(1, int(np.prod(shape)))
+    most = max(8, min(MOST_STEPS, MOST_NUMBERS // (numbers * (len(WITHIN) + 2))))
+    broken = np.clip(np.floor((instants - begin) / step).astype(int), 0, n_steps - 1)[:most]
+    spread = np.unique(np.linspace(0, n_steps - 1, min(most, n_steps)).astype(int))
+    chosen = np.concatenate([spread, broken])
+    start = begin + chosen * step
+    inner = start[:, None] + WITHIN * step
+    # A step with an instant is looked at there: a pulse may be briefer than the places are apart.
+    nearby = instants[:most, None] + NEAR * step * np.array([0.0, -1.0, 1.0])
+    if len(nearby):
+        low, high = start[len(spread) :, None], start[len(spread) :, None] + step
+        inner[len(spread) :, :3] = np.clip(nearby, low + NEAR * step / 2, high - NEAR * step / 2)
+    ends = begin + (chosen + 1) * step
+    at = np.concatenate([start[:, None], inner, ends[:, None]], axis=1)
+    values = sampled(law, at.ravel(), order=derivative)[derivative].reshape(*at.shape, -1)
+    size = float(np.abs(values).max())
+    first, within, last = values[:, :1], values[:, 1:-1], values[:, -1:]
+    where = ((inner - start[:, None]) / step)[..., None]
+    # A jump where the step ends or begins leaves the quantity as it is at the other end.
+    missed = np.minimum.reduce(
+        [np.abs(within - guess).max(axis=(1, 2)) for guess in (first + where * (last - first), first, last)]
+    )
+    worst = int(np.argmax(missed))
+    share = float(missed[worst]) / size if size > 0 else 0.0
+    return Missed(share, float(start[worst]))
+
+
+def warn_of_missed_loads(system: System, run: Run, *, besides: Collection[str] = ()) -> None:
+    """Warn ResolutionWarning of each load and prescribed motion that varies within fixed steps.
+
+    besides : names of joints of which more has been said already
+    """
+    if not isinstance(run.step_control, FixedStep):
+        return
+    for joint in system.joints:
+        if joint.name not in besides:
+            _warn(f"joint '{joint.name}'", joint.law, run, of_motion=True)
+    for load in system.loads:
+        _warn(load.label, load.law, run, of_motion=False)
+
+
+def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
+    if law is None or isinstance(law, Constant):
+        return
+    step, begin, end = fixed_step(run), float(run.times[0]), float(run.times[-1])
+    instants = instants_of(law, begin, end)
+    if of_motion and _hardly_accelerated(law, begin, end, step):
+        return
+    n_steps, derivative = round((end - begin) / step), 2 if of_motion else 0
+    missed = missed_between_steps(law, begin, step, n_steps, instants, derivative=derivative)
+    if missed.share > MISSED:
+        scale = shortest_scale_of(law, begin, end)
+        briefest = f", whose shortest time is {scale:.3g}" if np.isfinite(scale) else ""
+        needed = f"a step of {scale / 10:.2g}" if scale < 5 * step else "a shorter one"
+        quantity = "the acceleration of its prescribed motion" if of_motion else "the load"
+        message = (
+            f"{what}: within a step of {step:.3g}, at t = {missed.time:.6g}, {quantity} is off a straight "
+            f"line by {100 * missed.share:.0f} % of its largest value{briefest}: the steps miss or alias it. "
+            f"Take {needed}, or adaptive steps, which stop where it breaks"
+        )
+        say(message, ResolutionWarning, run.validity)
+
+
+def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
+    """Whether a motion changes its speed within a step by rounding errors alone."""
+    times = np.linspace(begin, end, 257)
+    _, fastest, hardest = (np.abs(each).max() for each in sampled(law, times, order=2))
+    return bool(hardest * step <= 1e-9 * fastest)

@@ -1,0 +1,220 @@
+"""A consistent start: positions and velocities on the joints, dependent constraint equations left out.
+
+Positions are corrected until `g(q, t_0) = 0` by the least rigid motion of the bodies in the mass norm, for a
+joint pulled shut by bending its bodies would store energy that nobody meant; they deform only where no rigid
+motion closes the joints. Velocities are corrected likewise until `dg/dt = 0` (`start_velocity`). Both engines
+start here; what differs between them is how such a least motion is found.
+Constraint equations that repeat others are found by orthogonalising the rows of the Jacobian, and named.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+import scipy.linalg
+
+from supple.equations.build_model import row_scales
+from supple.equations.configuration import Configuration
+from supple.equations.joint_closure import joints_closed, row_labels
+from supple.equations.model import Model
+from supple.equations.singular_start import check_redundant_nearby, neighbours
+from supple.equations.start_change import StartChange, StartEnergies
+from supple.equations.start_velocity import velocity_change
+from supple.equations.starting_machine import StartingMachine
+from supple.errors import ModelError, RedundantConstraintWarning
+from supple.machine import System
+from supple.machine.forces import JointFriction
+
+__all__ = ["ConsistentStart", "consistent_start"]
+
+_REDUNDANT = 1e-9
+"""A constraint row of which those before it leave less than this part adds nothing."""
+_OPEN = 1e-3
+"""A joint open by more than this part of the system's size is a mistake, not a rounding error."""
+
+
+M = TypeVar("M", bound=StartingMachine)
+
+
+class ConsistentStart(NamedTuple, Generic[M]):
+    """A machine without redundant constraints, in a state that fits its joints."""
+
+    machine: M
+    configuration: Configuration
+    velocity: np.ndarray
+    change: StartChange
+    """By what this differs from the state given"""
+
+
+def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
+    """The machine without redundant constraints, and configuration and velocities that fit its joints.
+
+    Raises
+    ------
+    ModelError          a joint open by more than a thousandth of the size; joints that contradict each other;
+                        a mechanism in a dead point
+    ConvergenceError    joints that cannot be closed
+
+    Warns
+    -----
+    RedundantConstraintWarning
+    """
+    every, system = machine, machine.system
+    configuration, velocity = placed_configuration(system), placed_velocity(system)
+    terms = machine.joint_terms(time, configuration, velocity)
+    _check_joints_closed(system, machine.model, terms.residual)
+    gaps = terms.residual
+    active = independent_constraints(system, terms.jacobian, machine.metric(configuration))
+    if active != machine.model.active:
+        machine = machine.restricted(active)
+    check_friction_known(system, active)
+    configuration = joints_closed(machine, time, configuration, velocity)
+    closed = every.joint_terms(time, configuration, velocity)
+    left = closed.residual
+    _check_redundant_closed(system, active, left)
+    if len(active) < len(left):
+        _check_nearby(every, machine, time, configuration, velocity)
+    terms = machine.joint_terms(time, configuration, velocity)
+    change = velocity_change(machine, configuration, velocity, terms)
+    found = velocity + change.rigid + change.deforming
+    frames = np.array([np.arange(part.start, part.start + 6) for part in machine.slices])
+    unmet = np.zeros(len(closed.rate))
+    unmet[list(machine.model.active)] = change.fit.unmet
+    return ConsistentStart(
+        machine,
+        configuration,
+        found,
+        StartChange.of_positions_and_velocities(
+            system,
+            residual=gaps,
+            closed=configuration,
+            rates=closed.rate,
+            unmet=unmet,
+            largest_rate=change.fit.largest,
+            velocities=(velocity[frames], found[frames]),
+            energies=StartEnergies(
+                *(
+                    machine.kinetic_energies(configuration, each)
+                    for each in (velocity, found, change.against, change.deforming)
+                )
+            ),
+        ),
+    )
+
+
+def _check_nearby(
+    every: M, machine: M, time: float, configuration: Configuration, velocity: np.ndarray
+) -> None:
+    """ModelError where the constraints left out are redundant in the initial configuration alone."""
+
+    def closed(motion: np.ndarray) -> Configuration:
+        increment = np.zeros_like(velocity)
+        for part, own in zip(machine.slices, motion, strict=True):
+            increment[part.start : part.start + 6] = own
+        return joints_closed(machine, time, machine.moved(configuration, increment), velocity)
+
+    check_redundant_nearby(
+        row_labels(machine.system),
+        sorted(set(every.model.active) - set(machine.model.active)),
+        list(neighbours(machine.model, machine.joint_terms(time, configuration, velocity).jacobian)),
+        closed,
+        lambda at: every.joint_terms(time, at, velocity).residual / row_scales(machine.system),
+    )
+
+
+def placed_configuration(system: System) -> Configuration:
+    """Where the system's bodies were placed."""
+    return Configuration(
+        origins=np.array([placed.position for placed in system.bodies]),
+        rotations=np.array([placed.rotation for placed in system.bodies]),
+        coordinates=np.concatenate([placed.coordinates for placed in system.bodies]),
+    )
+
+
+def placed_velocity(system: System) -> np.ndarray:
+    """Initial velocities of all bodies, (n,); zero where none is given."""
+    parts = [(placed.twist, placed.coordinate_rates) for placed in system.bodies]
+    return np.concatenate([item for part in parts for item in part])
+
+
+def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) -> None:
+    """Raise ModelError for a joint whose ends lie apart in the initial configuration."""
+    rows = system.constraint_slices
+    for joint in system.joints:
+        own = residuals[rows[joint.name]]
+        for row, residual in zip(joint.rows, own, strict=True):
+            scale = float(model.length) if row.startswith("position") else 1.0
+            if abs(residual) > _OPEN * scale:
+                raise ModelError(
+                    f"joint '{joint.name}' is open in the initial configuration: {row} is off by "
+                    f"{residual:.3g}. "
+                    "Place the bodies so that both ends meet, let the prescribed motion start at zero, or "
+                    "have the machine assembled: assemble(system); in a case file, assemble = true in "
+                    "[simulation]"
+                )
+
+
+def check_friction_known(system: System, active: tuple[int, ...]) -> None:
+    """ModelError where friction depends on the force of an equation that is left out."""
+    rows = system.constraint_slices
+    for load in system.loads:
+        if not isinstance(load, JointFriction):
+            continue
+        first = rows[load.joint.name].start
+        if not {first, first + 1} <= set(active):
+            raise ModelError(
+                f"{load.label}: how the joints share the forces across its axis is undetermined, "
+                "as some equations repeat others. Make a body flexible or a joint freer, or give friction "
+                "a preload, RevoluteFriction or PrismaticFriction"
+            )
+
+
+def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: np.ndarray) -> None:
+    """Raise ModelError when an equation left out is not met by the others: joints that contradict."""
+    labels, scales = row_labels(system), row_scales(system)
+    for index in sorted(set(range(len(residuals))) - set(active)):
+        if abs(residuals[index]) > 1e-9 * scales[index]:
+            raise ModelError(
+                f"the joints contradict each other at the start: with all others closed, {labels[index]} is "
+                f"off by {residuals[index]:.3g}. Correct the placement, or start away from a dead point"
+            )
+
+
+def independent_constraints(system: System, jacobian: np.ndarray, metric: np.ndarray) -> tuple[int, ...]:
+    """Indices of a largest set of independent constraint equations; the others are named in a warning.
+
+    Joints are taken in their order, so that a closed loop loses rows of the joint that closes it. (The best
+    conditioned rows of several joints may turn dependent as soon as the mechanism moves.)
+    """
+    if not len(jacobian):
+        return ()
+    scaled = scipy.linalg.solve_triangular(np.linalg.cholesky(metric), jacobian.T, lower=True)
+    kept = _independent_columns(scaled)
+    if kept.size == len(jacobian):
+        return tuple(range(len(jacobian)))
+    labels = row_labels(system)
+    redundant = [labels[i] for i in np.setdiff1d(np.arange(len(jacobian)), kept)]
+    warnings.warn(
+        f"{len(redundant)} redundant constraint equation(s) left out: {', '.join(redundant)}. The motion is "
+        "the same without them, but how the joints share these forces is undetermined; a flexible body, or "
+        "a joint with more freedom, removes the redundancy",
+        RedundantConstraintWarning,
+        stacklevel=4,
+    )
+    return tuple(int(i) for i in kept)
+
+
+def _independent_columns(columns: np.ndarray) -> np.ndarray:
+    """Indices of the columns that those before them do not span (Gram-Schmidt, orthogonalised twice)."""
+    basis = np.zeros((len(columns), 0))
+    kept = []
+    for index, column in enumerate(columns.T):
+        new = column - basis @ (basis.T @ column)
+        new = new - basis @ (basis.T @ new)
+        size = np.linalg.norm(new)
+        if size > _REDUNDANT * np.linalg.norm(column):
+            basis = np.column_stack([basis, new / size])
+            kept.append(index)
+    return np.array(kept, dtype=int)

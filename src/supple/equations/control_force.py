@@ -1,0 +1,308 @@
+"""Controllers, as a term of the equations: what they read, their states, and the loads they drive.
+
+The states of a controller obey the trapezoidal rule over the step,
+
+    z_1 = z_0 + h/2 ( f(t_0, y_0, z_0) + f(t_1, y_1, z_1) ),
+
+solved for z_1 wherever the equations are evaluated: outputs are functions of the motion y_1 alone, and the
+tangent is theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
+from supple.equations.ends import markers
+from supple.equations.marker import (
+    N_LOCAL,
+    Marker,
+    displaced,
+    generalized_force,
+    pose,
+    with_rates,
+)
+from supple.equations.model import ControlLaw, Ends, Model
+from supple.equations.places import Block, Places
+from supple.errors import ModelError
+from supple.integrate import StepFactors
+from supple.machine.forces.relative_motion import axial_motion, wrapped
+from supple.machine.pose import Pose, Wrench
+
+__all__ = [
+    "by_body",
+    "driven_ends",
+    "first_states",
+    "force",
+    "local_forces",
+    "moved_markers",
+    "moved_with",
+    "rates_of",
+    "readings_at",
+    "readings_of",
+    "resting_control",
+    "seen_ends",
+    "states_by_controller",
+    "stepped",
+    "tangent",
+]
+
+_ITERATIONS = 3
+"""Of Newton, for the states of one step: one is exact where the rates are linear in the states."""
+
+
+def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
+    """Generalised forces on the bodies that controllers drive."""
+    for number, law in enumerate(model.controllers):
+        still = jnp.zeros((len(seen_ends(law)), N_LOCAL))
+        local = local_forces(law, number, motion)(still, still)
+        for rows in by_body(driven_ends(law)).values():
+            places, carried = moved_with(driven_ends(law), rows)
+            yield places, (carried.T @ local[np.array(rows)].reshape(-1))[None]
+
+
+def tangent(model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors) -> Iterator[Block]:
+    """Change of these forces with the new accelerations."""
+    for number, law in enumerate(model.controllers):
+        ends, driven = seen_ends(law), driven_ends(law)
+        still = jnp.zeros((len(ends), N_LOCAL))
+        by_place, by_rate = jax.jacfwd(local_forces(law, number, motion), argnums=(0, 1))(still, still)
+        for rows in by_body(driven).values():
+            row_places, on_bodies = moved_with(driven, rows)
+            for body, columns in by_body(ends).items():
+                column_places, by_velocities = moved_with(ends, columns)
+                _, by_increments = moved_with(ends, columns, turns[body])
+                of_places, of_rates = (
+                    part[np.array(rows)][:, :, np.array(columns)].reshape(len(on_bodies), -1)
+                    for part in (by_place, by_rate)
+                )
+                change = factors.by_position * of_places @ by_increments
+                change = change + factors.by_velocity * of_rates @ by_velocities
+                yield Block(row_places, column_places, (on_bodies.T @ change)[None])
+
+
+def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
+    """The controllers at the end of a step; with a step of no length, their rates and angles there."""
+    if not model.controllers:
+        return None
+    step = _step(motion)
+    states, rates = [], []
+    for number, law in enumerate(model.controllers):
+        now = readings_of(law, step.start.states[number], _poses(law, motion))
+        own = _new_states(law, number, motion, now)
+        angles = [now[each.name].angle for each in law.readers if each.of_joint]
+        states.append(jnp.concatenate([own, jnp.stack(angles)]) if angles else own)
+        rates.append(rates_of(law, motion.time, now, own))
+    return step.start._replace(states=tuple(states), rates=tuple(rates))
+
+
+def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...]:
+    """What each controller reads."""
+    step = _step(motion)
+    return tuple(
+        readings_of(law, step.start.states[number], _poses(law, motion))
+        for number, law in enumerate(model.controllers)
+    )
+
+
+def first_states(model: Model) -> np.ndarray:
+    """States of all traced controllers as they begin, one controller after the other."""
+    return np.concatenate([np.zeros(0), *(np.asarray(law.initial) for law in model.controllers)])
+
+
+def resting_control(model: Model, states: Any) -> ControlStep | None:
+    """Of traced controllers whose states do not change; None without any controllers."""
+    if not model.controllers:
+        return None
+    every = []
+    for law, own in zip(model.controllers, states_by_controller(model, states), strict=True):
+        every.append(np.concatenate([own, np.zeros(sum(reader.of_joint for reader in law.readers))]))
+    none = tuple(np.zeros(np.shape(law.initial)) for law in model.controllers)
+    empty: tuple[dict[str, Any], ...] = tuple({} for _ in every)
+    return ControlStep(ControlState(tuple(every), none, empty, empty), np.zeros(()))
+
+
+def states_by_controller(model: Model, states: Any) -> list[Any]:
+    """The states of each controller among those of all."""
+    sizes = [np.size(law.initial) for law in model.controllers]
+    return np.split(np.asarray(states), np.cumsum(sizes)[:-1]) if sizes else []
+
+
+def _step(motion: SystemMotion) -> ControlStep:
+    if motion.control is None:
+        raise ModelError(
+            "controllers act along runs and at rest: for anything else leave them out, "
+            "replace(system, controllers=())"
+        )
+    return motion.control
+
+
+def seen_ends(law: ControlLaw) -> list[Ends]:
+    """All that a controller sees and drives: readers first."""
+    read = [end for each in law.readers for end in (each.first, each.second)]
+    return read + driven_ends(law)
+
+
+def driven_ends(law: ControlLaw) -> list[Ends]:
+    """Both ends of every element that a controller drives."""
+    return [end for each in law.actuators for end in (each.force.first, each.force.second)]
+
+
+def by_body(ends: list[Ends]) -> dict[int, list[int]]:
+    """Numbers of the ends on each body; the ground left out."""
+    found: dict[int, list[int]] = {}
+    for number, end in enumerate(ends):
+        if not end.on_ground:
+            found.setdefault(end.bodies[0], []).append(number)
+    return found
+
+
+def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
+    """Where a body's velocities stand, and the local freedoms (k 12, 6 + r) of its ends that they give.
+
+    With `turn` (3, 3), for increments of the frame's rotation vector instead of its turn.
+    """
+    frame = jax.scipy.linalg.block_diag(jnp.eye(3), jnp.eye(3) if turn is None else turn)
+    parts = [jax.scipy.linalg.block_diag(frame, jnp.asarray(ends[number].motion)[0]) for number in numbers]
+    places = ends[numbers[0]].velocities
+    assert places is not None
+    return places, jnp.concatenate(parts)
+
+
+def _all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
+    """All ends as they are, stacked."""
+    every = [markers(end, motion.configuration, motion.velocity) for end in seen_ends(law)]
+    return jax.tree.map(lambda *leaves: jnp.concatenate([jnp.asarray(leaf) for leaf in leaves]), *every)
+
+
+def moved_markers(law: ControlLaw, motion: SystemMotion) -> Callable[[jax.Array, jax.Array], Marker]:
+    """All ends, stacked, as a function of their displacements and rates (e, 12)."""
+    still = _all_markers(law, motion)
+
+    def of(variations: jax.Array, rates: jax.Array) -> Marker:
+        return jax.vmap(with_rates)(jax.vmap(displaced)(still, variations), rates)
+
+    return of
+
+
+def _poses(law: ControlLaw, motion: SystemMotion) -> Pose:
+    """Of all ends, stacked."""
+    return jax.vmap(pose)(_all_markers(law, motion))
+
+
+def _one(stacked: Any, number: int) -> Any:
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], stacked)
+
+
+def readings_of(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
+    """By name; angles near those of the states, which count the turns."""
+    found: dict[str, Any] = {}
+    counted = len(law.initial)
+    for number, reader in enumerate(law.readers):
+        first, second = _one(seen, 2 * number), _one(seen, 2 * number + 1)
+        if not reader.of_joint:
+            found[reader.name] = first
+            continue
+        own, before = axial_motion(first, second), states[counted]
+        found[reader.name] = own._replace(angle=before + wrapped(own.angle - before))
+        counted += 1
+    return found
+
+
+def rates_of(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: jax.Array) -> jax.Array:
+    """`f(t, y, z)`, (k,)."""
+    if law.rates is None:
+        return jnp.zeros(0)
+    rates = _real(_called(law.rates, time, readings, states), "the rates of a controller's states")
+    if rates.shape != states.shape:
+        raise ModelError(
+            f"the rates of a controller's states have shape {rates.shape}, its states {states.shape}"
+        )
+    return rates
+
+
+def _called(function: Any, *arguments: Any) -> Any:
+    """What a function of the user's gives; ModelError where it cannot be traced, or asks for too much."""
+    name = getattr(function, "__qualname__", repr(function))
+    try:
+        return function(*arguments)
+    except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
+        raise ModelError(
+            f"the controller's function {name} asks for the numbers of what is traced: write jnp.where "
+            "instead of if, and jax.numpy instead of math and numpy; or make it a SampledController, in "
+            "plain Python"
+        ) from error
+    except KeyError as error:
+        raise ModelError(
+            f"the controller's function {name} asks for {error}; it reads {sorted(arguments[1])}"
+        ) from error
+
+
+def _real(value: Any, what: str) -> jax.Array:
+    try:
+        return jnp.asarray(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ModelError(f"{what} must be real numbers, got {value}") from error
+
+
+def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Mapping[str, Any]) -> jax.Array:
+    """`z_1`, (k,)."""
+    step = _step(motion)
+    old, rates = step.start.states[number][: len(law.initial)], step.start.rates[number]
+    if law.rates is None:
+        return old
+    half = step.size / 2
+
+    def left(states: jax.Array) -> jax.Array:
+        return states - old - half * (rates + rates_of(law, motion.time, readings, states))
+
+    states = old + step.size * rates
+    # Unrolled, so that derivatives pass: that of the last iteration is the exact one of the solution.
+    for _ in range(_ITERATIONS):
+        states = states - jnp.linalg.solve(jax.jacfwd(left)(states), left(states))
+    return states
+
+
+def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mapping[str, Any]) -> Any:
+    """By name of the actuator."""
+    if law.outputs is None:
+        return _step(motion).start.held[number]
+    states = _new_states(law, number, motion, readings)
+    found = _called(law.outputs, motion.time, readings, states)
+    names = {each.name for each in law.actuators}
+    if not isinstance(found, Mapping) or set(found) != names:
+        given = sorted(found) if isinstance(found, Mapping) else type(found).__name__
+        raise ModelError(f"a controller's outputs must be a dictionary for {sorted(names)}, got {given}")
+    return found
+
+
+def local_forces(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
+    """Forces (a, 12) on the driven ends as a function of displacements and rates (e, 12) of all ends."""
+    at = moved_markers(law, motion)
+    n_read = 2 * len(law.readers)
+
+    def of(variations: jax.Array, rates: jax.Array) -> jax.Array:
+        moved = at(variations, rates)
+        poses = jax.vmap(pose)(moved)
+        readings = readings_of(law, _step(motion).start.states[number], poses)
+        outputs = _outputs(law, number, motion, readings)
+        loads: list[Wrench] = []
+        for place, each in enumerate(law.actuators):
+            own, parameters = _one((each.force.law, each.force.parameters), 0)
+            added = _real(outputs[each.name], f"a controller's output '{each.name}'")
+            if added.size != np.prod(each.shape):
+                raise ModelError(
+                    f"a controller's output '{each.name}' must have the shape {each.shape}, got {added.shape}"
+                )
+            added = jnp.reshape(added, each.shape)
+            ends = _one(poses, n_read + 2 * place), _one(poses, n_read + 2 * place + 1)
+            loads += each.force.wrenches(*ends, own(motion.time) + added, parameters)
+        every = jax.tree.map(lambda *leaves: jnp.stack(leaves), *loads)
+        return jax.vmap(generalized_force)(jax.tree.map(lambda leaf: leaf[n_read:], moved), every)
+
+    return of

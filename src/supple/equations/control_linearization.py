@@ -1,0 +1,174 @@
+"""Controllers, linearised where they rest: what changes their states, and what their states change."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import scipy.linalg
+
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import AnyArray, SystemMotion
+from supple.equations.control_force import (
+    by_body,
+    driven_ends,
+    first_states,
+    local_forces,
+    moved_markers,
+    moved_with,
+    rates_of,
+    readings_of,
+    seen_ends,
+)
+from supple.equations.marker import N_LOCAL, pose
+from supple.equations.model import ControlLaw, Model
+from supple.equations.places import Block, Places, assembled_matrix
+from supple.machine import System
+from supple.machine.control import Controller
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["LinearControl", "RestingControl", "control_at_rest", "unrest"]
+
+
+class LinearControl(NamedTuple):
+    """Small changes `z` of the states of all controllers beside motions `p` and velocities `v`.
+
+    z' = E_p p + E_v v + E_z z,      with the forces H z
+    """
+
+    forces: AnyArray
+    """`H` (n, k), by the states"""
+    by_position: AnyArray
+    """`E_p` (k, n)"""
+    by_velocity: AnyArray
+    """`E_v` (k, n)"""
+    by_state: AnyArray
+    """`E_z` (k, k)"""
+
+    @property
+    def size(self) -> int:
+        """Number k of states."""
+        return len(self.by_state)
+
+    def along(self, motions: AnyArray) -> LinearControl:
+        """For machines that move as some motions (n, m) allow: `N^T H`, `E_p N`, `E_v N`."""
+        return LinearControl(
+            motions.T @ self.forces, self.by_position @ motions, self.by_velocity @ motions, self.by_state
+        )
+
+
+class RestingControl(NamedTuple):
+    """Rates of the states of all controllers, which vanish at rest, and the linear equations about it."""
+
+    rates: AnyArray
+    """(k,)"""
+    linear: LinearControl
+
+
+def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
+    """At a motion whose controllers are `resting_control`, for increments and velocities of the model."""
+    n, k = model.n_velocities, len(first_states(model))
+    if not k:
+        none = np.zeros((n, 0))
+        return RestingControl(np.zeros(0), LinearControl(none, none.T, none.T, np.zeros((0, 0))))
+    return jax.tree.map(np.asarray, _at_rest(model, motion))
+
+
+def unrest(
+    system: System, control: RestingControl, position_scale: Any, velocity: Any, states: Any
+) -> dict[str, float]:
+    """Rate of each state over the parts that it may be the difference of: states in words, with their rates.
+
+    position_scale, velocity : (n,) a large motion, and the velocities at rest
+    """
+    rates, linear = control
+    controllers = [own for own in system.controllers if isinstance(own, Controller)]
+    if not linear.size:
+        return {}
+    first = np.concatenate([own.initial for own in controllers])
+    # States are of many units: those of the matrix that couples them make them comparable.
+    _, (units, _) = scipy.linalg.matrix_balance(linear.by_state, permute=False, separate=True)
+    largest = np.max(np.maximum(abs(np.asarray(states)), abs(first)) / units)
+    parts = abs(linear.by_position) @ position_scale + abs(linear.by_velocity) @ abs(velocity)
+    parts += abs(linear.by_state) @ units * largest
+    relative = abs(rates) / np.where(parts > 0, parts, np.where(rates == 0, 1.0, abs(rates)))
+    names = [(own.name, number) for own in controllers for number in range(own.initial.size)]
+    return {
+        f"state {number} of controller '{name}' has the rate {rate:.3g}": float(part)
+        for (name, number), rate, part in zip(names, rates, relative, strict=True)
+    }
+
+
+def _terms(model: Model, motion: SystemMotion) -> RestingControl:
+    n, k = model.n_velocities, sum(np.shape(law.initial)[0] for law in model.controllers)
+    rates, first = [], 0
+    by_position, by_velocity, by_state, forces = [], [], [], []
+    for number, law in enumerate(model.controllers):
+        size = np.shape(law.initial)[0]
+        if not size:
+            continue
+        own = Places((first,), size)
+        first += size
+        states = _states(motion, number)[:size]
+        ends, driven = seen_ends(law), driven_ends(law)
+        still = jnp.zeros((len(ends), N_LOCAL))
+        rated = _local_rates(law, number, motion)
+        rates.append(rated(still, still, states))
+        by_place, by_rate, own_change = jax.jacfwd(rated, argnums=(0, 1, 2))(still, still, states)
+        by_state.append(Block(own, own, own_change[None]))
+        for columns in by_body(ends).values():
+            places, carried = moved_with(ends, columns)
+            for blocks, change in ((by_position, by_place), (by_velocity, by_rate)):
+                local = change[:, np.array(columns)].reshape(size, -1)
+                blocks.append(Block(own, places, (local @ carried)[None]))
+        pushed = jax.jacfwd(_forces_by_states(law, number, motion))(states)
+        for rows in by_body(driven).values():
+            places, carried = moved_with(driven, rows)
+            local = pushed[np.array(rows)].reshape(-1, size)
+            forces.append(Block(places, own, (carried.T @ local)[None]))
+    return RestingControl(
+        jnp.concatenate(rates),
+        LinearControl(
+            assembled_matrix((n, k), forces),
+            assembled_matrix((k, n), by_position),
+            assembled_matrix((k, n), by_velocity),
+            assembled_matrix((k, k), by_state),
+        ),
+    )
+
+
+_at_rest = KeptProgram(_terms, STARTING)
+
+
+def _states(motion: SystemMotion, number: int) -> Any:
+    """Of one controller, and behind them the angles of joints."""
+    assert motion.control is not None
+    return jnp.asarray(motion.control.start.states[number])
+
+
+def _with_states(motion: SystemMotion, number: int, states: jax.Array) -> SystemMotion:
+    """The motion with other states of one controller."""
+    assert motion.control is not None
+    every = list(motion.control.start.states)
+    every[number] = jnp.concatenate([states, jnp.asarray(every[number])[len(states) :]])
+    start = motion.control.start._replace(states=tuple(every))
+    return motion._replace(control=motion.control._replace(start=start))
+
+
+def _local_rates(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
+    """Rates (k,) as a function of displacements and velocities (e, 12) of all ends, and of the states."""
+    moved = moved_markers(law, motion)
+
+    def of(variations: jax.Array, velocities: jax.Array, states: jax.Array) -> jax.Array:
+        read = readings_of(law, _states(motion, number), jax.vmap(pose)(moved(variations, velocities)))
+        return rates_of(law, motion.time, read, states)
+
+    return of
+
+
+def _forces_by_states(law: ControlLaw, number: int, motion: SystemMotion) -> Any:
+    """Forces (a, 12) on the driven ends as a function of the states."""
+    still = jnp.zeros((len(seen_ends(law)), N_LOCAL))
+    return lambda states: local_forces(law, number, _with_states(motion, number, states))(still, still)

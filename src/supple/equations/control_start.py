@@ -1,0 +1,90 @@
+"""States of controllers at the start of a run, and from one part of a run to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
+from supple.equations.control_force import stepped
+from supple.equations.model import Model
+from supple.errors import ModelError
+from supple.machine import System
+from supple.machine.control import JointReading, SampledController
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["control_after", "first_control", "fresh_control", "kept_control", "resumed_control"]
+
+
+def fresh_control(system: System) -> ControlState | None:
+    """As controllers begin: sampled ones hold nothing yet."""
+    if not system.controllers:
+        return None
+    states, rates, held, memory = [], [], [], []
+    for controller in system.controllers:
+        sampled = isinstance(controller, SampledController)
+        own = np.zeros(0) if sampled else np.array(controller.initial)
+        n_joints = sum(isinstance(reading, JointReading) for reading in controller.reads.values())
+        states.append(np.concatenate([own, np.zeros(n_joints)]))
+        rates.append(np.zeros(len(own)))
+        shapes = {name: element.value_shape for name, element in controller.drives.items()}
+        held.append({name: np.zeros(shape) for name, shape in shapes.items()} if sampled else {})
+        memory.append(dict(controller.memory) if sampled else {})
+    return ControlState(tuple(states), tuple(rates), tuple(held), tuple(memory))
+
+
+def first_control(system: System, model: Model, instant: SystemMotion) -> ControlState | None:
+    """At the start: angles of joints, and rates of the states."""
+    fresh = fresh_control(system)
+    if fresh is None:
+        return None
+    return control_after(model, instant._replace(control=ControlStep(fresh, np.zeros(()))))
+
+
+def control_after(model: Model, motion: SystemMotion) -> ControlState:
+    """At the end of the step that has led to a motion with controllers."""
+    return jax.tree.map(np.asarray, _stepped(model, motion))
+
+
+def _stepped_at(model: Model, motion: SystemMotion) -> Any:
+    return stepped(model, motion)
+
+
+_stepped = KeptProgram(_stepped_at, STARTING)
+
+
+def kept_control(control: ControlState | None) -> dict[str, np.ndarray]:
+    """By name, for result files."""
+    if control is None:
+        return {}
+    return {name: np.asarray(leaf) for name, leaf in _named(control)}
+
+
+def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:
+    """As it was kept; ModelError where a recorded part kept nothing, or something else."""
+    fresh = fresh_control(system)
+    if fresh is None:
+        return None
+    names = [name for name, _ in _named(fresh)]
+    leaves, structure = jax.tree.flatten(fresh)
+    for name, leaf in zip(names, leaves, strict=True):
+        if name not in known or np.shape(known[name]) != np.shape(leaf):
+            raise ModelError(
+                "the recorded part was made with other controllers, or without: it cannot be continued; "
+                "begin anew"
+            )
+    return jax.tree.unflatten(structure, [np.asarray(known[name]) for name in names])
+
+
+def _named(control: ControlState) -> list[tuple[str, Any]]:
+    """Leaves in their order, each with a name such as "control.memory.0.integral"."""
+    found, _ = jax.tree_util.tree_flatten_with_path(control)
+    return [(".".join(["control", *(_word(key) for key in path)]), leaf) for path, leaf in found]
+
+
+def _word(key: Any) -> str:
+    return str(next(getattr(key, name) for name in ("name", "idx", "key") if hasattr(key, name)))

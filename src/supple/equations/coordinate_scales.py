@@ -1,0 +1,34 @@
+"""Translations, rotations and deformations among the coordinates, and what is a large change of each."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.model import BodyGroup, Model
+from supple.equations.places import Places, assembled_vector
+
+__all__ = ["kinds_of_rows", "position_scale"]
+
+
+def position_scale(model: Model) -> jax.Array:
+    """What counts as a large change of each freedom, (n,)."""
+
+    def of_group(group: BodyGroup) -> tuple[Places, jax.Array]:
+        k = len(group.members)
+        deformation = jnp.broadcast_to(jnp.asarray(group.coordinate_scale)[:, None], (k, group.r))
+        frames = (jnp.full((k, 3), model.length), jnp.ones((k, 3)))
+        return group.velocities, jnp.concatenate([*frames, deformation], axis=1)
+
+    return assembled_vector(model.n_velocities, [of_group(group) for group in model.groups])
+
+
+def kinds_of_rows(model: Model) -> np.ndarray:
+    """(3, n) rows that pick translations, rotations and deformations out of the velocity vector."""
+    kinds = np.zeros((3, model.n_velocities))
+    for part in model.slices:
+        kinds[0, part.start : part.start + 3] = 1
+        kinds[1, part.start + 3 : part.start + 6] = 1
+        kinds[2, part.start + 6 : part.stop] = 1
+    return kinds

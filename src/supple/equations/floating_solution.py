@@ -1,0 +1,156 @@
+"""States of floating-frame engines as solutions, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.joint_wrench import joint_wrenches
+from supple.errors import ModelError
+from supple.integrate import FloatingMotion, Solution, Statistics
+from supple.machine import System
+
+__all__ = [
+    "LastInstant",
+    "body_motions",
+    "failure_message",
+    "floating_solution",
+    "joint_multipliers",
+    "last_instant",
+]
+
+
+def floating_solution(
+    system: System,
+    slices: tuple[slice, ...],
+    active: tuple[int, ...],
+    motion: SystemMotion,
+    statistics: Statistics,
+    engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> Solution:
+    """Stacked states (leading axis: time) as a solution, with the forces of the joints.
+
+    slices : where the velocities of each body stand
+    active : constraint equations that were kept, to which the multipliers belong
+    engine_state : what an exact resume needs besides these numbers
+    """
+    bodies = body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
+    multipliers = joint_multipliers(system, active, motion.multipliers)
+    return Solution(
+        times=motion.time,
+        bodies=bodies,
+        joint_forces=joint_wrenches(system, motion.time, bodies, multipliers),
+        multipliers=multipliers,
+        statistics=statistics,
+        engine_state=engine_state,
+    )
+
+
+def body_motions(
+    system: System,
+    slices: tuple[slice, ...],
+    configuration: Configuration,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+) -> dict[str, FloatingMotion]:
+    """Split stacked states (leading axis: time) by body.
+
+    slices : where the velocities of each body stand
+    """
+    motions = {}
+    first = 0
+    for index, (placed, part) in enumerate(zip(system.bodies, slices, strict=True)):
+        own, rate = velocity[..., part], acceleration[..., part]
+        after = first + part.stop - part.start - 6
+        motions[placed.body.name] = FloatingMotion(
+            position=configuration.origins[..., index, :],
+            rotation=configuration.rotations[..., index, :, :],
+            coordinates=configuration.coordinates[..., first:after],
+            velocity=own[..., :3],
+            angular_velocity=own[..., 3:6],
+            coordinate_rates=own[..., 6:],
+            acceleration=rate[..., :3],
+            angular_acceleration=rate[..., 3:6],
+            coordinate_accelerations=rate[..., 6:],
+        )
+        first = after
+    return motions
+
+
+def joint_multipliers(
+    system: System, active: tuple[int, ...], multipliers: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Multipliers by joint; zero for the equations that were left out as redundant."""
+    every = np.zeros((*multipliers.shape[:-1], system.n_constraints))
+    every[..., list(active)] = multipliers
+    return {name: every[..., rows] for name, rows in system.constraint_slices.items()}
+
+
+class LastInstant(NamedTuple):
+    """The state of a system at the end of a recorded part."""
+
+    time: float
+    configuration: Configuration
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    multipliers: np.ndarray
+    """Of all equations"""
+
+
+def last_instant(system: System, done: Solution) -> LastInstant:
+    """Where a recorded part ends; ModelError when it has other bodies or joints than the system."""
+    last = done.bodies
+    names = [placed.body.name for placed in system.bodies]
+    if set(names) != set(last) or {joint.name for joint in system.joints} != set(done.multipliers):
+        raise ModelError(
+            "the recorded part has other bodies or joints than this system: it cannot be continued"
+        )
+
+    def joined(*items: str) -> np.ndarray:
+        return np.concatenate([getattr(last[name], item)[-1] for name in names for item in items])
+
+    return LastInstant(
+        time=float(done.times[-1]),
+        configuration=Configuration(
+            origins=np.array([last[name].position[-1] for name in names]),
+            rotations=np.array([last[name].rotation[-1] for name in names]),
+            coordinates=joined("coordinates"),
+        ),
+        velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
+        acceleration=joined("acceleration", "angular_acceleration", "coordinate_accelerations"),
+        multipliers=np.concatenate(
+            [np.zeros(0)] + [done.multipliers[joint.name][-1] for joint in system.joints]
+        ),
+    )
+
+
+def failure_message(time: float, relative_residual: np.ndarray, *, undamped: bool = False) -> str:
+    """Why and where a run stopped; `relative_residual` is that of the four kinds of equations.
+
+    undamped : the machine has joints, and the method does not damp their forces
+    """
+    kinds = ("forces", "moments", "deformation", "constraints")
+    worst = int(np.argmax(np.where(np.isfinite(relative_residual), relative_residual, np.inf)))
+    if not np.isfinite(relative_residual).all():
+        return (
+            f"no convergence at t = {time:.6g} with the smallest step allowed: the {kinds[worst]} are no "
+            "numbers. A controller, a law or a load of one's own that gives nan or infinity is the usual "
+            "cause; what was computed until then is kept"
+        )
+    likely = (
+        "The likely cause is the method: with rho_inf = 1, as with the trapezoidal rule, nothing damps the "
+        "oscillations of joint forces, which grow; take GeneralizedAlpha(0.8), rho_inf = 0.8 in a case "
+        "file. Otherwise: a singular"
+        if undamped
+        else "A singular"
+    )
+    return (
+        f"no convergence at t = {time:.6g} with the smallest step allowed: relative residual "
+        f"{relative_residual[worst]:.2g} in the {kinds[worst]}. {likely} position (a mechanism stretched "
+        "out), a motion prescribed with a jump, loads far beyond the body's stiffness, or a basis without "
+        "the nonlinear terms it needs are the usual causes; what was computed until then is kept"
+    )

@@ -1,0 +1,111 @@
+"""Joints shut by the least rigid motion of the bodies, in the mass norm."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from supple.equations.build_model import row_scales
+from supple.equations.configuration import Configuration
+from supple.equations.starting_machine import JointTerms, StartingMachine
+from supple.equations.step_size import position_rounding
+from supple.errors import ConvergenceError
+from supple.machine import System
+
+__all__ = ["joints_assembled", "joints_closed", "row_labels"]
+
+_LARGEST_TURN = 0.3
+"""rad by which a body is turned at most before the joints are looked at again; with shifts in proportion."""
+_MOST_ITERATIONS = 200
+_UNCLOSED = 1e-10
+"""Of the machine's size, and rad: joints that stay open by more do not fit."""
+
+
+def joints_closed(
+    machine: StartingMachine, time: float, configuration: Configuration, velocity: np.ndarray
+) -> Configuration:
+    """Project the configuration on the joints by Newton's method, as closely as arithmetic allows."""
+    still = np.zeros_like(velocity)
+    largest, before = 0.0, np.inf
+    for _ in range(20):
+        terms = machine.joint_terms(time, configuration, velocity)
+        largest = float(np.max(abs(terms.residual), initial=0.0))
+        rounding = machine.model.length * float(
+            position_rounding(machine.model.length, configuration.origins)
+        )
+        # A further iteration takes away what is left of rounding errors, until it gains nothing.
+        if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
+            return configuration
+        before = largest
+        change = _rigid_change(machine, configuration, terms)
+        if change is None:
+            change = machine.least_change(configuration, still, terms, terms.residual)
+        configuration = machine.moved(configuration, change)
+    raise ConvergenceError(
+        f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
+        "Place the bodies closer to a configuration in which every joint fits"
+    )
+
+
+def _rigid_change(
+    machine: StartingMachine, configuration: Configuration, terms: JointTerms
+) -> np.ndarray | None:
+    """The least rigid motion of the bodies that closes the joints to first order; None without one."""
+    change, left = _least_rigid_change(machine, configuration, terms)
+    return _of_bodies(machine, change) if left <= 1e-6 * np.linalg.norm(terms.residual) else None
+
+
+def _least_rigid_change(
+    machine: StartingMachine, configuration: Configuration, terms: JointTerms
+) -> tuple[np.ndarray, float]:
+    """The least rigid motion (nb, 6) in the mass norm that closes the joints best; what it leaves open."""
+    frames = [slice(part.start, part.start + 6) for part in machine.model.slices]
+    whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
+    jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])
+    change, *_ = np.linalg.lstsq(jacobian, -terms.residual, rcond=1e-9)
+    left = float(np.linalg.norm(jacobian @ change + terms.residual))
+    return np.array([own @ each for own, each in zip(whitening, change.reshape(-1, 6), strict=True)]), left
+
+
+def _of_bodies(machine: StartingMachine, change: np.ndarray) -> np.ndarray:
+    """An increment (n,) of the frames' motions (nb, 6)."""
+    increment = np.zeros(machine.slices[-1].stop)
+    for part, own in zip(machine.slices, change, strict=True):
+        increment[part.start : part.start + 6] = own
+    return increment
+
+
+def joints_assembled(machine: StartingMachine, time: float, configuration: Configuration) -> Configuration:
+    """The configuration near the one given in which all joints fit, however far they are open.
+
+    Gauss and Newton's method on the rows of all joints, each step of least rigid motion, cut so that no body
+    turns by more than 0.3 rad, nor moves by more than 0.3 of the machine's size.
+
+    Raises
+    ------
+    ConvergenceError    joints that do not fit: the worst, and by how much it stays open
+    """
+    system, length = machine.system, float(machine.model.length)
+    scales, still = row_scales(system), np.zeros(machine.slices[-1].stop)
+    sizes = np.array([length, length, length, 1.0, 1.0, 1.0])
+    left = np.array([np.inf])
+    for _ in range(_MOST_ITERATIONS):
+        terms = machine.joint_terms(time, configuration, still)
+        before, left = np.max(abs(left), initial=0.0), np.asarray(terms.residual) / scales
+        largest = np.max(abs(left), initial=0.0)
+        if (largest <= _UNCLOSED and largest > 0.1 * before) or not largest:
+            return configuration
+        change, _ = _least_rigid_change(machine, configuration, terms)
+        farthest = np.max(abs(change) / sizes)
+        change *= min(1.0, _LARGEST_TURN / farthest) if farthest else 1.0
+        configuration = machine.moved(configuration, _of_bodies(machine, change))
+    worst = int(np.argmax(abs(left)))
+    raise ConvergenceError(
+        f"the machine cannot be assembled: joint {row_labels(system)[worst]} stays open by "
+        f"{abs(left[worst]) * scales[worst]:.3g} after {_MOST_ITERATIONS} iterations. Correct lengths and "
+        "places of the bodies; a law must begin with a value that they can reach"
+    )
+
+
+def row_labels(system: System) -> list[str]:
+    """What to call each constraint equation."""
+    return [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]

@@ -1,0 +1,188 @@
+"""A joint at one configuration: its equations, their derivatives, and the stiffness of its forces.
+
+Constraint equations see the two joint frames through the second's position and orientation relative to the
+first, and are affine in both:
+
+    g = L (d, Q) + c,      d = A_1^T (r_2 - r_1),     Q = A_1^T A_2
+
+so that `L` and `c`, functions of time at most, are all there is to know of a joint, and the derivatives are
+the same few lines for every kind. For small motions `(dr, dphi)` of the frames, `dA = A skew(dphi)`:
+
+    dd = A_1^T (dr_2 - dr_1) + d x dphi_1,      dQ = Q skew(dphi_2) - skew(dphi_1) Q
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra import read_only
+from supple.algebra.rotation import skew
+from supple.algebra.small_product import small_product
+from supple.equations.compiler_options import STARTING
+from supple.equations.marker import (
+    Marker,
+    frame_motion,
+    orientation,
+    point,
+    pose_at_rest,
+    wrench_stiffness,
+)
+from supple.machine.pose import Pose
+
+__all__ = [
+    "Blocks",
+    "JointLinearization",
+    "affine_form",
+    "geometric_stiffness",
+    "joint_equations",
+    "linearize_joint",
+]
+
+
+class JointLinearization(NamedTuple):
+    """What one evaluation of a joint leaves for forces, Jacobian and tangent."""
+
+    equations: jax.Array
+    """`g`, (m,)"""
+    axes: jax.Array
+    """`A_1`, (3, 3)"""
+    offset: jax.Array
+    """`d`, (3,)"""
+    rotation: jax.Array
+    """`Q`, (3, 3)"""
+    motions: tuple[jax.Array, jax.Array]
+    """(6, 12) each: motion of the joint frame per local freedom"""
+    by_end: tuple[jax.Array, jax.Array]
+    """(m, 12) each: equations per local freedom"""
+
+
+Constraint = Callable[[Pose, Pose, Any], jax.Array]
+"""The equations of a joint, from the poses of its ends and the value of its law."""
+
+
+def joint_equations(constraint: Constraint, first: Marker, second: Marker, value: Any) -> jax.Array:
+    """The joint's constraint equations, (m,)."""
+    return constraint(pose_at_rest(first), pose_at_rest(second), value)
+
+
+def _affine(constraint: Constraint, value: Any) -> tuple[jax.Array, jax.Array]:
+    """`L` (m, 12) and `c` (m,) of the joint's equations."""
+
+    def of_relative(relative: jax.Array) -> jax.Array:
+        still = jnp.zeros(3)
+        first = Pose(still, jnp.eye(3), still, still)
+        return constraint(first, Pose(relative[:3], relative[3:].reshape(3, 3), still, still), value)
+
+    origin = jnp.zeros(12)
+    return jax.jacfwd(of_relative)(origin), of_relative(origin)
+
+
+Affine = tuple[Any, Any]
+"""`L` (m, 12), for `d` and for `Q` row by row, and `c` (m,)"""
+
+
+def affine_form(constraint: Constraint, value: Any) -> Affine:
+    """The affine form of a joint's equations.
+
+    Constants of the compiled program for a joint without a law, of which `value` is None.
+    """
+    return _constant(constraint) if value is None else _affine(constraint, value)
+
+
+@lru_cache(maxsize=64)
+def _constant(constraint: Constraint) -> Affine:
+    """The affine form of a joint without a law, by one small program, compiled aside of one being traced."""
+    program = jax.jit(lambda: _affine(constraint, None)).lower().compile(compiler_options=STARTING)
+    coefficients, constant = map(read_only, program())
+    return coefficients, constant
+
+
+@jax.jit
+def _axial(matrix: jax.Array) -> jax.Array:
+    """`ax(M)` with `ax(M) . phi = M : skew(phi)`; (..., 3, 3) to (..., 3)."""
+    return jnp.stack(
+        [
+            matrix[..., 2, 1] - matrix[..., 1, 2],
+            matrix[..., 0, 2] - matrix[..., 2, 0],
+            matrix[..., 1, 0] - matrix[..., 0, 1],
+        ],
+        axis=-1,
+    )
+
+
+def _seen(second: Marker, coefficients: Any) -> Marker:
+    """The second marker, unturned where the joint does not see it turn: the compiler drops what follows."""
+    if isinstance(coefficients, np.ndarray) and not coefficients[:, 3:].any():
+        return second._replace(rotation_vector=jnp.zeros(3))
+    return second
+
+
+def linearize_joint(affine: Affine, first: Marker, second: Marker) -> JointLinearization:
+    """Equations and derivatives of a joint whose affine form and markers are known."""
+    coefficients, constant = affine
+    second = _seen(second, coefficients)
+    axes = orientation(first)
+    gap = small_product(axes.T, point(second) - point(first))
+    turn = small_product(axes.T, orientation(second))
+    of_gap, of_turn = coefficients[:, :3], coefficients[:, 3:].reshape(-1, 3, 3)
+    by_point = of_gap @ axes.T
+    by_turns = (
+        jnp.cross(of_gap, gap) - _axial(of_turn @ turn.T),
+        _axial(turn.T @ of_turn),
+    )
+    motions = frame_motion(first), frame_motion(second)
+    return JointLinearization(
+        equations=coefficients @ jnp.concatenate([gap, turn.reshape(9)]) + constant,
+        axes=axes,
+        offset=gap,
+        rotation=turn,
+        motions=motions,
+        by_end=(
+            small_product(jnp.concatenate([-by_point, by_turns[0]], axis=1), motions[0]),
+            small_product(jnp.concatenate([by_point, by_turns[1]], axis=1), motions[1]),
+        ),
+    )
+
+
+Blocks = tuple[tuple[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
+
+
+def geometric_stiffness(
+    coefficients: Any, at: JointLinearization, first: Marker, second: Marker, multipliers: jax.Array
+) -> Blocks:
+    """Change of the joint's generalised forces with the local freedoms at constant multipliers.
+
+    With `p = L_d^T lambda` and `P = L_Q^T lambda` the wrenches on the joint frames are
+
+        first: (-A_1 p, p x d - ax(P Q^T)),      second: (A_1 p, ax(Q^T P))
+
+    Blocks (12, 12): rows of the first and second end, columns of the first and second end.
+    """
+    second = _seen(second, coefficients)
+    weights = multipliers @ coefficients
+    force, moments = weights[:3], weights[3:].reshape(3, 3)
+    on_first, on_second = small_product(moments, at.rotation.T), small_product(at.rotation.T, moments)
+    pull = small_product(at.axes, force)
+    wrenches = (
+        jnp.concatenate([-pull, jnp.cross(force, at.offset) - _axial(on_first)]),
+        jnp.concatenate([pull, _axial(on_second)]),
+    )
+    trace = jnp.trace(on_second) * jnp.eye(3)
+    swing = small_product(at.axes, skew(force))
+    mixed = small_product(trace - on_first.T, at.rotation)
+    tilted = small_product(skew(force), skew(at.offset)) - trace + on_first.T
+    (shift, turn), (other_shift, other_turn) = (jnp.split(motion, 2) for motion in at.motions)
+    pulled = small_product(swing.T, shift)
+    across = small_product(turn.T, small_product(mixed, other_turn) - small_product(swing.T, other_shift))
+    own = small_product(turn.T, pulled + small_product(tilted, turn)) + small_product(pulled.T, turn)
+    other = small_product(other_turn.T, small_product(on_second - trace, other_turn))
+    return (
+        (own + wrench_stiffness(first, wrenches[0], at.motions[0]), across),
+        (across.T, other + wrench_stiffness(second, wrenches[1], at.motions[1])),
+    )

@@ -1,0 +1,97 @@
+"""Joint forces: what each joint does to its second end, as six components, from its multipliers.
+
+With the affine form `g = L (d, Q) + c` of the joint's equations (`joint_linearization`) and its multipliers
+lambda, `p = L_d^T lambda` and `P = L_Q^T lambda`, the joint exerts at the second end's point
+
+    force  -p,        moment  -ax(P Q^T),
+
+both along the joint axes on the first end. The first end receives the opposite of the same wrench, at the
+second end's point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.body import place_in_frame
+from supple.equations.compiler_options import STARTING
+from supple.equations.joint_linearization import affine_form
+from supple.machine import GROUND, At, Joint, System
+
+__all__ = ["joint_wrenches"]
+
+# Instants whose equations are linearised at a time: one compiled program for runs of any length.
+_BLOCK = 256
+
+
+def joint_wrenches(
+    system: System, times: np.ndarray, bodies: Mapping[str, Any], multipliers: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Force and moment (t, 6) of each joint on its second end, at that end's point.
+
+    Components along the joint axes that turn with the first end, z the joint's axis; those that the joint
+    leaves free are zero.
+
+    Parameters
+    ----------
+    times : (t,)
+    bodies : motions by body name, of t times
+    multipliers : by joint name, (t, m)
+    """
+    return {
+        joint.name: _wrench(system, joint, times, bodies, np.asarray(multipliers[joint.name]))
+        for joint in system.joints
+    }
+
+
+def _wrench(
+    system: System, joint: Joint, times: np.ndarray, bodies: Mapping[str, Any], multipliers: np.ndarray
+) -> np.ndarray:
+    weights = np.einsum("tm,tmk->tk", multipliers, _coefficients(joint, times))
+    wrench = np.zeros((len(times), 6))
+    wrench[:, :3] = -weights[:, :3]
+    by_turn = weights[:, 3:].reshape(-1, 3, 3)
+    if by_turn.any():
+        axes = (_axes(system, joint, end, bodies) for end in (joint.first, joint.second))
+        turn = np.einsum("...ji,...jk->...ik", *axes)
+        on_turn = by_turn @ np.swapaxes(turn, -1, -2)
+        wrench[:, 3:] = -np.stack(
+            [
+                on_turn[:, 2, 1] - on_turn[:, 1, 2],
+                on_turn[:, 0, 2] - on_turn[:, 2, 0],
+                on_turn[:, 1, 0] - on_turn[:, 0, 1],
+            ],
+            axis=-1,
+        )
+    return wrench + 0.0  # no negative zeros
+
+
+def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Any]) -> np.ndarray:
+    """Joint axes on an end over time, (t, 3, 3), or (1, 3, 3) of the ground."""
+    if end == GROUND:
+        return joint.initial_axes[None]
+    placed, motion = system.bodies[system.body_index(end.body)], bodies[end.body]
+    _, turn = place_in_frame(placed.body.interface(end.interface), motion.coordinates)
+    return motion.rotation @ turn @ placed.assembly.rotation.T @ joint.initial_axes
+
+
+def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
+    """`L` (t, m, 12) of the equations of a joint."""
+    constraint = type(joint).constraint
+    law = joint.law
+    if law is None:
+        return np.broadcast_to(affine_form(constraint, None)[0], (len(times), joint.n_constraints, 12))
+    padded = np.pad(times, (0, -len(times) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
+    blocks = (_linearized(constraint, law, block) for block in padded)
+    return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
+
+
+@partial(jax.jit, static_argnums=0, compiler_options=STARTING)
+def _linearized(constraint: Callable[..., jax.Array], law: Any, times: jax.Array) -> jax.Array:
+    return jax.vmap(lambda time: affine_form(constraint, jnp.asarray(law(time)))[0])(times)

@@ -1,0 +1,286 @@
+"""A system as arrays: what the compiled equations of motion read.
+
+Every class here is a JAX pytree. Velocities of all bodies form one vector: per body `(dR/dt, omega, dg/dt)`,
+the velocity of the frame's origin in global, the frame's angular velocity in body components. Equal bodies,
+joints and forces stand in groups, as arrays with a leading axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.floating_inertia import InertiaArrays
+from supple.equations.places import Places, over
+from supple.machine.laws.constant import Constant
+
+__all__ = [
+    "Actuator",
+    "BodyGroup",
+    "ControlLaw",
+    "Ends",
+    "ForceGroup",
+    "JointGroup",
+    "Model",
+    "NodalLoadArrays",
+    "Reader",
+]
+
+STATIC = {"static": True}
+"""Marks what belongs to the structure of a compiled program, not to its data."""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class BodyGroup:
+    """k rigid (r = 0) or reduced bodies of one size."""
+
+    members: tuple[int, ...] = field(metadata=STATIC)
+    """Their numbers in the system"""
+    velocities: Places = field(metadata=STATIC)
+    """6 + r each"""
+    coordinates: Places = field(metadata=STATIC)
+    gram: Any
+    """(k, 6 + 4r, 6 + 4r)"""
+    inertia: InertiaArrays
+    """The same, as the equations of motion read it."""
+    stiffness: Any
+    """(k, r, r)"""
+    cubic: Any
+    """(k, n2, r), or (1, n2, r) of equal bodies; None of linear ones"""
+    quartic: Any
+    """(k, n2, n2), or (1, n2, n2), or `PairBlocks` of such"""
+    damping: Any
+    """(k, r, r), undeformed"""
+    damping_cubic: Any
+    """What it gains by deformation, with the next; None where it does not follow the strain rate."""
+    damping_quartic: Any
+    coordinate_scale: Any
+    """(k,) size of a coordinate that moves the body by the system's length: `length sqrt(mass)`."""
+
+    @property
+    def r(self) -> int:
+        """Number of deformation coordinates of each."""
+        return self.coordinates.size
+
+    def of(self, per_body: Any) -> Any:
+        """The rows of an array (nb, ...) that belong to the group, (k, ...)."""
+        first, last = self.members[0], self.members[-1]
+        if self.members == tuple(range(first, last + 1)):
+            return per_body[first : last + 1]
+        return per_body[np.array(self.members)]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Ends:
+    """The k ends on one side of a group of joints or forces: markers of equal bodies, or of the ground."""
+
+    bodies: tuple[int, ...] = field(metadata=STATIC)
+    """Numbers of the bodies; -1 for the ground, then of all of them"""
+    velocities: Places | None = field(metadata=STATIC)
+    """6 + r each; None for the ground"""
+    coordinates: Places | None = field(metadata=STATIC)
+    motion: Any
+    """(k, 6, r): displacement and rotation of the interface from the coordinates of its body"""
+    cubic_turn: Any
+    """(k,): `c` of the interface's rotation vector, `theta (1 + c theta.theta)`"""
+    offset: Any
+    """(k, 3)"""
+    axes: Any
+    """(k, 3, 3)"""
+
+    @property
+    def on_ground(self) -> bool:
+        """Whether these ends do not move."""
+        return self.velocities is None
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class JointGroup:
+    """k joints of one kind between bodies of the same sizes."""
+
+    constraint: Callable[..., Any] = field(metadata=STATIC)
+    rows: Places = field(metadata=STATIC)
+    """Of the constraint equations, the redundant ones included"""
+    law: Any
+    """With a leading axis on all its numbers, or None"""
+    first: Ends
+    second: Ends
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class ForceGroup:
+    """k forces of one kind between markers of bodies of the same sizes."""
+
+    wrenches: Callable[..., Any] = field(metadata=STATIC)
+    law: Any
+    parameters: tuple[Any, ...]
+    first: Ends
+    second: Ends
+    reaction: Places | None = field(default=None, metadata=STATIC)
+    """Constraint equations whose multipliers they read, in the place of a law"""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class NodalLoadArrays:
+    """A load on the nodes of one reduced body, or at a point of a rigid one."""
+
+    body: int = field(metadata=STATIC)
+    velocities: Places = field(metadata=STATIC)
+    coordinates: Places = field(metadata=STATIC)
+    load: Any
+    """`PreparedLoad`, which tells forces and their derivatives from the places of the nodes"""
+    positions: Any
+    """(k, 3) rest positions"""
+    basis: Any
+    """(k, 3, r) displacements per coordinate"""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Reader:
+    """What a controller reads, under a name: the motion of two ends against each other, or of the first."""
+
+    name: str = field(metadata=STATIC)
+    of_joint: bool = field(metadata=STATIC)
+    first: Ends
+    second: Ends
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Actuator:
+    """A force element that a controller drives, under a name."""
+
+    name: str = field(metadata=STATIC)
+    shape: tuple[int, ...] = field(metadata=STATIC)
+    """Of the output"""
+    force: ForceGroup
+    """Of one element"""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class ControlLaw:
+    """A controller."""
+
+    outputs: Callable[..., Any] | None = field(metadata=STATIC)
+    """None of a sampled one, whose outputs are held"""
+    rates: Callable[..., Any] | None = field(metadata=STATIC)
+    readers: tuple[Reader, ...]
+    actuators: tuple[Actuator, ...]
+    initial: Any
+    """(k,) states at the start"""
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """Numbers of the bodies that it reads or drives; none of the ground."""
+        ends = [end for reader in self.readers for end in (reader.first, reader.second)]
+        ends += [end for each in self.actuators for end in (each.force.first, each.force.second)]
+        return tuple(sorted({end.bodies[0] for end in ends if not end.on_ground}))
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Model:
+    """The whole system."""
+
+    groups: tuple[BodyGroup, ...]
+    """The bodies that have inertia here; a full body has its own, outside the compiled equations"""
+    joints: tuple[JointGroup, ...]
+    forces: tuple[ForceGroup, ...]
+    nodal_loads: tuple[NodalLoadArrays, ...]
+    gravity: Any
+    base_accelerations: tuple[Any, ...]
+    """Laws of (3,)"""
+    length: Any
+    """Size of the system, the scale of translations."""
+    mass: Any
+    """Mass of the system, the scale that balances multipliers against accelerations."""
+    sizes: tuple[int, ...] = field(metadata=STATIC)
+    """Number of coordinates of every body"""
+    n_equations: int = field(metadata=STATIC)
+    """Number of constraint equations, redundant ones included"""
+    active: tuple[int, ...] = field(metadata=STATIC)
+    """The constraint equations kept: all but the redundant ones."""
+    controllers: tuple[ControlLaw, ...] = ()
+
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where each body's velocities stand in the common vector."""
+        return _slices([6 + r for r in self.sizes])
+
+    @property
+    def coordinate_slices(self) -> tuple[slice, ...]:
+        """Where each body's coordinates stand in their common vector."""
+        return _slices(self.sizes)
+
+    @property
+    def frames(self) -> Places:
+        """Velocities of the bodies' frames."""
+        return Places(tuple(part.start for part in self.slices), 6)
+
+    @property
+    def deforming_slices(self) -> tuple[slice, ...]:
+        """Velocities of the bodies that have coordinates."""
+        return tuple(part for part in self.slices if part.stop > part.start + 6)
+
+    @property
+    def n_velocities(self) -> int:
+        """Length of the common velocity vector."""
+        return sum(6 + r for r in self.sizes)
+
+    @property
+    def reads_reactions(self) -> bool:
+        """Whether forces depend on what the joints carry."""
+        return any(group.reaction is not None for group in self.forces)
+
+    @property
+    def joints_alone(self) -> Model:
+        """What constraint equations depend on: a program of theirs serves other bodies and loads as well."""
+        return self._without_loads(groups=())
+
+    @property
+    def bodies_alone(self) -> Model:
+        """What the mass matrix depends on."""
+        return self._without_loads(joints=(), n_equations=0, active=())
+
+    def _without_loads(self, **others: Any) -> Model:
+        return replace(self, forces=(), nodal_loads=(), base_accelerations=(), controllers=(), **others)
+
+    def gravity_at(self, time: Any) -> Any:
+        """Gravity seen from a base that accelerates, (3,)."""
+        return self.gravity - sum(law(time) for law in self.base_accelerations)
+
+    def loads_at(self, time: Any) -> Model:
+        """The model whose loads stay as they are at a time: without their tables, which may be long."""
+
+        def held(group: ForceGroup) -> ForceGroup:
+            if group.law is None:
+                return group
+            return replace(group, law=Constant(over(lambda law: jnp.asarray(law(time)), group.law)))
+
+        return replace(
+            self,
+            forces=tuple(held(group) for group in self.forces),
+            nodal_loads=tuple(
+                replace(each, load=replace(each.load, law=Constant(jnp.asarray(each.load.law(time)))))
+                for each in self.nodal_loads
+            ),
+            base_accelerations=tuple(Constant(jnp.asarray(law(time))) for law in self.base_accelerations),
+        )
+
+
+def _slices(sizes: Any) -> tuple[slice, ...]:
+    ends = np.cumsum([0, *sizes])
+    return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))

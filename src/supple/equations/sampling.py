@@ -1,0 +1,112 @@
+"""Sampled controllers: when they are called in a run, and what they give."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
+from supple.equations.control_force import readings_at
+from supple.equations.model import Model
+from supple.errors import ModelError
+from supple.integrate import Run
+from supple.machine import System
+from supple.machine.control import SampledController
+from supple.machine.control.controller import as_memory
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["Sampling", "sampling_of"]
+
+_SAME = 1e-6
+"""Of a period: instants as near to an output time are that time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sampling:
+    """Sampled controllers of a machine, and when each is called.
+
+    What is due at an instant is called when the march goes on from there, so that a part that ends at an
+    instant, and the one that follows, together call it once.
+    """
+
+    system: System
+    instants: Mapping[int, np.ndarray]
+    """By number of the controller, ascending"""
+
+    @property
+    def every(self) -> np.ndarray:
+        """All instants, ascending."""
+        return np.unique(np.concatenate(list(self.instants.values())))
+
+    def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:
+        """The controllers after those that are due are called; None where none is."""
+        time = float(motion.time)
+        due = [number for number, instants in self.instants.items() if time in instants]
+        if not due:
+            return None
+        read = motion._replace(control=ControlStep(control, np.zeros(())))
+        every = jax.tree.map(np.asarray, _read(model, read))
+        held, memory = list(control.held), list(control.memory)
+        for number in due:
+            held[number], memory[number] = self._called(number, time, every[number], control.memory[number])
+        return control._replace(held=tuple(held), memory=tuple(memory))
+
+    def _called(self, number: int, time: float, readings: Any, memory: Any) -> tuple[Any, Any]:
+        controller = self.system.controllers[number]
+        assert isinstance(controller, SampledController)
+        what = f"controller '{controller.name}' at t = {time:g}"
+        given = {name: np.array(value) for name, value in memory.items()}
+        found = controller.law(time, readings, given)
+        if not isinstance(found, tuple) or len(found) != 2 or not isinstance(found[0], Mapping):
+            raise ModelError(f"{what}: it must return (outputs, memory), two dictionaries; it gave {found!r}")
+        outputs, after = found
+        if set(outputs) != set(controller.drives):
+            raise ModelError(
+                f"{what}: outputs for {sorted(controller.drives)} are needed, it gave {sorted(outputs)}"
+            )
+        held = {}
+        for name, element in controller.drives.items():
+            value = np.array(outputs[name], dtype=float)
+            if value.size != np.zeros(element.value_shape).size or not np.isfinite(value).all():
+                raise ModelError(
+                    f"{what}: output '{name}' must be finite, of shape {element.value_shape}, got {value}"
+                )
+            held[name] = value.reshape(element.value_shape)
+        remembered = as_memory(controller.name, after)
+        shapes = {name: value.shape for name, value in remembered.items()}
+        # Against what it was given, not against `given`, which the law may have changed in place.
+        if shapes != {name: np.shape(value) for name, value in memory.items()}:
+            raise ModelError(
+                f"{what}: its memory must keep its names and shapes, for it stands in result files; it gave "
+                f"{shapes}; give all it will need as memory={{..}}"
+            )
+        return held, remembered
+
+
+def sampling_of(system: System, run: Run) -> Sampling | None:
+    """When the controllers of a machine are called in a run; None where none is sampled."""
+    times = run.times
+    found = {}
+    for number, controller in enumerate(system.controllers):
+        if isinstance(controller, SampledController):
+            count = int(np.floor((times[-1] - times[0]) / controller.every * (1 + 1e-12))) + 1
+            instants = times[0] + controller.every * np.arange(count)
+            nearest = times[np.clip(np.searchsorted(times, instants), 1, len(times) - 1)]
+            before = times[np.clip(np.searchsorted(times, instants) - 1, 0, len(times) - 1)]
+            for output in (before, nearest):
+                same = abs(instants - output) <= _SAME * controller.every
+                instants = np.where(same, output, instants)
+            found[number] = instants
+    return Sampling(system, found) if found else None
+
+
+def _readings(model: Model, motion: SystemMotion) -> Any:
+    return readings_at(model, motion)
+
+
+_read = KeptProgram(_readings, STARTING)

@@ -1,0 +1,73 @@
+"""Is a constraint equation redundant everywhere, or in the initial configuration alone?
+
+Where a mechanism stands in a dead point (a flat parallelogram, a folded slider-crank, a taut chain between
+two pins) its constraint equations depend on each other there and nowhere else. Left out for the whole run,
+such an equation opens its joint as soon as the mechanism moves. It is found out by moving: a little along the
+free motions of the joints that are kept, which are closed again; an equation that is truly redundant holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import scipy.linalg
+
+from supple.equations.configuration import Configuration
+from supple.equations.model import Model
+from supple.errors import ConvergenceError, ModelError
+
+__all__ = ["check_redundant_nearby", "neighbours"]
+
+MOVED_BY = 1e-3
+"""Parts of the system's size, and rad: a joint that opens with the square of the motion opens by 1e-6."""
+OPENED_BY = 1e-8
+"""What the joint of a truly redundant equation stays below: a thousand times what closing leaves."""
+DIRECTIONS = 3
+"""Combinations of the free motions that are tried: one alone may be the one that opens nothing."""
+
+
+def neighbours(model: Model, jacobian: np.ndarray) -> np.ndarray:
+    """Small motions of the bodies' frames (k, nb, 6) that the joints allow to first order.
+
+    jacobian : (m, n)   of the constraint equations that are kept, for the velocities of `model`
+    """
+    length = float(model.length)
+    scale = np.tile(np.concatenate([np.full(3, length), np.ones(3)]), len(model.slices))
+    columns = [jacobian[:, part.start : part.start + 6] for part in model.slices]
+    free = scipy.linalg.null_space(np.hstack(columns) * scale, rcond=1e-9)
+    if not free.shape[1]:
+        return np.zeros((0, len(model.slices), 6))
+    random = np.random.default_rng(0).standard_normal((DIRECTIONS, free.shape[1]))
+    moves = random @ free.T
+    moves *= MOVED_BY / np.abs(moves).max(axis=1, keepdims=True)
+    return (moves * scale).reshape(DIRECTIONS, len(model.slices), 6)
+
+
+def check_redundant_nearby(
+    labels: Sequence[str],
+    left_out: Sequence[int],
+    nearby: Sequence[np.ndarray],
+    closed: Callable[[np.ndarray], Configuration],
+    relative_residual: Callable[[Configuration], np.ndarray],
+) -> None:
+    """Raise ModelError when an equation left out does not hold in a neighbouring configuration.
+
+    labels : of all equations           left_out : those that depend on others in the initial configuration
+    nearby : motions of the frames      closed : the configuration after such a motion, kept joints closed
+    relative_residual : of all equations, positions in parts of the system's size
+    """
+    for motion in nearby:
+        try:
+            opened = np.abs(relative_residual(closed(motion)))[list(left_out)]
+        except ConvergenceError:
+            continue  # not a configuration the kept joints can reach
+        worst = int(np.argmax(opened))
+        if opened[worst] > OPENED_BY:
+            names = ", ".join(labels[index] for index in left_out)
+            raise ModelError(
+                f"the mechanism starts in a dead point: {names} depend(s) on the other joints in the initial "
+                f"configuration, but not beside it, where {labels[left_out[worst]]} would open by "
+                f"{opened[worst]:.2g} of its size or rad. How it leaves that position is undetermined: place "
+                "the bodies beside it (a driving joint with an angle there is enough), all joints closed"
+            )

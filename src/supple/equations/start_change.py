@@ -1,0 +1,214 @@
+"""What was chosen and changed of the initial state: motions, velocities, energies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from supple.equations.build_model import row_scales, system_length
+from supple.equations.configuration import Configuration
+from supple.equations.start_velocity import given_parts
+from supple.machine import System
+
+__all__ = [
+    "Deforming",
+    "Moved",
+    "Open",
+    "Slowed",
+    "StartChange",
+    "StartEnergies",
+    "Taken",
+    "velocities_taken",
+]
+
+OPEN = 1e-6
+"""Of the machine's size, and rad: placements written with six digits pass."""
+SLOWED = 1e-5
+"""Of the kinetic energy: velocities written with three digits pass."""
+UNMET = 1e-3
+"""Of the largest rate of the joints' equations: placements written with three digits pass."""
+NAMED = 0.1
+"""Of the largest change: bodies and joints with less are not named."""
+ROUNDING = 1e-9
+"""Of the largest velocity."""
+
+
+@dataclass(frozen=True)
+class Open:
+    """A constraint equation of a joint that was not met, by `gap` (length or rad; its rate, per time)."""
+
+    joint: str
+    row: str
+    gap: float
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A body that was moved by a distance, and turned by an angle (rad), to close the joints."""
+
+    body: str
+    distance: float
+    angle: float
+
+
+@dataclass(frozen=True)
+class Slowed:
+    """A body whose given velocity was changed: speeds and angular speeds before and after."""
+
+    body: str
+    speeds: tuple[float, float]
+    spins: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A body that was given no velocity and takes one from what drives it: its speed and angular speed."""
+
+    body: str
+    speed: float
+    spin: float
+
+
+@dataclass(frozen=True)
+class Deforming:
+    """A body that starts with a deformation rate, of some kinetic energy, as no rigid motion fits."""
+
+    body: str
+    energy: float
+
+
+class StartEnergies(NamedTuple):
+    """Kinetic energies (nb,) of the bodies at the velocities of a start."""
+
+    given: np.ndarray
+    found: np.ndarray
+    against: np.ndarray
+    """Of the change of velocities that were given"""
+    deforming: np.ndarray
+    """Of what no rigid motion meets"""
+
+
+@dataclass(frozen=True)
+class StartChange:
+    """What was chosen and changed of an initial state; empty where it was nothing but rounding.
+
+    open, moved : joints that did not meet, the worst first; bodies moved to close them
+    against, slowed : joints that did not allow the velocities, the worst first; bodies whose velocity was
+        given and was changed
+    energies : kinetic energy of the bodies that were given a velocity, as given, and as changed
+    taken : bodies that were given no velocity and start with one
+    unmet, deforming : joints whose rates no rigid motion of the bodies meets, the worst first; bodies that
+        start with a deformation rate for it
+    """
+
+    open: tuple[Open, ...]
+    moved: tuple[Moved, ...]
+    against: tuple[Open, ...]
+    slowed: tuple[Slowed, ...]
+    energies: tuple[float, float]
+    taken: tuple[Taken, ...]
+    unmet: tuple[Open, ...]
+    deforming: tuple[Deforming, ...]
+
+    @classmethod
+    def of_positions_and_velocities(
+        cls,
+        system: System,
+        *,
+        residual: np.ndarray,
+        closed: Configuration,
+        rates: np.ndarray,
+        unmet: np.ndarray,
+        largest_rate: float,
+        velocities: tuple[np.ndarray, np.ndarray],
+        energies: StartEnergies,
+    ) -> StartChange:
+        """Compare the state given with the state found.
+
+        residual, rates : (m,)      of all constraint equations before, their rates at the velocities given
+        closed : Configuration      with the joints closed
+        unmet : (m,)                rates that no rigid motion meets
+        largest_rate : of an equation, over its scale
+        velocities : (nb, 6) each   of the frames, given and found
+        """
+        scales = row_scales(system)
+        gaps = _open(system, np.abs(residual), np.abs(residual) / scales > OPEN)
+        names = [placed.body.name for placed in system.bodies]
+        before, after = velocities
+        is_given = given_parts(system).any(axis=1)
+        of_given = float(energies.given[is_given].sum()), float(energies.found[is_given].sum())
+        slowed = _largest(energies.against, SLOWED * (of_given[0] or of_given[1]))
+        misfits = np.abs(unmet) / scales > UNMET * largest_rate
+        deforming = _largest(energies.deforming, 0.0) if misfits.any() else ()
+        return cls(
+            open=gaps,
+            moved=_moved(system, closed) if gaps else (),
+            against=_open(system, np.abs(rates), _are_largest(rates / scales)) if slowed.size else (),
+            slowed=tuple(
+                Slowed(
+                    names[i],
+                    (float(np.linalg.norm(before[i, :3])), float(np.linalg.norm(after[i, :3]))),
+                    (float(np.linalg.norm(before[i, 3:])), float(np.linalg.norm(after[i, 3:]))),
+                )
+                for i in slowed
+            ),
+            energies=of_given,
+            taken=velocities_taken(system, after),
+            unmet=_open(system, np.abs(unmet), misfits & _are_largest(unmet / scales)),
+            deforming=tuple(Deforming(names[i], float(energies.deforming[i])) for i in deforming),
+        )
+
+
+def velocities_taken(system: System, velocities: np.ndarray) -> tuple[Taken, ...]:
+    """Bodies that were given no velocity, and move with the velocities (nb, 6) of their frames."""
+    sizes = np.linalg.norm(velocities.reshape(-1, 2, 3), axis=2)
+    least = ROUNDING * np.max(sizes, axis=0, initial=0.0)
+    return tuple(
+        Taken(placed.body.name, float(speed), float(spin))
+        for placed, given, (speed, spin) in zip(system.bodies, given_parts(system), sizes, strict=True)
+        if not given.any() and (speed > least[0] or spin > least[1])
+    )
+
+
+def _largest(energies: np.ndarray, least: float) -> np.ndarray:
+    """Bodies with at least a tenth of the largest energy, where this is more than `least`."""
+    return np.flatnonzero((energies > least) & (energies >= NAMED * np.max(energies, initial=0.0)))
+
+
+def _are_largest(rates: np.ndarray) -> np.ndarray:
+    return np.abs(rates) > NAMED * np.max(np.abs(rates), initial=0.0)
+
+
+def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Open, ...]:
+    """The worst equation of each joint that has any among `which`, the worst joint first."""
+    relative = gaps / row_scales(system)
+    worst, stands = [], system.constraint_slices
+    for joint in system.joints:
+        rows = np.arange(system.n_constraints)[stands[joint.name]]
+        own = rows[which[rows]]
+        if own.size:
+            row = own[np.argmax(relative[own])]
+            worst.append((relative[row], Open(joint.name, joint.rows[row - rows[0]], float(gaps[row]))))
+    return tuple(each for _, each in sorted(worst, key=lambda pair: -pair[0]))
+
+
+def _moved(system: System, closed: Configuration) -> tuple[Moved, ...]:
+    """Bodies moved by a tenth of the largest motion or more, an angle at the arm of the machine's size."""
+    distances = np.linalg.norm(
+        np.asarray(closed.origins) - [placed.position for placed in system.bodies], axis=1
+    )
+    turns = [
+        placed.rotation.T @ rotation
+        for placed, rotation in zip(system.bodies, np.asarray(closed.rotations), strict=True)
+    ]
+    angles = Rotation.from_matrix(np.array(turns)).magnitude()
+    motions = distances + system_length(system) * angles
+    far = motions >= NAMED * motions.max()
+    return tuple(
+        Moved(placed.body.name, float(distances[i]), float(angles[i]))
+        for i, placed in enumerate(system.bodies)
+        if far[i]
+    )

@@ -1,0 +1,184 @@
+"""Velocities that fit the joints: rigid motions of the bodies first, deformation only where none fits.
+
+With velocities `v` as given, rates `r = G v + dg/dt` of the joints' equations, and rigid motions `R w` of the
+bodies,
+
+    G R w = - r,        least  w^T (R^T M R) w / 2
+
+A body keeps a velocity that is given while those that are not given can meet the joints. Levels are bodies
+without any velocity; the velocity, or angular velocity, that other bodies were not given; what was given. A
+level changes only by what those before it cannot meet, each by the least in kinetic energy. What no
+rigid motion meets is met by the motion `x` of least kinetic energy beside the best rigid one:
+
+    G x = - (r + G R w),    least over x and w of  x^T M x / 2
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+from supple.equations.build_model import row_scales
+from supple.equations.configuration import Configuration
+from supple.equations.starting_machine import JointTerms, StartingMachine
+from supple.machine import System
+
+__all__ = [
+    "RigidFit",
+    "VelocityChange",
+    "change_by_levels",
+    "given_parts",
+    "levels_of_body",
+    "rigid_fit",
+    "velocity_change",
+]
+
+_RANK = 1e-9
+"""Of a motion's effect on the joints: what is left of it by others counts for nothing below this part."""
+_MET = 1e-9
+"""Of the rates from all velocities: what is left of them below this part is rounding."""
+
+
+class RigidFit(NamedTuple):
+    """The rigid motion that meets the joints' rates, or comes nearest to it."""
+
+    by_level: list[np.ndarray]
+    """Velocities (n,) that each level adds"""
+    left: np.ndarray
+    """Rates (m,) that are left, rounding included"""
+    unmet: np.ndarray
+    """The same, and zero where it is nothing but rounding"""
+    largest: float
+    """Rate of an equation from all velocities, over what counts as one of it"""
+
+
+class VelocityChange(NamedTuple):
+    """By what velocities are changed to fit the joints, vectors (n,); `rigid + deforming` is all of it."""
+
+    rigid: np.ndarray
+    """Of the frames"""
+    against: np.ndarray
+    """The part of `rigid` that changes velocities that were given"""
+    deforming: np.ndarray
+    """For what no rigid motion meets, of least kinetic energy; rounding where there is none"""
+    fit: RigidFit
+
+
+def velocity_change(
+    machine: StartingMachine, configuration: Configuration, velocity: np.ndarray, terms: JointTerms
+) -> VelocityChange:
+    """The change of velocities after which the joints' rates vanish: `G change = - rate`.
+
+    machine : without redundant equations, its joints closed
+    velocity : (n,)  as given, zero where not
+    """
+    frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.model.slices])
+    motions = zip(given_parts(machine.system), machine.frame_masses(configuration), strict=True)
+    by_body = [levels_of_body(given, mass) for given, mass in motions]
+    fit = rigid_fit(
+        [np.asarray(scipy.linalg.block_diag(*own)) for own in zip(*by_body, strict=True)],
+        np.asarray(terms.jacobian)[:, frames],
+        np.asarray(terms.rate),
+        row_scales(machine.system)[list(machine.model.active)],
+        lambda: machine.joint_masses(configuration, terms),
+    )
+    own_frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.slices])
+    rigid, against = np.zeros((2, machine.slices[-1].stop))
+    rigid[own_frames], against[own_frames] = np.sum(fit.by_level, axis=0), fit.by_level[-1]
+    deforming = machine.least_change(configuration, velocity + rigid, terms, fit.left)
+    return VelocityChange(rigid, against, deforming, fit)
+
+
+def rigid_fit(
+    levels: Sequence[np.ndarray],
+    rows: np.ndarray,
+    rates: np.ndarray,
+    scales: np.ndarray,
+    joint_masses: Callable[[], np.ndarray],
+) -> RigidFit:
+    """The rigid motion that takes away the joints' rates, level by level.
+
+    levels : (n, k) each    rigid motions, of unit mass and orthogonal in it
+    rows : (m, n)           derivatives of the rates
+    rates, scales : (m,)    to take away, and what counts as one of each
+    joint_masses : (m, m)   asked for where no rigid motion takes all away: what is left is then least in the
+        kinetic energy of the motion of all freedoms that it takes
+    """
+    effects = [rows @ own for own in levels]
+
+    def moving(weights: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+        found = change_by_levels([weights @ own for own in effects], -weights @ rates)
+        return found, rates + sum(own @ by for own, by in zip(effects, found, strict=True))
+
+    found, left = moving(np.diag(1 / scales))
+    sizes = np.abs(rates) + sum(np.abs(own) @ np.abs(by) for own, by in zip(effects, found, strict=True))
+    largest = float(np.max(sizes / scales, initial=0.0))
+    fits = bool(np.all(np.abs(left) / scales <= _MET * largest))
+    if not fits:
+        masses = joint_masses()
+        found, left = moving(scipy.linalg.cholesky((masses + masses.T) / 2))
+    by_level = [own @ by for own, by in zip(levels, found, strict=True)]
+    return RigidFit(by_level, left, np.zeros_like(left) if fits else left, largest)
+
+
+def given_parts(system: System) -> np.ndarray:
+    """Whether velocity and angular velocity of each body are given, (nb, 2)."""
+    return np.array(
+        [[own is not None for own in (body.velocity, body.angular_velocity)] for body in system.bodies]
+    )
+
+
+def change_by_levels(effects: Sequence[np.ndarray], wanted: np.ndarray) -> list[np.ndarray]:
+    """Least squares in which each level does only what those before it cannot.
+
+    effects : (m, k) each, in coordinates of unit mass
+    wanted : (m,)       `sum effects x = wanted` in the least squares; of all such the last level's x is
+        least, then that of the one before it
+
+    Returns x (k,) of each level.
+    """
+    found: list[np.ndarray] = []
+    for level in reversed(range(len(effects))):
+        own, before = effects[level], np.hstack([np.zeros((len(wanted), 0)), *effects[:level]])
+        spanned = _range(before)
+        alone = own - spanned @ (spanned.T @ own)
+        rest = wanted - spanned @ (spanned.T @ wanted)
+        found.append(_least_squares(alone, rest, own))
+        wanted = wanted - own @ found[-1]
+    return found[::-1]
+
+
+def _range(matrix: np.ndarray) -> np.ndarray:
+    """Orthonormal columns that span those of a matrix."""
+    if not matrix.size:
+        return np.zeros((len(matrix), 0))
+    left, sizes, _ = np.linalg.svd(matrix, full_matrices=False)
+    return left[:, sizes > _RANK * sizes[0]]
+
+
+def _least_squares(alone: np.ndarray, rest: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """Least squares of a level; singular values are compared with those it has without the levels before."""
+    if not alone.size:
+        return np.zeros(alone.shape[1])
+    left, sizes, right = np.linalg.svd(alone, full_matrices=False)
+    kept = sizes > _RANK * np.linalg.norm(own, 2)
+    return right[kept].T @ ((left[:, kept].T @ rest) / sizes[kept])
+
+
+def levels_of_body(given: np.ndarray, mass: np.ndarray) -> list[np.ndarray]:
+    """Of one body, rigid motions (6, k) of unit mass for each of the three levels.
+
+    given : (2,)        whether its velocity and angular velocity are given
+    mass : (6, 6)       of its rigid motion
+    """
+    level_of = np.where(given, 2, 1 if given.any() else 0)
+    levels = []
+    for level in range(3):
+        rows = np.flatnonzero(np.repeat(level_of == level, 3))
+        own = np.zeros((6, len(rows)))
+        own[rows] = np.linalg.inv(np.linalg.cholesky(mass[np.ix_(rows, rows)])).T
+        levels.append(own)
+    return levels

@@ -1,0 +1,173 @@
+"""Machines that turn steadily: their motion at one instant, and their equations seen in axes that turn along.
+
+A body that turns about an axis fixed in space has constant velocities in its own axes. Small motions about
+that state are measured there as well: `p = (A^T dR, psi, e)`, with the velocities and accelerations
+
+    V = dp/dt + S p,        a = dV/dt + S_R V,
+
+`S` holding `w x` for the translation and the rotation of each frame, `S_R` for the translation alone; `w` in
+the body's axes. Linear equations `M a + C V + K p` then have constant coefficients,
+
+    M p'' + [ C + M (S + S_R) ] p' + [ K + C S + M S_R S ] p.
+
+The last bracket is also the derivative of the unbalanced force of a steady state for its configuration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.cross import cross_matrices
+from supple.equations.balance import Balance, Linearization, tangent
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import AnyArray, Configuration, SystemMotion
+from supple.equations.control_force import resting_control
+from supple.equations.control_linearization import LinearControl, control_at_rest
+from supple.equations.joint_force import constraint_rows
+from supple.equations.model import Model
+from supple.integrate import StepFactors
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = [
+    "LinearEquations",
+    "Turning",
+    "in_turning_axes",
+    "linear_equations",
+    "steady_motion",
+    "step_matrix",
+    "turning_velocities",
+    "work_of_turning",
+]
+
+
+_LARGE = 2.0**300
+"""A power of two: by it nothing is rounded."""
+
+
+class Turning(NamedTuple):
+    """How every body turns."""
+
+    angular_velocities: AnyArray
+    """(nb, 3), global"""
+    point: AnyArray
+    """(3,), on the axis"""
+
+    def slowed(self, share: float) -> Turning:
+        """The same at a share of its rate."""
+        return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
+
+
+class LinearEquations(NamedTuple):
+    """`M p'' + C p' + K p + G^T l = H z`, `G p = 0`, in axes that turn with the bodies."""
+
+    mass: AnyArray
+    """(n, n)"""
+    damping: AnyArray
+    """(n, n), with the gyroscopic terms"""
+    stiffness: AnyArray
+    """(n, n), with the centrifugal terms and those of the forces that are carried"""
+    jacobian: AnyArray
+    """(m, n)"""
+    control: LinearControl
+    """States z of controllers: `z' = E_p p + E_v p' + E_z z`"""
+
+
+def steady_motion(
+    model: Model,
+    turning: Turning,
+    time: float,
+    configuration: Configuration,
+    multipliers: AnyArray,
+    states: AnyArray,
+) -> SystemMotion:
+    """The motion of bodies that turn without any other change of what they see.
+
+    states : of all controllers, one after the other
+    """
+    velocity, acceleration = turning_velocities(
+        turning, configuration, model.frames.starts, model.n_velocities
+    )
+    control = resting_control(model, states)
+    return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers, control)
+
+
+def work_of_turning(model: Model, turning: Turning) -> float:
+    """Of the inertia forces of a machine that turns, as if all its mass went round."""
+    rate = np.max(np.linalg.norm(turning.angular_velocities, axis=1))
+    return float(model.mass * (rate * model.length) ** 2)
+
+
+def turning_velocities(
+    turning: Turning, configuration: Configuration, frame_starts: Sequence[int], n: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and accelerations (n,) of bodies that turn steadily, their frames from `frame_starts` on.
+
+    The angular velocities are constant, in space and in the body's axes.
+    """
+    w = turning.angular_velocities
+    velocity, acceleration = np.zeros((2, n))
+    places = np.array(frame_starts)[:, None] + np.arange(3)
+    moving = np.cross(w, configuration.origins - turning.point)
+    velocity[places] = moving
+    velocity[places + 3] = np.einsum("bji,bj->bi", configuration.rotations, w)
+    acceleration[places] = np.cross(w, moving)
+    return velocity, acceleration
+
+
+def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
+    """The equations of motion, linearised about a steady motion, at which `terms` were evaluated."""
+    mass = step_matrix(model, motion, terms, 0.0, 0.0)
+    # So large a factor that nothing is lost beside the mass, whatever the unit of time.
+    damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
+    stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
+    axes = in_turning_axes(model, motion.configuration)
+    mass, damping, stiffness = (axes.T @ each @ axes for each in (mass, damping, stiffness))
+    frames, translations = _spins(model, turning, motion.configuration)
+    control = control_at_rest(model, motion).linear.along(axes)
+    return LinearEquations(
+        mass=mass,
+        damping=damping + mass @ (frames + translations),
+        stiffness=stiffness + damping @ frames + mass @ translations @ frames,
+        jacobian=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
+        control=control._replace(by_position=control.by_position + control.by_velocity @ frames),
+    )
+
+
+def step_matrix(
+    model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
+) -> np.ndarray:
+    """`M + by_velocity C + by_position K` (n, n), by one compiled program whatever the factors are."""
+    factors = StepFactors(np.asarray(by_position), np.asarray(by_velocity))
+    return np.asarray(_tangent(model, motion, terms.linearization, factors))
+
+
+def _tangent_of_step(
+    model: Model, motion: SystemMotion, linearization: Linearization, factors: StepFactors
+) -> jax.Array:
+    return tangent(model, motion, linearization, jnp.zeros(model.n_velocities), factors)
+
+
+_tangent = KeptProgram(_tangent_of_step, STARTING)
+
+
+def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
+    """Matrix (n, n) from small motions in the bodies' axes to increments of the configuration."""
+    axes = np.eye(model.n_velocities)
+    for start, rotation in zip(model.frames.starts, np.asarray(configuration.rotations), strict=True):
+        axes[start : start + 3, start : start + 3] = rotation
+    return axes
+
+
+def _spins(model: Model, turning: Turning, configuration: Configuration) -> tuple[np.ndarray, np.ndarray]:
+    """`S` and `S_R`, (n, n)."""
+    frames, translations = np.zeros((2, model.n_velocities, model.n_velocities))
+    in_body = np.einsum("bji,bj->bi", configuration.rotations, turning.angular_velocities)
+    for start, spin in zip(model.frames.starts, cross_matrices(in_body), strict=True):
+        first, second = slice(start, start + 3), slice(start + 3, start + 6)
+        translations[first, first] = frames[first, first] = frames[second, second] = spin
+    return frames, translations

@@ -1,0 +1,15 @@
+"""Self-correcting reduction: rounds, missing motion, the error estimate."""
+
+from supple.error.basis_error import *
+from supple.error.batch_estimate import *
+from supple.error.correction_folder import *
+from supple.error.correction_rounds import *
+from supple.error.error_estimate import *
+from supple.error.error_study import *
+from supple.error.judged_quantity import *
+from supple.error.recorded_correction import *
+from supple.error.residual_correction import *
+from supple.error.round_archive import *
+from supple.error.round_table import *
+from supple.error.self_correction import *
+from supple.error.static_correction import *

@@ -1,0 +1,100 @@
+"""The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
+
+The error equation tells the true motion, to first order, and says itself where that is not enough
+(`BodyError.second` above a third). There a run with much richer bases is made instead. So it is where the
+estimate is doubtful (`BodyError.is_doubtful`): about a run that locks the equation can find too little.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from supple.body.full_body import FullBody
+from supple.error.basis_error import ENRICH
+from supple.error.check_run import check_run
+from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
+from supple.error.judged_quantity import JudgedQuantity, quantity_distance
+from supple.error.run_distance import largest_displacement
+from supple.integrate import ErrorPart, Run, Solution
+from supple.machine import System
+from supple.reduction import ReductionBasis
+
+__all__ = ["basis_parts", "distances", "in_full", "stated_of"]
+
+NEGLIGIBLE = 1e-3
+"""Of the largest displacement: motion missed at rest that is less raises no doubt."""
+
+
+def basis_parts(
+    system: System,
+    run: Run,
+    solution: Solution,
+    fulls: Mapping[str, FullBody],
+    bases: Mapping[str, ReductionBasis],
+    quantities: Sequence[JudgedQuantity],
+    *,
+    progress: Callable[[str, float], None] | None = None,
+) -> dict[str, ErrorPart]:
+    """The part of the bases in some quantities of a finished run, by their names.
+
+    fulls, bases : of the reduced bodies that are judged, by name
+    """
+    asked = stated_of(system, bases, quantities)
+    if system.controllers:  # they have no part in the error equation
+        return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+    step = "the error equation"
+    share = None if progress is None else lambda fraction: progress(step, fraction)
+    whole = in_full(system, fulls, bases)
+    estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
+    found = estimate.error.bodies
+    doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
+    if all(each.is_converged for each in found.values()) and not doubtful:
+        return {
+            name: ErrorPart(value, step, ENRICH)
+            for name, value in distances(system, solution, estimate, asked).items()
+        }
+    return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+
+
+def stated_of(
+    system: System, names: Collection[str], quantities: Sequence[JudgedQuantity]
+) -> list[JudgedQuantity]:
+    """Those quantities of which the bases of some bodies are all that is missing.
+
+    names : of the bodies whose bases are judged; what moves with others as well is not known from these
+    """
+    elastic = {each.body.name for each in system.bodies if each.body.n_coordinates}
+    is_whole = elastic <= set(names)
+    return [each for each in quantities if is_whole or each.body in names]
+
+
+def distances(
+    system: System, solution: Solution, estimate: ErrorEstimate, quantities: Sequence[JudgedQuantity]
+) -> dict[str, float]:
+    """Error of a run in some quantities, by their names; infinite where the equation has no solution."""
+    if estimate.corrected is None:
+        return {each.name: np.inf for each in quantities}
+    # What the space of the error lacks is known of whole bodies: of others in the same proportion.
+    bodies = estimate.error.bodies.values()
+    lack = max(each.estimate / each.rms if each.rms else 1.0 for each in bodies)
+    return {
+        each.name: lack * quantity_distance(each, system, solution, *estimate.corrected)
+        for each in quantities
+    }
+
+
+def _negligible(system: System, solution: Solution, name: str) -> float:
+    body = system.bodies[system.body_index(name)].body
+    return NEGLIGIBLE * largest_displacement(body, solution.bodies[name])
+
+
+def in_full(system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> System:
+    """The machine with its reduced bodies in full, as deformed at the start as they were."""
+    bodies = [
+        placed.in_form(fulls[name], bases[name].vectors) if (name := placed.body.name) in bases else placed
+        for placed in system.bodies
+    ]
+    return replace(system, bodies=tuple(bodies))

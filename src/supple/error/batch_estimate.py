@@ -1,0 +1,240 @@
+"""What the bases of many runs of one machine cost, by the error equation, all marched together.
+
+The runs share their bodies and bases, and so they can share what is dear: one space of errors, made of
+corrections at instants of all runs together, and the matrices of the deformed bodies. Each run has its own
+residual and its own march, over which the compiled program is mapped. Where an error is not small, its run is
+judged once more by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from supple.body.full_body import FullBody
+from supple.error.basis_error import ENRICH, FIRST_ORDER, BasisError
+from supple.error.basis_part import in_full, stated_of
+from supple.error.check_run import check_run
+from supple.error.equation import (
+    ErrorEquation,
+    JudgedBody,
+    error_space,
+    modes_in_frame,
+    run_columns,
+    second_correction,
+)
+from supple.error.equation.error_batch import first_together
+from supple.error.equation.linearised_march import ErrorState
+from supple.error.error_estimate import (
+    FRESH,
+    INSTANTS,
+    ErrorEstimator,
+    body_error,
+    check_linearised,
+    deformed_rows,
+    is_smooth,
+    modal_damping,
+    reduced_form,
+    untold,
+)
+from supple.error.error_study import ErrorStudy, statements
+from supple.error.judged_quantity import WholeBody
+from supple.error.looked_at_instants import jittered
+from supple.error.residual_correction import system_corrections
+from supple.error.settled_error import is_small, settled
+from supple.error.stopping import withheld
+from supple.errors import ModelError
+from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
+from supple.machine import System
+from supple.methods.floating.compiled.every_step import every_step
+from supple.reduction import ReducedBody, ReductionBasis
+from supple.simulation.kept_basis import kept_bases
+
+__all__ = ["estimate_batch_errors", "state_batch_errors"]
+
+
+def state_batch_errors(
+    cases: Sequence[System], run: Run, solutions: Sequence[Solution], fulls: Mapping[str, FullBody]
+) -> tuple[Solution, ...]:
+    """The solutions of a batch with what their bases cost, and the floor of the integration.
+
+    Parameters as for `estimate_batch_errors`. Step and model are looked at of single runs (`state_errors`).
+    """
+    bases = kept_bases(cases[0], fulls)
+    quantities = [WholeBody(name) for name in bases]
+    study = ErrorStudy(basis=False, integration=False, model=False)
+    stated = []
+    for system, solution, own in zip(
+        cases, solutions, estimate_batch_errors(cases, run, solutions, fulls), strict=True
+    ):
+        bodies = own.bodies.values()
+        if solution.stopped is not None:
+            parts = {}
+        elif any(each.is_doubtful(np.inf) or not each.is_converged for each in bodies):  # e.g. they lock
+            asked = stated_of(system, bases, quantities)
+            parts = check_run(system, run, solution, fulls, bases, asked)
+        else:
+            parts = {
+                name: ErrorPart(each.estimate, "the error equation", ENRICH)
+                for name, each in own.bodies.items()
+            }
+        stated.append(
+            solution.with_errors(
+                statements(system, run, solution, study, fulls, bases, parts, quantities=quantities)
+            )
+        )
+    return tuple(stated)
+
+
+def estimate_batch_errors(
+    cases: Sequence[System], run: Run, solutions: Sequence[Solution], fulls: Mapping[str, FullBody]
+) -> tuple[BasisError, ...]:
+    """What the bases of reduced bodies cost each run of a batch, as `estimate_error` tells it of one.
+
+    Sixty factorisations serve all runs; each costs its march besides, in one compiled call with the others.
+
+    Parameters
+    ----------
+    cases, run, solutions : as they were simulated, all with the same bodies
+    fulls : the bodies to judge, with all their coordinates, by name
+
+    Returns
+    -------
+    BasisError      of every run; infinite where it broke off or the equation has no finite solution
+
+    Raises
+    ------
+    ModelError      bodies that differ from case to case, or are not made of those in full; nothing to judge
+    """
+    check_linearised(cases[0])
+    bases = kept_bases(cases[0], fulls)
+    if not bases:
+        raise ModelError("batch estimate: give the bodies to judge in full; none of them is in the cases")
+    for system in cases[1:]:
+        for one, other in zip(cases[0].bodies, system.bodies, strict=True):
+            if one.body is not other.body:
+                raise ModelError(
+                    f"batch estimate: body '{one.body.name}' is not the same object in all cases"
+                )
+    whole = [number for number, solution in enumerate(solutions) if solution.stopped is None]
+    found = {
+        number: BasisError(dict.fromkeys(bases, untold(solution)))
+        for number, solution in enumerate(solutions)
+        if number not in whole
+    }
+    if whole:
+        own = _Batch([cases[i] for i in whole], run, [solutions[i] for i in whole], fulls, bases)
+        found |= dict(zip(whole, own.errors(), strict=True))
+    return tuple(found[number] for number in range(len(solutions)))
+
+
+class _Batch:
+    """Runs that came to their end."""
+
+    def __init__(
+        self,
+        cases: Sequence[System],
+        run: Run,
+        solutions: Sequence[Solution],
+        fulls: Mapping[str, FullBody],
+        bases: Mapping[str, ReductionBasis],
+    ) -> None:
+        self.cases, self.run, self.solutions, self.bases = cases, run, solutions, bases
+        self.fulls = {name: fulls[name] for name in bases}
+        self.steps = [
+            every_step(system, run, solution) for system, solution in zip(cases, solutions, strict=True)
+        ]
+        self.estimators = [ErrorEstimator(in_full(system, fulls, bases), run) for system in cases]
+
+    def errors(self) -> list[BasisError]:
+        """Of every run."""
+        looked, fresh = self._corrections(INSTANTS - FRESH, 0), self._corrections(FRESH, 1)
+        bodies = {name: self._judged(name, looked[name]) for name in self.bases}
+        equations = [self._equation(number, bodies) for number in range(len(self.cases))]
+        # A compiled march goes over as many steps in all its runs.
+        found = {}
+        for n_steps in {len(each.solution.times) for each in self.steps}:
+            rows = [i for i, each in enumerate(self.steps) if len(each.solution.times) == n_steps]
+            found |= dict(zip(rows, first_together([equations[i] for i in rows]), strict=True))
+        return [
+            self._error(number, equations[number], found[number], fresh) for number in range(len(self.cases))
+        ]
+
+    def _corrections(self, number: int, seed: int) -> dict[str, np.ndarray]:
+        """Motion that the runs miss at instants of all of them together, (n, number) by body."""
+        n_cases, lengths = len(self.cases), [len(each.solution.times) for each in self.steps]
+        # A run has its share of the instants; of many runs some have none.
+        chosen = (np.arange(number) * n_cases) // number if n_cases > 1 else np.zeros(number, dtype=int)
+        fields: dict[str, list[np.ndarray]] = {name: [] for name in self.bases}
+        for case in np.unique(chosen):
+            share = int(np.sum(chosen == case))
+            missed = system_corrections(
+                self.cases[case],
+                tuple(self.fulls.values()),
+                self.bases,
+                self.steps[case].solution,
+                jittered(lengths[case], min(share, lengths[case] - 1), seed=seed + 2 * int(case)),
+            )
+            for name, own in missed.items():
+                fields[name].append(own.deformation)
+        return {name: np.hstack(each) for name, each in fields.items()}
+
+    def _body(self, name: str) -> ReducedBody:
+        """The same in all runs."""
+        return reduced_form(self.cases[0], name)
+
+    def _judged(self, name: str, corrections: np.ndarray) -> JudgedBody:
+        """A body along all runs, one after the other."""
+        full, body = self.fulls[name], self._body(name)
+        motions = [each.solution.bodies[name] for each in self.steps]
+        together = FloatingMotion(
+            **{
+                item: np.concatenate([motion.arrays()[item] for motion in motions])
+                for item in motions[0].arrays()
+            }
+        )
+        motion = run_columns(full.body, body, self.bases[name], together)
+        rows = deformed_rows(len(motion.coordinates))[1:]
+        deformed = motion.vectors @ motion.coordinates[rows].T
+        space = error_space(modes_in_frame(full.body, full.frame), motion.vectors, corrections, deformed)
+        return JudgedBody(full, motion, space, full.damping or modal_damping(body))
+
+    def _equation(self, number: int, bodies: Mapping[str, JudgedBody]) -> ErrorEquation:
+        ends = np.cumsum([0, *(len(each.solution.times) for each in self.steps)])
+        rows = slice(int(ends[number]), int(ends[number + 1]))
+        steps, estimator = self.steps[number].solution, self.estimators[number]
+        return ErrorEquation(
+            self.cases[number],
+            {name: each.along(each.motion.at(rows)) for name, each in bodies.items()},
+            self.run.second_order_method.coefficients,
+            steps,
+            estimator.active(self.solutions[number]),
+            estimator.start_errors(steps, self.bases),
+        )
+
+    def _error(
+        self, number: int, equation: ErrorEquation, found: ErrorState, fresh: Mapping[str, np.ndarray]
+    ) -> BasisError:
+        histories = equation.histories(found)
+        if all(np.isfinite(history.rms).all() for history in histories.values()):
+            second = {name: second_correction(history) for name, history in histories.items()}
+            small = is_small(histories, second)
+            if small and not is_smooth(self.cases[number]):
+                _, histories, second = settled(equation, found, histories, smooth=False)
+                small = max(second.values()) <= FIRST_ORDER
+            if small:
+                outputs = self.steps[number].outputs
+                return BasisError(
+                    {
+                        name: body_error(
+                            history,
+                            second[name],
+                            outputs,
+                            fresh[name],
+                            withheld=withheld(self._body(name)),
+                        )
+                        for name, history in histories.items()
+                    }
+                )
+        return self.estimators[number].judge(self.cases[number], self.bases, self.solutions[number]).error

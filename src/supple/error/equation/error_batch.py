@@ -1,0 +1,117 @@
+"""The error equation of many runs in the same columns, marched in one compiled call."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.equations.compiler_options import MARCHING
+from supple.error.equation.error_history import ErrorEquation
+from supple.error.equation.linearised_march import ElasticGain, ErrorState, GainHistory, march_error
+from supple.error.equation.steps_of_run import blocks_of_run, standing
+from supple.methods.floating.compiled.batch_start import Axes, differing, stacked
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["first_together"]
+
+AT_ONCE = 64
+
+
+def first_together(equations: Sequence[ErrorEquation]) -> list[ErrorState]:
+    """`ErrorEquation.first` of runs of as many steps, whose bodies share one space of errors.
+
+    What the deformation adds is taken from instants of all runs together, so that it is computed once.
+    """
+    gains, histories = _gains(equations)
+    found: list[ErrorState] = []
+    for begin in range(0, len(equations), AT_ONCE):
+        rows = range(begin, min(begin + AT_ONCE, len(equations)))
+        found += _marched(
+            [equations[row] for row in rows],
+            gains,
+            [histories[row] for row in rows],
+            min(AT_ONCE, len(equations)),
+        )
+    return found
+
+
+def _gains(
+    equations: Sequence[ErrorEquation],
+) -> tuple[tuple[ElasticGain, ...], list[tuple[GainHistory, ...]]]:
+    """Shared matrices of nonlinear bodies, and of every run its weights."""
+    first = equations[0]
+    gains, histories = [], []
+    for name, judged in first.bodies.items():
+        if judged.full.body.is_linear:
+            continue
+        motions = [equation.point.bodies[name] for equation in equations]
+        together = motions[0]._replace(
+            coordinates=np.concatenate([each.coordinates for each in motions]),
+            rates=np.concatenate([each.rates for each in motions]),
+        )
+        gain, history = first.gained(name, together)
+        ends = np.cumsum([len(each.coordinates) for each in motions])[:-1]
+        gains.append(gain)
+        histories.append(
+            [GainHistory(*parts) for parts in zip(*(np.split(leaf, ends) for leaf in history), strict=True)]
+        )
+    return tuple(gains), [tuple(own) for own in zip(*histories, strict=True)] or [()] * len(equations)
+
+
+def _marched(
+    equations: Sequence[ErrorEquation],
+    gains: tuple[ElasticGain, ...],
+    histories: Sequence[tuple[GainHistory, ...]],
+    at_once: int,
+) -> list[ErrorState]:
+    """Of one chunk; the last case is repeated where it has fewer than the others."""
+    numbers = [*range(len(equations)), *[len(equations) - 1] * (at_once - len(equations))]
+    models = [equations[i].model for i in numbers]
+    axes = differing(models)
+    program = _mapped_march(jax.tree.structure(models[0]), axes)
+    leaves = stacked(models, axes)
+    coefficients = equations[0].coefficients
+
+    def marched(states: ErrorState, blocks: Any) -> ErrorState:
+        return jax.device_get(
+            program(leaves, gains, coefficients, states, _stacked([blocks[i] for i in numbers]))
+        )
+
+    points = [equation.point.motion for equation in equations]
+    starts = [equation.start_vectors() for equation in equations]
+    position, velocity = (np.stack([starts[i][part] for i in numbers]) for part in (0, 1))
+    none = np.zeros_like(velocity)
+    state = ErrorState(position, velocity, none, none, np.zeros((len(numbers), len(models[0].active))))
+    begun = marched(state, [standing(*each) for each in zip(points, histories, strict=True)])
+    acceleration = begun.acceleration[:, 0]
+    state = ErrorState(position, velocity, acceleration, acceleration, begun.multipliers[:, 0])
+    parts = [jax.tree.map(lambda leaf: leaf[:, None], state)]
+    for blocks in zip(*(blocks_of_run(*each) for each in zip(points, histories, strict=True)), strict=True):
+        number = blocks[0][1]
+        states = marched(state, [block for block, _ in blocks])
+        state = jax.tree.map(lambda leaf, last=number - 1: leaf[:, last], states)
+        parts.append(jax.tree.map(lambda leaf, n=number: leaf[:, :n], states))
+    whole = jax.tree.map(lambda *each: np.concatenate(each, axis=1), *parts)
+    return [jax.tree.map(lambda leaf, own=own: leaf[own], whole) for own in range(len(equations))]
+
+
+def _stacked(trees: Sequence[Any]) -> Any:
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
+
+
+@lru_cache(maxsize=16)
+def _mapped_march(model_structure: Any, axes: Axes) -> KeptProgram:
+    """The compiled march over cases, for one pattern of shared and differing numbers."""
+
+    def over_cases(leaves: list[Any], gains: Any, coefficients: Any, states: Any, blocks: Any) -> Any:
+        def one_case(own: list[Any], state: Any, block: Any) -> Any:
+            model = jax.tree.unflatten(model_structure, own)
+            return march_error(model, gains, coefficients, state, block)[1]
+
+        return jax.vmap(one_case, in_axes=(list(axes), 0, 0))(leaves, states, blocks)
+
+    return KeptProgram(over_cases, MARCHING)

@@ -1,0 +1,419 @@
+"""The error of a reduced run at every step, from its residual: the error equation of a whole system."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import FullBody, in_space
+from supple.equations.build_model import build_model
+from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.floating_solution import floating_solution
+from supple.equations.model import Model
+from supple.error.equation.elastic_history import (
+    force_polynomial,
+    strain_rate_history,
+    strain_rate_polynomial,
+    tangent_history,
+)
+from supple.error.equation.error_model import system_of_columns
+from supple.error.equation.judged_body import JudgedBody, MissedAtRest, StartError
+from supple.error.equation.linearised_march import (
+    ElasticGain,
+    ErrorState,
+    GainHistory,
+    first_error,
+    march_error,
+)
+from supple.error.equation.nodal_squares import nodal_squares
+from supple.error.equation.steps_of_run import blocks_of_run, rotation_vectors, rotations, standing
+from supple.integrate import Coefficients, Solution, Statistics
+from supple.machine import System
+
+__all__ = ["ErrorEquation", "ErrorHistory", "TangentMotion"]
+
+Array = NDArray[np.float64]
+
+MORE_DIRECTIONS = 8
+SMALLEST_DIRECTION = 0.02
+"""Of the error: what the columns of the corrected motion leave out of it."""
+
+
+class _InColumns(NamedTuple):
+    """Motion of a body within its error space: columns `Z chosen` (k, s), coordinates and rates (t, s)."""
+
+    chosen: Array
+    coordinates: Array
+    rates: Array
+
+
+TangentMotion = Mapping[str, _InColumns]
+"""By body"""
+
+
+class _Point(NamedTuple):
+    """A motion of the system of columns, at every step, about which the integrator is linearised."""
+
+    motion: SystemMotion
+    bodies: Mapping[str, _InColumns]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorHistory:
+    """Error of one body at every step (t,): of its frame, and of its displacements in the columns Z.
+
+    times : (t,)
+    origin : (t, 3)         dR, global
+    turn : (t, 3)           psi, body components
+    coordinates : (t, k)    of columns Z: of the displacements that the run shows
+    rms : (t,)              root mean square over the nodes, in space
+    """
+
+    body: JudgedBody
+    times: Array
+    rotation: Array
+    origin: Array
+    turn: Array
+    coordinates: Array
+    rms: Array
+
+    @property
+    def deformation(self) -> Array:
+        """Columns Z (n, k)."""
+        return self.body.space.vectors
+
+    def at_nodes(self, row: int) -> Array:
+        """Error of every node in space, (N, 3), at one step."""
+        full, motion = self.body.full, self.body.motion
+        place = full.nodes + full.expand(motion.vectors @ motion.coordinates[row])
+        seen = full.expand(self.deformation @ self.coordinates[row]) + np.cross(self.turn[row], place)
+        return in_space(self.origin[[row]], self.rotation[[row]], seen[None])[0]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEquation:
+    """The error equation of a run.
+
+    reduced : System        as it was simulated
+    bodies : JudgedBody     by name; other bodies have no error of their own, but follow
+    coefficients : Coefficients     of the run's integrator
+    steps : Solution        of the run, at every step that it took
+    active : constraint equations of the run, the redundant ones left out
+    start : StartError      by name, of those bodies that do not start as they should
+    """
+
+    reduced: System
+    bodies: Mapping[str, JudgedBody]
+    coefficients: Coefficients
+    steps: Solution
+    active: tuple[int, ...]
+    start: Mapping[str, StartError]
+
+    def first(self, tangents: TangentMotion | None = None) -> ErrorState:
+        """Differences of the true motion and the run's at every step, to first order; of all columns.
+
+        tangents : the motion at which elastic tangents are taken; none: the run
+        """
+        return self._march(self.point, *self.start_vectors(), tangents)
+
+    def with_missed(self, missed: Mapping[str, MissedAtRest]) -> TangentMotion:
+        """The deformation of the bodies with what the run misses at rest, to take tangents at."""
+        return self._corrected(self._at_rest(missed)).bodies
+
+    def _at_rest(self, missed: Mapping[str, MissedAtRest]) -> ErrorState:
+        """Missed motion at every step, between those at which it is known by straight lines."""
+        position = np.zeros_like(self.point.motion.velocity)
+        for name, own in missed.items():
+            judged = self.bodies[name]
+            known = judged.space.vectors.T @ (judged.full.body.mass @ own.deformation)
+            start = self._places[name].start + 6
+            for column, values in enumerate(known):
+                position[:, start + column] = np.interp(self.steps.times, own.times, values)
+        none = np.zeros_like(position)
+        return ErrorState(position, none, none, none, np.zeros_like(self.point.motion.multipliers))
+
+    # Where differences grow out of bounds, the result says so by not being finite.
+    @np.errstate(over="ignore", invalid="ignore")
+    def again(self, found: ErrorState, tangents: TangentMotion | None = None) -> ErrorState:
+        """The differences once more, from the equation about the corrected motion; tangents as for `first`.
+
+        Of each body's error the leading directions are taken into the motion, so that its forces remain
+        polynomials of few coordinates.
+        """
+        point = self._corrected(found)
+        here = self._differences(point.motion)
+        position, velocity = (
+            np.asarray(each[0]) - own[0] for each, own in zip(found[:2], here[:2], strict=True)
+        )
+        more = self._march(point, position, velocity, tangents)
+        if not np.isfinite(more.position).all():
+            return jax.tree.map(lambda leaf: np.full_like(leaf, np.nan), more)
+        return ErrorState(*(own + each for own, each in zip(here, more, strict=True)))._replace(
+            position=self._composed(here.position, more.position)
+        )
+
+    def histories(self, found: ErrorState) -> dict[str, ErrorHistory]:
+        """What the differences are of each body."""
+        return {name: self._history(name, found.position[:, self._places[name]]) for name in self.bodies}
+
+    def corrected(self, found: ErrorState, rows: NDArray[np.intp]) -> tuple[System, Solution]:
+        """The system in the columns of the error, and its true motion at some steps, as far as it is told."""
+        motion = jax.tree.map(lambda leaf: leaf[rows], self._moved(found))
+        system = self._system
+        return system, floating_solution(system, self.model.slices, self.active, motion, Statistics())
+
+    @cached_property
+    def _system(self) -> System:
+        return system_of_columns(self.reduced, {name: each.columns for name, each in self.bodies.items()})
+
+    @cached_property
+    def model(self) -> Model:
+        """The equations in the columns of the error."""
+        return build_model(self._system, self.active)
+
+    @cached_property
+    def _names(self) -> list[str]:
+        return [placed.body.name for placed in self._system.bodies]
+
+    @cached_property
+    def _places(self) -> dict[str, slice]:
+        return dict(zip(self._names, self.model.slices, strict=True))
+
+    @cached_property
+    def _coordinate_places(self) -> dict[str, slice]:
+        return dict(zip(self._names, self.model.coordinate_slices, strict=True))
+
+    @cached_property
+    def point(self) -> _Point:
+        """The run itself."""
+        steps, names = self.steps, self._names
+        sizes = {name: place.stop - place.start for name, place in self._coordinate_places.items()}
+
+        def deformation(name: str, of_run: str, of_columns: str) -> Array:
+            if name not in self.bodies:
+                return getattr(steps.bodies[name], of_run)
+            own = getattr(self.bodies[name].motion, of_columns)
+            return np.pad(own, ((0, 0), (0, sizes[name] - own.shape[1])))
+
+        def joined(linear: str, angular: str, *coordinates: str) -> Array:
+            parts = []
+            for name in names:
+                own = steps.bodies[name]
+                parts += [getattr(own, linear), getattr(own, angular), deformation(name, *coordinates)]
+            return np.hstack(parts)
+
+        multipliers = np.hstack(
+            [np.zeros((len(steps.times), 0))]
+            + [steps.multipliers[joint.name] for joint in self._system.joints]
+        )
+        configuration = Configuration(
+            np.stack([steps.bodies[name].position for name in names], axis=1),
+            np.stack([steps.bodies[name].rotation for name in names], axis=1),
+            np.hstack([deformation(name, "coordinates", "coordinates") for name in names]),
+        )
+        motion = SystemMotion(
+            time=np.asarray(steps.times),
+            configuration=configuration,
+            velocity=joined("velocity", "angular_velocity", "coordinate_rates", "rates"),
+            acceleration=joined(
+                "acceleration", "angular_acceleration", "coordinate_accelerations", "accelerations"
+            ),
+            multipliers=multipliers[:, list(self.active)],
+        )
+        bodies = {
+            name: _InColumns(
+                np.eye(each.space.size, each.space.n_motion), each.motion.coordinates, each.motion.rates
+            )
+            for name, each in self.bodies.items()
+        }
+        return _Point(motion, bodies)
+
+    def _corrected(self, found: ErrorState) -> _Point:
+        """The run with what was found of its error, in its leading directions."""
+        position, velocity, acceleration = (
+            np.array(each) for each in (found.position, found.velocity, found.acceleration)
+        )
+        chosen = {}
+        for name, each in self.bodies.items():
+            place = self._places[name]
+            own = slice(place.start + 6, place.start + 6 + each.space.size)
+            Y = chosen[name] = _with_directions(position[:, own], each.space.n_motion)
+            for vector in (position, velocity, acceleration):
+                vector[:, own] = vector[:, own] @ Y @ Y.T
+                vector[:, own.stop : place.stop] = 0.0
+        motion = self._moved(ErrorState(position, velocity, acceleration, acceleration, found.multipliers))
+        coordinates = motion.configuration.coordinates
+        bodies = {}
+        for name, Y in chosen.items():
+            own = self._coordinate_places[name]
+            place = slice(own.start, own.start + len(Y))
+            rates = slice(self._places[name].start + 6, self._places[name].start + 6 + len(Y))
+            bodies[name] = _InColumns(Y, coordinates[:, place] @ Y, motion.velocity[:, rates] @ Y)
+        return _Point(motion, bodies)
+
+    def _moved(self, found: ErrorState) -> SystemMotion:
+        """The run with differences added."""
+        run = self.point.motion
+        frames = np.asarray(found.position)[:, self.model.frames.index]
+        coordinates = run.configuration.coordinates.copy()
+        for name in self._names:
+            place = self._places[name]
+            coordinates[:, self._coordinate_places[name]] += found.position[:, place.start + 6 : place.stop]
+        return SystemMotion(
+            run.time,
+            Configuration(
+                run.configuration.origins + frames[:, :, :3],
+                run.configuration.rotations @ rotations(frames[:, :, 3:]),
+                coordinates,
+            ),
+            run.velocity + found.velocity,
+            run.acceleration + found.acceleration,
+            run.multipliers + found.multipliers,
+        )
+
+    def _differences(self, motion: SystemMotion) -> ErrorState:
+        """Of a corrected motion and the run."""
+        run = self.point.motion
+        position = np.zeros_like(run.velocity)
+        turned = rotation_vectors(
+            run.configuration.rotations.swapaxes(-1, -2) @ motion.configuration.rotations
+        )
+        moved = motion.configuration.origins - run.configuration.origins
+        for index, name in enumerate(self._names):
+            place, own = self._places[name], self._coordinate_places[name]
+            position[:, place.start : place.start + 3] = moved[:, index]
+            position[:, place.start + 3 : place.start + 6] = turned[:, index]
+            position[:, place.start + 6 : place.stop] = (
+                motion.configuration.coordinates[:, own] - run.configuration.coordinates[:, own]
+            )
+        acceleration = motion.acceleration - run.acceleration
+        return ErrorState(
+            position,
+            motion.velocity - run.velocity,
+            acceleration,
+            acceleration,
+            motion.multipliers - run.multipliers,
+        )
+
+    def _composed(self, first: Array, more: Array) -> Array:
+        """Differences of positions one after the other."""
+        composed = first + more
+        rows = self.model.frames.index[:, 3:]
+        composed[:, rows] = rotation_vectors(rotations(first[:, rows]) @ rotations(more[:, rows]))
+        return composed
+
+    def start_vectors(self) -> tuple[Array, Array]:
+        """Differences of positions and velocities at the start."""
+        position, velocity = np.zeros(self.model.n_velocities), np.zeros(self.model.n_velocities)
+        for name, error in self.start.items():
+            place = self._places[name]
+            for vector, given in ((position, error.position), (velocity, error.velocity)):
+                vector[place.start : place.start + 6] = given[:6]
+                own = given[6:]
+                if name in self.bodies:
+                    own = self.bodies[name].space.vectors.T @ (self.bodies[name].full.body.mass @ own)
+                vector[place.start + 6 : place.start + 6 + len(own)] = own
+        return position, velocity
+
+    def _march(
+        self,
+        point: _Point,
+        position: Array,
+        velocity: Array,
+        tangents: TangentMotion | None = None,
+    ) -> ErrorState:
+        """The linearised march about a motion, from differences of positions and velocities.
+
+        tangents : motion at which the bodies' tangents are taken, where that is another
+        """
+        gained = [
+            self.gained(name, own, own if tangents is None else tangents[name])
+            for name, own in point.bodies.items()
+            if not self.bodies[name].full.body.is_linear
+        ]
+        gains, histories = tuple(each[0] for each in gained), tuple(each[1] for each in gained)
+        model, gains = jax.device_put((self.model, gains))
+        state = first_error(
+            model, gains, self.coefficients, standing(point.motion, histories), position, velocity
+        )
+        found = [jax.tree.map(lambda leaf: np.asarray(leaf)[None], state)]
+        for block, number in blocks_of_run(point.motion, histories):
+            states = jax.device_get(march_error(model, gains, self.coefficients, state, block)[1])
+            state = jax.tree.map(lambda leaf, last=number - 1: leaf[last], states)
+            found.append(jax.tree.map(lambda leaf, n=number: leaf[:n], states))
+        return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
+
+    def gained(
+        self, name: str, motion: _InColumns, tangent_motion: _InColumns | None = None
+    ) -> tuple[ElasticGain, GainHistory]:
+        """What the deformation of a nonlinear body adds along a motion: forces, and tangents at another."""
+        bent = tangent_motion or motion
+        judged, start = self.bodies[name], self._places[name].start + 6
+        body, Z = judged.full.body, judged.space.vectors
+        k, size = judged.space.size, self._places[name].stop - start
+        columns = Z @ motion.chosen
+        works = body.assembly.works(columns, Z)
+        force = force_polynomial(works)(motion.coordinates)
+        time = 0.0 if judged.damping is None else judged.damping.retardation_time
+        tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z, material=time > 0)
+        if time:
+            force += time * strain_rate_polynomial(works)(motion.coordinates, motion.rates)
+        moving = motion.rates if time else 0 * motion.rates
+        rates = strain_rate_history(body, columns, motion.coordinates, moving, Z)
+
+        def padded(samples: Array) -> Array:
+            return np.pad(samples, ((0, _more(len(samples))), (0, size - k), (0, size - k)))
+
+        def with_room(weights: Array) -> Array:
+            return np.pad(weights, ((0, 0), (0, _more(weights.shape[1]))))
+
+        gain = ElasticGain(
+            start,
+            stiffness=padded(tangents.whole),
+            viscous=time * padded(tangents.material),
+            viscous_stiffness=time * padded(rates.samples),
+        )
+        return gain, GainHistory(
+            np.pad(force, ((0, 0), (0, size - k))), with_room(tangents.weights), with_room(rates.weights)
+        )
+
+    def _history(self, name: str, errors: Array) -> ErrorHistory:
+        judged, own = self.bodies[name], self.steps.bodies[name]
+        full, motion = judged.full, judged.motion
+        coordinates = errors[:, 6 : 6 + judged.space.size]
+        squares = nodal_squares(
+            full.nodes, _at_nodes(full, motion.vectors), _at_nodes(full, judged.space.vectors)
+        )
+        origin = errors[:, :3] - np.einsum("tij,tj->ti", own.rotation, motion.rigid[:, :3])
+        turn = errors[:, 3:6] - motion.rigid[:, 3:]
+        rms = squares.rms(own.rotation, origin, turn, motion.coordinates, coordinates)
+        return ErrorHistory(judged, self.steps.times, own.rotation, origin, turn, coordinates, rms)
+
+
+def _more(number: int) -> int:
+    """Room for more samples, as with the columns: runs that take nearly as many share one program."""
+    return -number % 16
+
+
+def _with_directions(errors: Array, n_motion: int) -> Array:
+    """Columns (k, s): the first ones, and the leading directions of errors (t, k) outside them."""
+    outside = errors[:, n_motion:]
+    _, sizes, rows = np.linalg.svd(outside, full_matrices=False)
+    left = np.sqrt(np.cumsum(sizes[::-1] ** 2)[::-1])
+    number = min(int(np.sum(left > SMALLEST_DIRECTION * np.linalg.norm(errors))), MORE_DIRECTIONS)
+    k = errors.shape[1]
+    chosen = np.zeros((k, n_motion + number))
+    chosen[:n_motion, :n_motion] = np.eye(n_motion)
+    chosen[n_motion:, n_motion:] = rows[:number].T
+    return chosen
+
+
+def _at_nodes(full: FullBody, columns: Array) -> Array:
+    """Displacements (N, 3, m) of columns (n, m)."""
+    return np.moveaxis(full.expand(columns.T), 0, 2)

@@ -1,0 +1,262 @@
+"""The integrator linearised about a run, driven by the run's own residual.
+
+Unknown are the differences of the true motion and the run's: of positions `eps` (frame's origin, its turn
+psi from A to A exp(psi), coordinates), of velocities `w`, of the true and the auxiliary accelerations `c` and
+`a`. With `T` and `Ad` the right Jacobian and exp of the step's turn, on the rows of rotations:
+
+    a_k   = (alpha_f c_0 - alpha_m a_0) / (1 - alpha_m)
+    eps_p = Ad eps_0 + T { h w_0 + h^2 [(1/2 - beta) a_0 + beta a_k] }
+    w_p   = w_0 + h [(1 - gamma) a_0 + gamma a_k]
+
+    [ M + v C + p K T   G^T ] [ c ]     [ r + K eps_p + C w_p ]
+    [ G T                0  ] [ l ] = - [ (g + G eps_p) / p   ]
+
+    eps = eps_p + p T c,   w = w_p + v c,   a = a_k + kappa c
+
+M, C and K are the tangents of the run's own equations at its state, with increments of zero; r and g are what
+these equations and the joints leave. It is the exact derivative of the discrete run. Turns are composed
+exactly, psi = log( exp(-Dpsi) exp(psi_0) exp(Dpsi + dturn) ), which is the same to first order: the corrected
+motion obeys the integrator, so that the equation may be taken about it once more.
+Source: this project's own; the step is that of Chung & Hulbert (1993) on the group of Arnold & Bruels (2007).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import rotation_exp, rotation_log, rotation_right_jacobian
+from supple.equations.balance import balance, tangent
+from supple.equations.compiler_options import MARCHING
+from supple.equations.configuration import AnyArray, SystemMotion, advance
+from supple.equations.joint_force import constraint_rows
+from supple.equations.model import STATIC, Model
+from supple.integrate import Coefficients, StepFactors, StepRule
+from supple.methods.floating.compiled.elimination import solve_bordering_column
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["ElasticGain", "ErrorState", "GainHistory", "StepOfRun", "first_error", "march_error"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class ElasticGain:
+    """What a deformed body adds to its stiffness and damping at rest."""
+
+    start: int = field(metadata=STATIC)
+    """Where its coordinates begin among the velocities"""
+    stiffness: Any
+    """(m, k, k)"""
+    viscous: Any
+    """(m, k, k): damping's; (0, k, k) where it does not follow the strain rate"""
+    viscous_stiffness: Any
+    """(n, k, k): of the stress of strain rates"""
+
+
+class GainHistory(NamedTuple):
+    """Of one body at every step."""
+
+    force: Any
+    """(t, k) elastic and of damping, beyond stiffness and damping at rest"""
+    weights: Any
+    """(t, m)"""
+    rate_weights: Any
+    """(t, n)"""
+
+
+class StepOfRun(NamedTuple):
+    """A step of the run and where it leads; stacked."""
+
+    h: Any
+    motion: SystemMotion
+    """At its end"""
+    turn: Any
+    """(nb, 3) `Dpsi` of the frames"""
+    gains: tuple[GainHistory, ...]
+
+
+class ErrorState(NamedTuple):
+    """Differences of the true motion and the run's, (n,) each."""
+
+    position: Any
+    velocity: Any
+    acceleration: Any
+    auxiliary: Any
+    multipliers: Any
+    """(m,)"""
+
+
+class _Linearized(NamedTuple):
+    """The run's equations at one state, and what differences that are known make of them."""
+
+    matrix: jax.Array
+    """M + v C + p K T"""
+    residual: jax.Array
+    """r + K eps_p + C w_p"""
+    rows: jax.Array
+    """G"""
+    columns: jax.Array
+    """G T"""
+    gap: jax.Array
+    """g + G eps_p"""
+
+
+def _linearized(
+    model: Model,
+    bodies: tuple[ElasticGain, ...],
+    gains: Any,
+    motion: SystemMotion,
+    increments: jax.Array,
+    factors: StepFactors,
+    known: tuple[jax.Array, jax.Array],
+) -> _Linearized:
+    """Residuals and tangents of the run's equations at one state.
+
+    increments : (n,)   of the run's frames in the step, for T
+    known : eps_p, w_p
+    """
+
+    def equations(position: jax.Array, velocity: jax.Array) -> Any:
+        moved = advance(model, motion.configuration, position)
+        terms = balance(model, motion._replace(configuration=moved, velocity=velocity))
+        return (terms.residual, terms.constraint_residual), terms.linearization
+
+    # Derived in the one direction of the known differences, for less than K and C would take.
+    at = jnp.zeros_like(known[0]), motion.velocity
+    (residual, gap), (more, moved), linearization = jax.jvp(equations, at, known, has_aux=True)
+    residual = residual + more
+    matrix = tangent(model, motion, linearization, increments, factors)
+    n = model.n_velocities
+    for body, (force, gained, viscous) in zip(bodies, gains, strict=True):
+        around = (body.start, n - body.start - force.shape[0])
+        own = slice(around[0], n - around[1])
+        # Padded and added: written into their places they would go in one by one, a millisecond a step.
+        residual = residual + jnp.pad(force + gained @ known[0][own] + viscous @ known[1][own], around)
+        more = factors.by_position * gained + factors.by_velocity * viscous
+        matrix = matrix + jnp.pad(more, (around, around))
+    joints = linearization.joints
+    return _Linearized(
+        matrix,
+        residual,
+        constraint_rows(model, joints),
+        constraint_rows(model, joints, increments),
+        gap + moved,
+    )
+
+
+def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Force, tangent and damping that a body gains at every step of a stretch."""
+    gained = jnp.tensordot(history.weights, body.stiffness, axes=1)
+    gained = gained + jnp.tensordot(history.rate_weights, body.viscous_stiffness, axes=1)
+    weights = history.weights[:, : body.viscous.shape[0]]
+    return history.force, gained, jnp.tensordot(weights, body.viscous, axes=1)
+
+
+def _on_rotations(model: Model, matrices: jax.Array, vector: jax.Array) -> jax.Array:
+    """Matrices (nb, 3, 3) applied to the rotation rows of every body; vector (n, ...)."""
+    for part, matrix in zip(model.slices, matrices, strict=True):
+        rows = slice(part.start + 3, part.start + 6)
+        vector = vector.at[rows].set(matrix @ vector[rows])
+    return vector
+
+
+def _moved(model: Model, position: jax.Array, increment: jax.Array, turn: jax.Array) -> jax.Array:
+    """The difference of positions after a step whose increments differ; `turn` (nb, 3) is the run's."""
+    moved = position + increment
+    for part, own in zip(model.slices, turn, strict=True):
+        rows = slice(part.start + 3, part.start + 6)
+        turned = rotation_exp(-own) @ rotation_exp(position[rows]) @ rotation_exp(own + increment[rows])
+        moved = moved.at[rows].set(rotation_log(turned))
+    return moved
+
+
+def _solved(
+    model: Model, matrix: jax.Array, rows: jax.Array, columns: jax.Array, force: jax.Array, gap: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Accelerations and multipliers that balance a force and close a gap."""
+    m = rows.shape[0]
+    bordered = jnp.block(
+        [
+            [matrix, model.mass * rows.T, force[:, None]],
+            [model.mass * columns, jnp.zeros((m, m)), model.mass * gap[:, None]],
+        ]
+    )
+    solution = -solve_bordering_column(bordered)
+    n = matrix.shape[0]
+    return solution[:n], model.mass * solution[n:]
+
+
+def first_error(
+    model: Model,
+    bodies: tuple[ElasticGain, ...],
+    coefficients: Coefficients,
+    at: StepOfRun,
+    position: AnyArray,
+    velocity: AnyArray,
+) -> ErrorState:
+    """The error at the start of a run: that of its positions and velocities, and accelerations to match.
+
+    at : the start, as the end of steps of no length, by which nothing but accelerations change
+    """
+    none = np.zeros_like(velocity)
+    start = ErrorState(position, velocity, none, none, np.zeros(len(model.active)))
+    _, states = march_error(model, bodies, coefficients, start, at)
+    first = jax.tree.map(lambda leaf: leaf[0], jax.device_get(states))
+    return first._replace(position=position, velocity=velocity, auxiliary=first.acceleration)
+
+
+def _march_error(
+    model: Model,
+    bodies: tuple[ElasticGain, ...],
+    coefficients: Coefficients,
+    start: ErrorState,
+    steps: StepOfRun,
+) -> tuple[ErrorState, ErrorState]:
+    """The error over some steps of a run: the last one, and those of all steps, stacked.
+
+    model : of bodies whose basis is that of the error, at the state of the run
+    bodies : of those that are nonlinear, in the order of `steps.gains`
+    """
+    gains = [_weighted(body, own) for body, own in zip(bodies, steps.gains, strict=True)]
+
+    def one_step(before: ErrorState, step: Any) -> tuple[ErrorState, ErrorState]:
+        (h, motion, turn), own_gains = step
+        turned, turns = jax.vmap(lambda psi: (rotation_exp(-psi), rotation_right_jacobian(psi)))(turn)
+        rule = StepRule(coefficients, h)
+        by_position, by_velocity = rule.factors
+        # What the rule makes of no new acceleration is the part that is known.
+        known = rule.auxiliary(jnp.zeros_like(before.velocity), before.acceleration, before.auxiliary)
+        increment = rule.increment(before.velocity, before.auxiliary, known)
+        position = _on_rotations(model, turned, before.position) + _on_rotations(model, turns, increment)
+        velocity = rule.new_velocity(before.velocity, before.auxiliary, known)
+        steps_increment = jnp.zeros_like(velocity).at[model.frames.index[:, 3:]].set(turn)
+        at = _linearized(
+            model, bodies, own_gains, motion, steps_increment, rule.factors, (position, velocity)
+        )
+        acceleration, multipliers = _solved(
+            model,
+            at.matrix,
+            at.rows,
+            at.columns,
+            at.residual,
+            # A step of no length moves nothing, and accelerations close no gap.
+            jnp.where(h > 0, at.gap / jnp.where(h > 0, by_position, 1.0), 0.0),
+        )
+        increment = increment + by_position * acceleration
+        after = ErrorState(
+            _moved(model, before.position, increment, turn),
+            velocity + by_velocity * acceleration,
+            acceleration,
+            rule.auxiliary(acceleration, before.acceleration, before.auxiliary),
+            multipliers,
+        )
+        return after, after
+
+    return jax.lax.scan(one_step, start, ((steps.h, steps.motion, steps.turn), gains))
+
+
+march_error = KeptProgram(_march_error, MARCHING)

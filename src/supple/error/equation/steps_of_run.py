@@ -1,0 +1,55 @@
+"""The steps of a run as the linearised march takes them: so many at once, with the turns of the frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import jax
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from supple.equations.configuration import SystemMotion
+from supple.error.equation.linearised_march import GainHistory, StepOfRun
+
+__all__ = ["blocks_of_run", "rotation_vectors", "rotations", "standing"]
+
+Array = NDArray[np.float64]
+
+STEPS_AT_ONCE = 64
+
+
+def blocks_of_run(
+    motion: SystemMotion, histories: tuple[GainHistory, ...]
+) -> Iterator[tuple[StepOfRun, int]]:
+    """Steps of the run, so many at once, the last one repeated where there are fewer; and their number."""
+    frames = motion.configuration.rotations
+    # (t, nb, 3): the turn of every frame in the step that ends at each time.
+    turn = rotation_vectors(frames[:-1].swapaxes(-1, -2) @ frames[1:])
+    h = np.diff(motion.time)
+    for start in range(0, len(h), STEPS_AT_ONCE):
+        rows = np.arange(start, start + STEPS_AT_ONCE)
+        number = int(np.sum(rows < len(h)))
+        rows = np.minimum(rows, len(h) - 1)
+        ends, own = jax.tree.map(lambda leaf, at=rows + 1: leaf[at], (motion, histories))
+        yield StepOfRun(h[rows], ends, turn[rows], own), number
+
+
+def rotations(vectors: Array) -> Array:
+    """Rotations (t, k, 3, 3) of rotation vectors (t, k, 3); in NumPy, which compiles nothing."""
+    turned = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix()
+    return turned.reshape(*vectors.shape, 3)
+
+
+def rotation_vectors(matrices: Array) -> Array:
+    """Rotation vectors (t, k, 3) of rotations (t, k, 3, 3)."""
+    return Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_rotvec().reshape(matrices.shape[:-1])
+
+
+def standing(motion: SystemMotion, histories: tuple[GainHistory, ...]) -> StepOfRun:
+    """The start of a run as a block of steps of no length."""
+    first, own = jax.tree.map(
+        lambda leaf: np.broadcast_to(leaf[0], (STEPS_AT_ONCE, *np.shape(leaf)[1:])), (motion, histories)
+    )
+    turn = np.zeros((STEPS_AT_ONCE, motion.configuration.origins.shape[1], 3))
+    return StepOfRun(np.zeros(STEPS_AT_ONCE), first, turn, own)

@@ -1,0 +1,457 @@
+"""What the bases of a finished reduced run cost, by the error equation; and what they miss."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from supple.algebra.rotation import rotation_log
+from supple.body import FullBody, ModalDamping
+from supple.equations.configuration import Configuration
+from supple.equations.consistent_start import consistent_start
+from supple.error.basis_error import FIRST_ORDER, BasisError, BodyError
+from supple.error.equation import (
+    ErrorEquation,
+    ErrorHistory,
+    JudgedBody,
+    MissedAtRest,
+    ModesInFrame,
+    StartError,
+    error_space,
+    modes_in_frame,
+    run_columns,
+    second_correction,
+)
+from supple.error.looked_at_instants import followed, jittered, striking
+from supple.error.missing_motion import FOLLOWED
+from supple.error.residual_correction import ResidualCorrections, system_corrections
+from supple.error.settled_error import Told, is_clearly_larger, is_finite, is_small, settled
+from supple.error.stopping import withheld
+from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
+from supple.integrate import Progress, Run, Solution
+from supple.machine import ForceElement, System
+from supple.methods.floating.compiled.compiled_machine import compiled_start
+from supple.methods.floating.compiled.every_step import as_outputs, every_step
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.intrinsic import IntrinsicBody
+from supple.reduction import ReducedBody, ReductionBasis
+
+__all__ = ["ErrorEstimate", "ErrorEstimator", "estimate_error"]
+
+INSTANTS = 50
+FRESH = 16
+"""Of the instants: those that the space of the error does not know, to see what it lacks."""
+DEFORMED = 8
+WILD = 10.0
+"""Times the deformation: an error larger than that has grown by instability."""
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEstimate:
+    """What a run's bases cost, and the motion that they miss.
+
+    error : BasisError
+    histories : ErrorHistory, by body       the error at every step of the run
+    missed : (n, m), by body                displacement fields outside the basis, by their size along the run
+    corrections : ResidualCorrections, by body      the static ones among them
+    corrected : the system in the columns of the error and its true motion, as far as it is told: what any
+                quantity of the run differs from; None where it is not told
+    factorizations : int    of matrices of the whole system or a body in full
+    """
+
+    error: BasisError
+    histories: Mapping[str, ErrorHistory]
+    missed: Mapping[str, np.ndarray]
+    corrections: Mapping[str, ResidualCorrections]
+    corrected: tuple[System, Solution] | None = None
+    factorizations: int = 0
+
+
+def estimate_error(
+    system: System,
+    reduced: System,
+    bases: Mapping[str, ReductionBasis],
+    run: Run,
+    solution: Solution,
+    *,
+    progress: Progress | None = None,
+) -> BasisError:
+    """What the bases of a reduced run cost, without a full run: for self-corrected and plain runs alike.
+
+    The error of a run obeys, to first order, the full equations of the system linearised about it, driven by
+    the run's own residual. They are solved for some hundred coordinates a body (`error_equation`), by the
+    run's own integrator with the run's own steps, and once more about the corrected motion where it is not
+    small.
+
+    Parameters
+    ----------
+    system : System         with the bodies to judge as FullBody
+    reduced : System        as it was simulated, with these bodies reduced
+    bases : ReductionBasis  by body
+    run, solution : of the reduced system
+    progress : function     called with the completed fraction of the work
+
+    Returns
+    -------
+    BasisError      by body; infinite where the run broke off or the equation has no finite solution
+
+    Raises
+    ------
+    ModelError      bodies that are not full in the one system and reduced in the other
+    AccuracyError   a tangent is singular, as for `system_corrections`
+    """
+    return ErrorEstimator(system, run).judge(reduced, bases, solution, progress=progress).error
+
+
+class ErrorEstimator:
+    """Judges the runs of one system, whose full bodies it looks at once.
+
+    system : System     with the bodies to judge as FullBody
+    run : Run           of every reduced system
+    """
+
+    def __init__(self, system: System, run: Run) -> None:
+        check_linearised(system)
+        self._system = system
+        self._run = run
+        self._modes: dict[str, ModesInFrame] = {}
+
+    def judge(
+        self,
+        reduced: System,
+        bases: Mapping[str, ReductionBasis],
+        solution: Solution,
+        *,
+        instants: int = INSTANTS,
+        allowed: Mapping[str, float] | None = None,
+        progress: Progress | None = None,
+    ) -> ErrorEstimate:
+        """What the bases of one run cost; parameters as for `estimate_error`.
+
+        instants : at which the residual is balanced, beside those where loads peak or kink
+        allowed : RMS over the nodes, by body: errors that are clearly larger are told to first order
+        """
+        fulls = self._judged(bases)
+        # A run that broke off tells what its bases miss, but not what that costs.
+        whole = solution.stopped is None
+        steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
+        looked, fresh = self._instants(steps.solution.times, instants)
+        both, places = np.unique(np.concatenate([looked, fresh]), return_inverse=True)
+        along = followed(both)
+        at_each = system_corrections(
+            reduced,
+            tuple(fulls.values()),
+            bases,
+            steps.solution,
+            both,
+            between=None if all(full.is_linear for full in fulls.values()) else along,
+            progress=None if progress is None else lambda fraction: progress(0.5 * fraction),
+        )
+        missed = {name: own.at(places) for name, own in at_each.items()}
+        fields = {name: own.deformation for name, own in missed.items()}
+        if not whole:
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
+        start = self.start_errors(steps.solution, bases)
+        judged = {
+            name: self._judged_body(
+                name, full, reduced, bases[name], steps.solution, missed[name], len(looked), start
+            )
+            for name, full in fulls.items()
+        }
+        equation = ErrorEquation(
+            reduced,
+            judged,
+            self._run.second_order_method.coefficients,
+            steps.solution,
+            self.active(solution),
+            start,
+        )
+
+        def missed_along() -> dict[str, ResidualCorrections]:
+            return system_corrections(
+                reduced, tuple(fulls.values()), bases, steps.solution, along, settled=FOLLOWED
+            )
+
+        told = _told(equation, missed_along, allowed or {}, is_smooth(reduced))
+        if told is None:
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
+        found, histories, second = told
+        if progress is not None:
+            progress(1.0)
+        errors = {
+            name: body_error(
+                history,
+                second[name],
+                steps.outputs,
+                fields[name][:, len(looked) :],
+                indicator=float(missed[name].rms.max()),
+                withheld=withheld(reduced_form(reduced, name)),
+            )
+            for name, history in histories.items()
+        }
+        missing = {name: _missing(history, second[name], fields[name]) for name, history in histories.items()}
+        corrected = equation.corrected(found, steps.outputs)
+        # Of the corrections; that of the modes and that of the couplings, of each body.
+        factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
+        return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected, factorizations)
+
+    def _judged(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
+        fulls = self._system.bodies_of(FullBody)
+        for name in bases:
+            if name not in fulls:
+                raise ModelError(f"error estimate: the system has no full body '{name}' to judge a basis by")
+        return {name: fulls[name] for name in bases}
+
+    def _instants(self, times: np.ndarray, instants: int) -> tuple[np.ndarray, np.ndarray]:
+        fresh = max(1, FRESH * instants // INSTANTS)
+        looked = jittered(len(times), max(1, instants - fresh), seed=0)
+        looked = np.union1d(looked, striking(self._system, times))
+        return looked, jittered(len(times), fresh, seed=1)
+
+    def active(self, solution: Solution) -> tuple[int, ...]:
+        """The constraint equations that the run kept, by their numbers."""
+        known = solution.engine_state.get("active")
+        if known is not None:
+            return tuple(int(index) for index in known)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RedundantConstraintWarning)
+            return compiled_start(self._system, self._run.start).model.active
+
+    def _judged_body(
+        self,
+        name: str,
+        full: FullBody,
+        reduced: System,
+        basis: ReductionBasis,
+        steps: Solution,
+        missed: ResidualCorrections,
+        n_looked: int,
+        start: Mapping[str, StartError],
+    ) -> JudgedBody:
+        if name not in self._modes:
+            self._modes[name] = modes_in_frame(full.body, full.frame)
+        body = reduced_form(reduced, name)
+        motion = run_columns(full.body, body, basis, steps.bodies[name])
+        corrections = missed.deformation[:, :n_looked]
+        if name in start:
+            at_start = np.column_stack([start[name].position[6:], start[name].velocity[6:]])
+            corrections = np.hstack([corrections, at_start])
+        deformed = motion.vectors @ motion.coordinates[deformed_rows(len(steps.times))[1:]].T
+        space = error_space(self._modes[name], motion.vectors, corrections, deformed)
+        return JudgedBody(full, motion, space, full.damping or modal_damping(body))
+
+    def start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
+        """How the full system would start, less how the run did; nothing where both start as placed."""
+        placed = {each.body.name: each for each in self._system.bodies}
+        as_given = all(
+            np.array_equal(np.asarray(given), motion[0])
+            for name, each in placed.items()
+            for given, motion in (
+                (each.position, steps.bodies[name].position),
+                (each.rotation, steps.bodies[name].rotation),
+                (each.twist[:3], steps.bodies[name].velocity),
+                (each.twist[3:], steps.bodies[name].angular_velocity),
+            )
+        )
+        if as_given and not any(
+            np.any(each.coordinates) or np.any(each.coordinate_rates) for each in placed.values()
+        ):
+            return {}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RedundantConstraintWarning)
+            warnings.simplefilter("ignore", StartWarning)
+            machine, configuration, velocity, _ = consistent_start(
+                FullSystem(self._system), float(steps.times[0])
+            )
+        return {
+            name: _start_error(machine, index, name, configuration, velocity, steps, bases)
+            for index, name in enumerate(placed)
+        }
+
+
+def reduced_form(system: System, name: str) -> ReducedBody:
+    """A body of a run as it was reduced; ModelError for another form."""
+    body = system.bodies[system.body_index(name, "error estimate")].body
+    if not isinstance(body, ReducedBody):
+        raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
+    return body
+
+
+def check_linearised(system: System) -> None:
+    """ModelError for a machine with intrinsic bodies or controllers, which are not linearised here."""
+    if system.controllers:
+        raise ModelError(
+            "error estimate: what a basis costs is not told beside controllers: give the bodies reductions "
+            "of fixed size and compare with richer ones, or leave the controllers out, "
+            "replace(system, controllers=())"
+        )
+    if intrinsic := system.bodies_of(IntrinsicBody):
+        raise ModelError(
+            f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' what a basis costs is not "
+            "told: give the other bodies reductions of fixed size, and compare with richer ones"
+        )
+
+
+def is_smooth(system: System) -> bool:
+    """Whether a machine has no force elements, which touch, slip and clip.
+
+    However small an error is, it may be larger than a depth of contact or what is left to a limit.
+    """
+    return not any(isinstance(load, ForceElement) for load in system.loads)
+
+
+def modal_damping(body: ReducedBody) -> ModalDamping | None:
+    """The ratios of a reduced body whose full one knows no damping; modes beyond its own take the last."""
+    if not body.damping.any():
+        return None
+    squares, modes = np.linalg.eigh(body.stiffness)
+    return ModalDamping(np.sum(modes * (body.damping @ modes), axis=0) / (2 * np.sqrt(squares)))
+
+
+def _start_error(
+    machine: FullSystem,
+    index: int,
+    name: str,
+    configuration: Configuration,
+    velocity: np.ndarray,
+    steps: Solution,
+    bases: Mapping[str, ReductionBasis],
+) -> StartError:
+    own, part = steps.bodies[name], machine.slices[index]
+    gamma, rates = own.coordinates[0], own.coordinate_rates[0]
+    if name in bases:
+        gamma, rates = bases[name].vectors @ gamma, bases[name].vectors @ rates
+    turn = np.asarray(rotation_log(own.rotation[0].T @ configuration.rotations[index]))
+    position = np.concatenate(
+        [
+            configuration.origins[index] - own.position[0],
+            turn,
+            configuration.coordinates[machine.coordinate_slices[index]] - gamma,
+        ]
+    )
+    moving = velocity[part] - np.concatenate([own.velocity[0], own.angular_velocity[0], rates])
+    return StartError(position, moving)
+
+
+def _told(
+    equation: ErrorEquation,
+    missed_along: Callable[[], Mapping[str, ResidualCorrections]],
+    allowed: Mapping[str, float],
+    smooth: bool,
+) -> Told | None:
+    """The differences of the true motion and the run's, and by body what the last sweep changed.
+
+    None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
+    missed_along : what the run misses at rest, at many instants
+    allowed : as for `ErrorEstimator.judge`
+    smooth : bool   whether elastic second corrections say all about how small an error is
+    """
+    found = equation.first()
+    histories = equation.histories(found)
+    told: Told = found, histories, dict.fromkeys(histories, np.inf)
+    bounded = _are_bounded(histories)
+    if bounded:
+        second = {name: second_correction(history) for name, history in histories.items()}
+        known = (smooth and is_small(histories, second)) or is_clearly_larger(histories, second, allowed)
+        told = (found, histories, second) if known else settled(equation, found, histories, smooth=smooth)
+    nonlinear = not all(history.body.full.is_linear for history in histories.values())
+    if nonlinear and max(told[2].values()) > FIRST_ORDER:
+        # The run may be no place to take tangents at: walls that should have buckled, and in the run have
+        # not, let any difference grow. With the motion that it misses at rest they do not.
+        tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
+        about = equation.first(tangents)
+        other = settled(equation, about, equation.histories(about), tangents, smooth=smooth)
+        if max(other[2].values()) <= FIRST_ORDER:
+            return other
+    return told if bounded else None
+
+
+def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:
+    return is_finite(histories) and all(
+        float(history.rms.max()) <= WILD * _deflection(history) for history in histories.values()
+    )
+
+
+def _known(missed: ResidualCorrections) -> MissedAtRest:
+    """Where it was found."""
+    known = np.isfinite(missed.rms)
+    return MissedAtRest(missed.times[known], missed.deformation[:, known])
+
+
+def body_error(
+    history: ErrorHistory,
+    second: float,
+    outputs: np.ndarray,
+    fresh: np.ndarray,
+    *,
+    indicator: float = 0.0,
+    withheld: float = 0.0,
+) -> BodyError:
+    """What a body's error comes to; fresh (n, m) are corrections that its space does not know.
+
+    indicator, withheld : as of BodyError
+    """
+    rms = history.rms[outputs]
+    row = int(outputs[np.argmax(rms)])
+    sizes = np.linalg.norm(history.at_nodes(row), axis=1)
+    return BodyError(
+        rms=float(rms.max()),
+        worst=float(sizes.max()),
+        worst_node=int(np.argmax(sizes)),
+        worst_time=float(history.times[row]),
+        rest=_rest(history, fresh),
+        second=max(second, float(rms.max()) / max(_deflection(history), 1e-300)),
+        history=rms,
+        indicator=indicator,
+        withheld=withheld,
+    )
+
+
+def deformed_rows(n_steps: int) -> np.ndarray:
+    """Steps of a run at which its deformation is looked at, the first among them."""
+    return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
+
+
+def _deflection(history: ErrorHistory) -> float:
+    """Largest RMS over the nodes of the deformation itself: an error of its size is not small, however the
+    second correction compares with the first where the linearised march grows without bound."""
+    motion = history.body.motion
+    rows = deformed_rows(len(motion.coordinates))
+    fields = history.body.full.expand(motion.vectors.T)
+    deformed = np.tensordot(motion.coordinates[rows], fields, axes=1)
+    return float(np.sqrt(np.mean(np.sum(deformed**2, axis=2), axis=1)).max(initial=0.0))
+
+
+def untold(solution: Solution) -> BodyError:
+    """Of a run that broke off, or whose error equation grows out of bounds."""
+    times = solution.times
+    return BodyError(np.inf, np.inf, 0, float(times[-1]), np.inf, None, np.full(len(times), np.inf))
+
+
+def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
+    """Largest RMS over the nodes of what the space of the error lacks of corrections it does not know."""
+    full, Z = history.body.full, history.body.space.vectors
+    outside = fresh - Z @ (Z.T @ (full.body.mass @ fresh))
+    moved = full.expand(outside.T)
+    return float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max(initial=0.0))
+
+
+def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> np.ndarray:
+    """Fields (n, m) that new columns are made of: the corrections, and the error where it is known.
+
+    Where the error's own march has not settled, its shapes are those of its instability: of the blade whose
+    walls buckle they take the place of columns that the corrections have found.
+    """
+    if second > FIRST_ORDER and not history.body.full.is_linear:
+        return corrections
+    return np.hstack([_leading_fields(history, corrections.shape[1]), corrections])
+
+
+def _leading_fields(history: ErrorHistory, number: int) -> np.ndarray:
+    """The error at all steps by its leading directions (n, m), weighing as much as `number` fields."""
+    _, sizes, rows = np.linalg.svd(history.coordinates, full_matrices=False)
+    weights = sizes * np.sqrt(number / len(history.coordinates))
+    return history.deformation @ (rows.T * weights)

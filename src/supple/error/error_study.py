@@ -1,0 +1,156 @@
+"""How wrong is a finished run? Its statement, part by part, for every elastic body and other quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from supple.arguments import checked_arguments
+from supple.body.full_body import FullBody
+from supple.error.basis_part import basis_parts
+from supple.error.integration_error import integration_errors
+from supple.error.judged_quantity import JudgedQuantity, WholeBody
+from supple.error.line_parts import line_parts
+from supple.error.model_error import model_errors
+from supple.errors import ModelError
+from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
+from supple.machine import System
+from supple.methods.intrinsic import IntrinsicBody, with_chosen_step
+from supple.reduction import ReductionBasis
+from supple.simulation.kept_basis import kept_bases
+
+__all__ = ["ErrorStudy", "state_errors"]
+
+Told = Callable[[str, float], None]
+"""Hears what is done, in words, and the completed fraction of it."""
+
+
+@dataclass(frozen=True)
+class ErrorStudy:
+    """Which parts of the error of a run are looked at, and in what.
+
+    basis : bool        the error equation, or one more run with richer bases, for bodies of which all
+                        coordinates are known
+    integration : bool  two more runs: a tighter tolerance, and half the step besides; otherwise the floor of
+                        the integration is all that is stated
+    model : bool        at six instants the forces of all elements, and one solution of the whole system
+    quantities : what is judged besides the positions of every elastic body
+    """
+
+    basis: bool = True
+    integration: bool = True
+    model: bool = True
+    quantities: tuple[JudgedQuantity, ...] = ()
+
+
+@checked_arguments
+def state_errors(
+    system: System,
+    run: Run,
+    solution: Solution,
+    study: ErrorStudy | None = None,
+    *,
+    fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
+    progress: Told | None = None,
+) -> Solution:
+    """The solution with what is known of its error: `solution.errors`, and `motion.error` of its bodies.
+
+    The parts are those of the basis, of the time step, of Newton's tolerance and of the model; `ErrorStudy`
+    says what each costs. A kinematic run has none of them.
+
+    Parameters
+    ----------
+    system, run, solution : the machine as it was simulated, how, and what came out
+    study : ErrorStudy      by default all parts, of every elastic body
+    fulls : the bodies with all their coordinates, which reduced ones were made of: without them the basis is
+        not judged, and the model by its limit of rotation alone
+    progress : called with the step at work, in words, and the completed fraction of it
+
+    Raises
+    ------
+    ModelError      a quantity of a body or joint that is not there, a full body that is not of this machine,
+        a part of an explicit march
+    """
+    if isinstance(run.method, Kinematic):  # nothing was integrated, and no body has deformed
+        return solution
+    system.check_has_frames()
+    study, run = study or ErrorStudy(), with_chosen_step(system, run)
+    if not isinstance(fulls, Mapping):
+        fulls = {full.name: full for full in fulls}
+    # What is found from equations of floating bodies alone is not found beside an intrinsic one.
+    known = {} if system.bodies_of(IntrinsicBody) else _of_machine(system, fulls)
+    quantities = judged(system, study)
+    bases = kept_bases(system, known)
+    of_basis: Mapping[str, ErrorPart] = {}
+    if study.basis and bases and solution.stopped is None:
+        of_basis = basis_parts(system, run, solution, known, bases, quantities, progress=progress)
+    of_basis = {**of_basis, **line_parts(system, solution)}  # which costs next to nothing
+    return solution.with_errors(
+        statements(system, run, solution, study, known, bases, of_basis, progress=progress)
+    )
+
+
+def judged(system: System, study: ErrorStudy) -> list[JudgedQuantity]:
+    """Every elastic body, and what is asked for besides."""
+    elastic: list[JudgedQuantity] = [
+        WholeBody(placed.body.name) for placed in system.bodies if placed.body.n_coordinates
+    ]
+    return elastic + list(study.quantities)
+
+
+def statements(
+    system: System,
+    run: Run,
+    solution: Solution,
+    study: ErrorStudy,
+    fulls: Mapping[str, FullBody],
+    bases: Mapping[str, ReductionBasis],
+    of_basis: Mapping[str, ErrorPart],
+    *,
+    allowed: Mapping[str, float] | None = None,
+    quantities: Sequence[JudgedQuantity] | None = None,
+    progress: Told | None = None,
+) -> dict[str, ErrorStatement]:
+    """The statements of a run whose part of the basis is known, by the names of the quantities.
+
+    of_basis : by quantity; a full body has no basis and no such part
+    allowed : what the sums are to keep to
+    """
+    quantities = judged(system, study) if quantities is None else quantities
+    integration = integration_errors(
+        system, run, solution, quantities, measured=study.integration, progress=progress
+    )
+    model: Mapping[str, ErrorPart] = {}
+    if study.model:
+        step = "elements and ties at the widest turns"
+        told = None if progress is None else lambda fraction: progress(step, fraction)
+        model = model_errors(system, fulls, bases, solution, quantities, progress=told)
+    full_order = system.bodies_of(FullBody)
+    no_basis = all(each.body.name in full_order for each in system.bodies if each.body.n_coordinates)
+    return {
+        each.name: ErrorStatement(
+            of=each.words,
+            size=each.size(system, solution),
+            basis=ErrorPart(0.0, "no basis: all coordinates")
+            if no_basis or each.body in full_order
+            else of_basis.get(each.name),
+            step=integration[each.name].step,
+            newton=integration[each.name].newton,
+            model=model.get(each.name),
+            allowed=None if allowed is None else allowed.get(each.name),
+        )
+        for each in quantities
+    }
+
+
+def _of_machine(system: System, fulls: Mapping[str, FullBody]) -> dict[str, FullBody]:
+    """The full bodies that the machine has reduced."""
+    for name, full in fulls.items():
+        body = system.bodies[system.body_index(name, "stated error")].body
+        if len(body.nodes) != len(full.nodes):
+            raise ModelError(
+                f"stated error: body '{name}' has {len(full.nodes)} nodes in full and {len(body.nodes)} in "
+                "the machine; give the body that was reduced"
+            )
+    in_full = system.bodies_of(FullBody)
+    return {name: full for name, full in fulls.items() if name not in in_full}

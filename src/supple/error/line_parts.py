@@ -1,0 +1,20 @@
+"""The part of the modes in the error of intrinsic bodies: what all modes would make of their motion."""
+
+from __future__ import annotations
+
+from supple.integrate import ErrorPart, Solution
+from supple.machine import System
+from supple.methods.intrinsic import IntrinsicBody
+from supple.methods.intrinsic.report_truncation import truncation_parts
+
+__all__ = ["line_parts"]
+
+
+def line_parts(system: System, solution: Solution) -> dict[str, ErrorPart]:
+    """By name of every intrinsic body whose part is known."""
+    found = {
+        name: ErrorPart(0.0, "no basis: all modes")
+        for name, body in system.bodies_of(IntrinsicBody).items()
+        if body.complete is None and (body.supported is None or body.supported.complete is None)
+    }
+    return found | dict(truncation_parts(system, solution))

@@ -1,0 +1,199 @@
+"""What the kinematics of the model cost a run, at the motion that it found.
+
+Elements that turn against their body's frame, and rigid interfaces that turn with them, keep strains of third
+order in the turn. At the instants at which a body turns most, the force f of its elements is compared with
+that of the same elements seen each from axes of its own (`turned_force`), and one Newton step of the whole
+system says by how much the motion would give way,
+
+    K_t delta = - ( f_turned(q) - f(q) ),
+
+joints and frames held as for the motion that a basis misses. q is the run's with what its basis misses at
+rest (`missing_motion`): the run itself may be compressed along its elements by what its basis cannot relax,
+and K_t nearly singular there. Of a strip of 1 m, bent by a quarter, it made 5 mm of what is 0.1 mm at q.
+Quasi-static: a stiffness that is off moves frequencies too, which a long vibration shows by its phase. What
+is not in it is the mesh.
+
+A body whose elements are not at hand, or any in a machine with controllers, is told by its limit: a
+deflection is off by some 2e-3 at its `rotation_limit` (strips of h/t = 10), by the third power of the turn.
+
+A linear body lacks the shortening by its bending: its error is at least theta^2 / 2 of its length, theta its
+widest turn. Where its rotations are unknown theta is that of a cantilever with its displacement, 3 u / 2 L.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from supple.body import BodyForm, MeanAxisFrame, frame_projector, smaller_rotations
+from supple.body.full_body import FullBody
+from supple.body.turned_elements import turned_force
+from supple.error.judged_quantity import Deflection, JudgedQuantity, WholeBody
+from supple.error.missing_motion import MissingMotionSearch
+from supple.error.residual_correction import (
+    ResidualCorrections,
+    corrections_of,
+    expanded_states,
+    static_answer,
+)
+from supple.error.run_distance import blocks_of_times, largest_displacement
+from supple.integrate import ErrorPart, FloatingMotion, Solution
+from supple.integrate.engine import Progress
+from supple.machine import System
+from supple.reduction import ReductionBasis
+
+__all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]
+
+INSTANTS = 6
+"""At which forces are compared: the widest turn of so many parts of the run."""
+CANTILEVER = 1.5
+"""Turn of a cantilever's end under a force, over its deflection in parts of its length."""
+AT_LIMIT = 2e-3
+"""Relative error of the deflection at the largest rotation that the kinematics describe."""
+
+
+def model_errors(
+    system: System,
+    fulls: Mapping[str, FullBody],
+    bases: Mapping[str, ReductionBasis],
+    solution: Solution,
+    quantities: Sequence[JudgedQuantity],
+    *,
+    progress: Progress | None = None,
+) -> dict[str, ErrorPart]:
+    """What kinematics cost a finished run in some quantities, by their names.
+
+    Parameters
+    ----------
+    system, solution : the run, with its bodies reduced
+    fulls : the same bodies with all coordinates, by name; those without elements are told by their limit
+    bases : of the reduced bodies, by name
+    quantities : positions of bodies among these are told by their own motion, all else by that of the body
+        that is worst, in parts of its displacement
+    """
+    seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
+    if system.controllers:  # what they do at an instant is known to the run alone
+        seen_bodies = []
+    missed: dict[str, ResidualCorrections] = {}
+    if seen_bodies:
+        instants = widest_instants(system, solution)
+        seen = expanded_states(system, seen_bodies, bases, solution, instants)
+        search = MissingMotionSearch(seen.prepared, seen.by_position)
+        states, steps = [], np.empty((len(instants), seen.prepared.n))
+        for row in range(len(instants)):
+            state = seen.state(row)
+            missing = search.at(state)
+            if missing is not None:
+                state = search.moved(state, missing)
+            spurious = {}
+            for index, full in zip(seen.indices, seen_bodies, strict=True):
+                q = state.configuration.coordinates[seen.prepared.coordinate_slices[index]]
+                spurious[full.name] = turned_force(full.body, q) - full.body.force.internal_force(q)
+            states.append(state)
+            steps[row] = static_answer(seen.prepared, state, seen.by_position, spurious)
+            if progress is not None:
+                progress((row + 1) / len(instants))
+        missed = corrections_of(seen, seen_bodies, states, steps)
+    limits = model_errors_by_limit(system, solution)
+    return {each.name: _part(each, system, solution, fulls, missed, limits) for each in quantities}
+
+
+def model_errors_by_limit(system: System, solution: Solution) -> dict[str, float]:
+    """RMS error of the nodes of every elastic body, by its widest turn against its limit of rotation."""
+    found = {}
+    for placed in system.bodies:
+        body = placed.body
+        motion = solution.bodies[body.name]
+        if not body.n_coordinates:
+            continue
+        size = largest_displacement(body, motion)
+        turn = float(_widest_turn(body, motion).max(initial=0.0))
+        if body.is_linear:
+            length = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
+            if body.rotation_rows is None:
+                turn = CANTILEVER * size / length if length else 0.0
+            found[body.name] = turn**2 / 2 * length
+            continue
+        known = np.isfinite(body.rotation_limit)
+        share = AT_LIMIT * (turn / body.rotation_limit) ** 3 if known else 0.0
+        found[body.name] = float(share) * size
+    return found
+
+
+def widest_instants(system: System, solution: Solution) -> np.ndarray:
+    """Numbers of the output times, one in each of some parts of the run, at which a body turns most."""
+    turns = np.zeros(len(solution.times))
+    for placed in system.bodies:
+        if placed.body.n_coordinates:
+            own = _widest_turn(placed.body, solution.bodies[placed.body.name])
+            turns = np.maximum(turns, own / max(float(own.max(initial=0.0)), 1e-300))
+    parts = np.array_split(np.arange(len(turns)), min(INSTANTS, len(turns)))
+    return np.array([part[np.argmax(turns[part])] for part in parts])
+
+
+def _widest_turn(body: BodyForm, motion: FloatingMotion) -> np.ndarray:
+    """Largest rotation of material against the frame, (t,), rad; where unknown, the motion's own size."""
+    rows = body.rotation_rows
+    if rows is None:
+        return np.linalg.norm(motion.coordinates, axis=1)
+    found = np.empty(len(motion.coordinates))
+    for times in blocks_of_times(len(found)):
+        turns = (motion.coordinates[times] @ rows.T).reshape(-1, rows.shape[0] // 3, 3)
+        found[times] = np.sqrt((turns**2).sum(axis=2).max(axis=1))
+    return found
+
+
+def _part(
+    quantity: JudgedQuantity,
+    system: System,
+    solution: Solution,
+    fulls: Mapping[str, FullBody],
+    missed: Mapping[str, ResidualCorrections],
+    limits: Mapping[str, float],
+) -> ErrorPart:
+    name = quantity.body
+    remedy = _remedy(system, name)
+    if isinstance(quantity, WholeBody) and name in missed:
+        value = max(float(missed[quantity.body].rms.max()), _shortening(system, name, limits))
+        return ErrorPart(value, "elements and ties turned exactly", remedy)
+    if isinstance(quantity, Deflection) and name in missed:
+        full = fulls[quantity.body]
+        at = quantity.nodes
+        nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
+        moved = _moved(full, missed[quantity.body])[:, nodes]
+        value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
+        value = max(value, _shortening(system, name, limits))
+        return ErrorPart(value, "elements and ties turned exactly", remedy)
+    shares = [0.0]
+    for body, limit in limits.items():
+        size = largest_displacement(system.bodies[system.body_index(body)].body, solution.bodies[body])
+        own = limit
+        if body in missed:
+            own = max(float(missed[body].rms.max()), _shortening(system, body, limits))
+        if size > 0 and name in (None, body):
+            shares.append(own / size)
+    return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", remedy)
+
+
+def _remedy(system: System, name: str | None) -> str:
+    """For one elastic body, or for any of the machine: one that is not in mean axes yet can be."""
+    bodies = [placed.body for placed in system.bodies if placed.body.n_coordinates]
+    frames = [getattr(body, "frame", None) for body in bodies if name in (None, body.name)]
+    others = [frame for frame in frames if not isinstance(frame, MeanAxisFrame)]
+    return smaller_rotations((others or frames or [None])[0])
+
+
+def _shortening(system: System, name: str | None, limits: Mapping[str, float]) -> float:
+    """What a linear body lacks of its shortening by bending; none of a nonlinear one."""
+    if name is None or not system.bodies[system.body_index(name)].body.is_linear:
+        return 0.0
+    return limits[name]
+
+
+def _moved(full: FullBody, missed: ResidualCorrections) -> np.ndarray:
+    """Missing displacement of the nodes (k, N, 3), in the axes of the body; small turns of the frame."""
+    if not np.any(missed.origin) and not np.any(missed.rotation):
+        return full.expand(frame_projector(full.body, MeanAxisFrame())(missed.deformation).T)
+    turned = np.cross(missed.rotation[:, None], full.nodes)
+    return full.expand(missed.deformation.T) + turned

@@ -1,0 +1,159 @@
+"""A self-correction that lives on disk: its rounds, the motion that is accepted, and the bodies it means."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+
+from supple.equations.checks.validity import watch
+from supple.error.correction_folder import CorrectionFolder
+from supple.error.correction_rounds import CorrectedSystem, ReductionStart, Round, SelfCorrectionError
+from supple.error.error_study import ErrorStudy
+from supple.error.round_table import best_round, correction_numbers
+from supple.error.self_correction import self_correct
+from supple.error.system_correction import Accepted, Announce, CorrectionProgress
+from supple.errors import ResolutionWarning, ResultFileError, StartWarning, ValidityWarning
+from supple.integrate import Run, Validity
+from supple.machine import System
+from supple.simulation import keep_bodies
+from supple.simulation.recorded_columns import columns_of
+from supple.simulation.recorded_run import joint_ends
+from supple.simulation.watched_run import report_resolution, warn_of_unseen_laws
+from supple.storage import ResultFile, write_solution
+from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.file_errors import file_errors
+from supple.storage.result_content import Metadata, errors_metadata
+from supple.storage.result_file import check_nothing_lost
+from supple.storage.run_inputs import Inputs
+
+__all__ = ["ROUNDS_FOLDER", "correct_recorded"]
+
+ROUNDS_FOLDER = "self_correction"
+
+
+def correct_recorded(
+    system: System,
+    run: Run,
+    starts: Mapping[str, ReductionStart],
+    path: Path | str,
+    *,
+    case: str,
+    inputs: Inputs | None = None,
+    metadata: Metadata = MappingProxyType({}),
+    resume: bool = False,
+    overwrite: bool = False,
+    announce: Announce | None = None,
+    accepted: Accepted | None = None,
+    progress: CorrectionProgress | None = None,
+    study: ErrorStudy | None = None,
+) -> CorrectedSystem:
+    """`self_correct`, keeping the rounds as they are computed, then the accepted run and its bodies.
+
+    Parameters
+    ----------
+    system, run, starts, announce, accepted, progress, study : as for `self_correct`; the validity of the run
+        is that of the run that is accepted alone, for a basis that is too small may well leave it
+    path : result file to write; `self_correction/` and `NAME-reduced.h5` lie beside it
+    case, metadata  kept in the file, for the record
+    inputs : what the motion depends on, kept to continue it, as for `CorrectionFolder.create`
+    resume : go on with the rounds that a run left behind which was cut off
+    overwrite : begin anew, whatever is there
+
+    Raises
+    ------
+    SelfCorrectionError     an error was not met: what was reached, and the file of the best round; the
+                            rounds in the order in which they were finished
+    ResultFileError         rounds or a result that would be lost; that cannot be written or continued; that
+                            another run is writing; a run that is complete
+    errors of `self_correct`
+    """
+    path, folder = Path(path), Path(path).parent / ROUNDS_FOLDER
+    with file_errors("write", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with ExclusiveLock(folder):
+        archive = _opened(path, folder, case, inputs, resume=resume, overwrite=overwrite)
+        corrected, rounds = _corrected(system, run, starts, archive, announce, accepted, progress, study)
+        metadata = {
+            **metadata,
+            **joint_ends(system),
+            "self_correction": json.dumps(correction_numbers(rounds)),
+            **columns_of(corrected.system),
+            **errors_metadata(corrected.solution.errors),
+        }
+        # The motion comes last: where it is, its bodies are.
+        keep_bodies(corrected.system, starts, path.parent)
+        write_solution(
+            path, corrected.solution, case=case, metadata=metadata, inputs=inputs or {"the case": case}
+        )
+    limits = watch(corrected.system, run.validity)
+    limits.report(limits.observe({}, corrected.solution))
+    stepped = replace(corrected.run or run, validity=run.validity)
+    warn_of_unseen_laws(corrected.system, stepped)
+    report_resolution(corrected.system, stepped, corrected.solution)
+    return corrected
+
+
+def _opened(
+    path: Path, folder: Path, case: str, inputs: Inputs | None, *, resume: bool, overwrite: bool
+) -> CorrectionFolder:
+    if resume:
+        if path.exists():
+            # Which says that there is nothing to continue, or what has changed.
+            ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
+        return CorrectionFolder.resume(folder, case=case, inputs=inputs)
+    if overwrite:
+        # Before its rounds and its bodies: a motion is never seen with bodies that are not its own.
+        with ExclusiveLock(path):
+            path.unlink(missing_ok=True)
+    else:
+        check_nothing_lost(path)
+        if CorrectionFolder(folder, case=case).is_begun:
+            raise ResultFileError(
+                f"cannot write {folder}: it holds the rounds of a run that was cut off; say resume=True to "
+                "go on with them or overwrite=True to replace them, or write elsewhere"
+            )
+    return CorrectionFolder.create(folder, case=case, inputs=inputs)
+
+
+def _corrected(
+    system: System,
+    run: Run,
+    starts: Mapping[str, ReductionStart],
+    archive: CorrectionFolder,
+    announce: Announce | None,
+    accepted: Accepted | None,
+    progress: CorrectionProgress | None,
+    study: ErrorStudy | None,
+) -> tuple[CorrectedSystem, list[Round]]:
+    """The self-correction, and its rounds in the order in which they were finished."""
+    rounds: list[Round] = []
+
+    def finished(each: Round) -> None:
+        rounds.append(each)
+        if announce is not None:
+            announce(each)
+
+    lenient = replace(run, validity=Validity())
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            warnings.simplefilter("ignore", ResolutionWarning)
+            warnings.simplefilter("once", StartWarning)
+            corrected = self_correct(
+                system,
+                lenient,
+                starts,
+                announce=finished,
+                accepted=accepted,
+                progress=progress,
+                archive=archive,
+                study=study,
+            )
+    except SelfCorrectionError as error:
+        best = archive.motion(best_round(correction_numbers(rounds)))
+        raise SelfCorrectionError(f"{error}, and on disk: the best is {best}", tuple(rounds)) from error
+    return corrected, rounds

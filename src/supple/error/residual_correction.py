@@ -1,0 +1,384 @@
+"""What a basis misses: the full-order residual along a finished reduced run, and the motion that balances it.
+
+At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)` with
+its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order
+equations are evaluated with the run's joint forces. Along V the residual r vanishes; what is left is answered
+by Newton's method for the whole system (`missing_motion`), with corrections
+
+    [ K_t(q) + M / p   D^T   G^T ] [ delta  ]     [ r ]
+    [ D                          ] [ mu     ] = - [ 0 ]
+    [ G                          ] [ lambda ]     [ 0 ]
+
+K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal part
+softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
+other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
+all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
+is the missing motion, quasi-statically. Displacements of the run have z at rest at the first interface, these
+equations have it in the body's frame: the rigid motion between the two is taken off delta.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.algebra import read_only
+from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
+from supple.body.full_body import FullBody
+from supple.equations.configuration import Configuration
+from supple.error.missing_motion import FOLLOWED, SETTLED, MissingMotionSearch
+from supple.errors import ModelError, RedundantConstraintWarning
+from supple.integrate import Progress, Solution, StepFactors
+from supple.integrate.motion import FloatingMotion
+from supple.machine.system import System
+from supple.methods.floating.compiled.compiled_machine import compiled_start
+from supple.methods.floating.full.full_state import FullState
+from supple.methods.floating.full.full_system import FullSystem
+from supple.reduction import Condensation, ReducedBody, ReductionBasis
+from supple.simulation.full_rest import holds_all
+
+__all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
+
+_SLOWNESS = 100.0
+"""How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that
+M / p changes no deflection by a per cent, fast enough that a free body's tangent is regular."""
+_SLOWNESS_IN_FLIGHT = (3.0, 30.0)
+"""The same where joints leave rigid motion free; less of bodies that spin. Nothing but M / p resists rigid
+motion there: slower, what the run's tolerance leaves out of balance turned a spinning beam by a radian."""
+_SLOWER_THAN_SPIN = 3.0
+"""How many times: where spin is fast, its forces would be more than what M / p resists."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualCorrections:
+    """Missing motion of one body at k instants.
+
+    times : (k,)
+    deformation : (n, k)    delta, on the body's coordinates, relative to its frame
+    origin : (k, 3)         displacement of the frame's origin, global
+    rotation : (k, 3)       of the frame, rad, body components
+    rms : (k,)              root-mean-square displacement of the nodes: in space where the joints determine
+                            all rigid motion; of the deformation alone where the system can move freely,
+                            for no static equilibrium says how far it would; infinite where no equilibrium was
+            found, and the deformation is zero
+    factorizations : int    of tangents of the whole system
+    """
+
+    times: np.ndarray
+    deformation: np.ndarray
+    origin: np.ndarray
+    rotation: np.ndarray
+    rms: np.ndarray
+    factorizations: int = 0
+
+    def __post_init__(self) -> None:
+        for item in ("times", "deformation", "origin", "rotation", "rms"):
+            object.__setattr__(self, item, read_only(getattr(self, item)))
+
+    def at(self, rows: np.ndarray) -> ResidualCorrections:
+        """Those of some of the instants, by their numbers among these."""
+        return ResidualCorrections(
+            self.times[rows],
+            self.deformation[:, rows],
+            self.origin[rows],
+            self.rotation[rows],
+            self.rms[rows],
+            self.factorizations,
+        )
+
+
+def residual_corrections(
+    system: System, full: FullBody, basis: ReductionBasis, solution: Solution, instants: np.ndarray
+) -> ResidualCorrections:
+    """Motion that a finished run's basis misses at some of its output times; of one body, see below."""
+    return system_corrections(system, (full,), {full.name: basis}, solution, instants)[full.name]
+
+
+def system_corrections(
+    system: System,
+    fulls: Sequence[FullBody],
+    bases: Mapping[str, ReductionBasis],
+    solution: Solution,
+    instants: np.ndarray,
+    *,
+    between: np.ndarray | None = None,
+    settled: float = SETTLED,
+    progress: Progress | None = None,
+) -> dict[str, ResidualCorrections]:
+    """Motion that the bases of a finished run miss at some of its output times, by body.
+
+    All bodies are corrected together: the missing motion of one loads the others.
+
+    Parameters
+    ----------
+    system : System             as it was simulated, with the reduced bodies
+    fulls : FullBody            those to correct, with all their coordinates
+    bases : ReductionBasis      of the reduced bodies, by name
+    solution : Solution         of the run
+    instants : int array (k,)   output times to look at, by their number; the motion missed at one is where
+                                the search at the next begins (`MissingMotionSearch`)
+    between : int array         others, along which it is followed from one of the instants to the next where
+                                the search does not lead there directly; none: the search goes on regardless
+    settled : float             part of the motion found that its last correction may have
+    progress : function         called with the completed fraction of the instants
+
+    Raises
+    ------
+    ModelError      the system has no such body, or one of another size
+    AccuracyError   tangents are singular at all instants: the body has buckled, or its joints hold a
+                    mechanism in a dead centre
+    """
+    instants = np.asarray(instants)
+    others = np.setdiff1d(np.zeros(0, dtype=np.intp) if between is None else between, instants)
+    seen = expanded_states(system, fulls, bases, solution, np.concatenate([instants, others]))
+    prepared, indices = seen.prepared, seen.indices
+    search = MissingMotionSearch(prepared, seen.by_position)
+    states = [seen.state(row) for row in range(len(instants))]
+    steps, known = np.zeros((len(instants), prepared.n)), np.zeros(len(instants), dtype=bool)
+    reached = -1
+    for done, row in enumerate(np.argsort(instants, kind="stable"), start=1):
+        missing = search.directly(states[row], settled) if len(others) else None
+        if missing is None:
+            for other in np.flatnonzero((others > reached) & (others < instants[row])):
+                search.at(seen.state(len(instants) + int(other)), FOLLOWED)
+            missing = search.at(states[row], settled)
+        reached = instants[row]
+        if missing is not None:
+            steps[row], known[row] = missing.displacement, True
+        if progress is not None:
+            progress(done / len(instants))
+    if search.singular is not None and not known.any():
+        raise search.singular
+    for index, full in zip(indices, fulls, strict=True):
+        own, rigid = steps[:, prepared.slices[index]], seen.expanded[full.name].rigid[: len(instants)]
+        rotations = solution.bodies[full.name].rotation[instants]
+        own[:, :3] -= np.einsum("tij,tj->ti", rotations, rigid[:, :3])
+        own[:, 3:6] -= rigid[:, 3:]
+    found = corrections_of(seen, fulls, states, steps)
+    return {
+        name: replace(own, rms=np.where(known, own.rms, np.inf), factorizations=search.factorizations)
+        for name, own in found.items()
+    }
+
+
+def corrections_of(
+    seen: ExpandedStates, fulls: Sequence[FullBody], states: Sequence[FullState], steps: np.ndarray
+) -> dict[str, ResidualCorrections]:
+    """Steps (k, n) of the whole system from k of its states, body by body."""
+    coordinates = np.array([state.configuration.coordinates for state in states])
+    rotations = np.array([state.configuration.rotations for state in states])
+    times = np.array([state.time for state in states])
+    prepared = seen.prepared
+    determined = holds_all(prepared.system, prepared.model)
+    return {
+        full.name: _of_body(
+            full,
+            times,
+            coordinates[:, prepared.coordinate_slices[index]],
+            rotations[:, index],
+            steps[:, prepared.slices[index]],
+            determined,
+        )
+        for index, full in zip(seen.indices, fulls, strict=True)
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class ExpandedStates:
+    """States of a reduced run with all coordinates of some of its bodies, made one by one.
+
+    prepared : FullSystem           the machine with these bodies in full
+    indices : of the bodies among those of the machine
+    by_position : float             p: accelerations times it are displacements slow against any vibration
+    """
+
+    prepared: FullSystem
+    indices: tuple[int, ...]
+    by_position: float
+    solution: Solution
+    instants: np.ndarray
+    expanded: Mapping[str, _ExpandedMotion]
+
+    def state(self, row: int) -> FullState:
+        """At one of the instants, by its number among them."""
+        return _expanded(self.prepared, self.solution, self.expanded, row, int(self.instants[row]))
+
+
+def expanded_states(
+    system: System,
+    fulls: Sequence[FullBody],
+    bases: Mapping[str, ReductionBasis],
+    solution: Solution,
+    instants: np.ndarray,
+) -> ExpandedStates:
+    """The states of a finished reduced run at some of its output times; parameters as above."""
+    indices, reduced = zip(*(_found(system, full, bases[full.name]) for full in fulls), strict=True)
+    placed = list(system.bodies)
+    for index, full in zip(indices, fulls, strict=True):
+        at_rest = np.zeros(full.n_coordinates)
+        placed[index] = replace(placed[index], body=full, coordinates=at_rest, coordinate_rates=at_rest)
+    with warnings.catch_warnings():
+        # The run has named them already.
+        warnings.simplefilter("ignore", RedundantConstraintWarning)
+        active = compiled_start(system, float(solution.times[0])).model.active
+    expanded = {
+        full.name: _expanded_motion(full, body, bases[full.name], solution.bodies[full.name], instants)
+        for full, body in zip(fulls, reduced, strict=True)
+    }
+    prepared = FullSystem(replace(system, bodies=placed), active)
+    lowest = min(body.lowest_frequency() for body in reduced)
+    slowness = (
+        _SLOWNESS if holds_all(prepared.system, prepared.model) else _slowness_in_flight(solution, lowest)
+    )
+    return ExpandedStates(
+        prepared=prepared,
+        indices=indices,
+        by_position=(slowness / lowest) ** 2,
+        solution=solution,
+        instants=instants,
+        expanded=expanded,
+    )
+
+
+def _slowness_in_flight(solution: Solution, lowest: float) -> float:
+    """How many times slower than the body's lowest vibration, by how fast the bodies spin."""
+    spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in solution.bodies.values()]
+    return float(np.clip(lowest / (_SLOWER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
+
+
+def _found(system: System, full: FullBody, basis: ReductionBasis) -> tuple[int, BodyForm]:
+    """Place of a body in the system, and its reduced form there."""
+    index = system.body_index(full.name, "residual correction")
+    body = system.bodies[index].body
+    if body.n_coordinates != basis.r:
+        raise ModelError(
+            f"residual correction: the system holds body '{full.name}' as a {type(body).__name__}, "
+            f"but the run to correct has it reduced to {basis.r} coordinates"
+        )
+    return index, body
+
+
+def _of_body(
+    full: FullBody,
+    times: np.ndarray,
+    coordinates: np.ndarray,
+    rotations: np.ndarray,
+    steps: np.ndarray,
+    determined: bool,
+) -> ResidualCorrections:
+    """The part of one body in the steps (k, 6 + n) of the system."""
+    return ResidualCorrections(
+        times=times,
+        deformation=steps[:, 6:].T,
+        origin=steps[:, :3],
+        rotation=steps[:, 3:6],
+        rms=_nodal_rms(full, coordinates, rotations, steps, determined),
+    )
+
+
+class _ExpandedMotion(NamedTuple):
+    """Coordinates (k, n) of one body at the instants; `rigid` (k, 6) as of `RunColumns`."""
+
+    coordinates: np.ndarray
+    coordinate_rates: np.ndarray
+    coordinate_accelerations: np.ndarray
+    rigid: np.ndarray
+
+
+def _expanded_motion(
+    full: FullBody, reduced: BodyForm, basis: ReductionBasis, motion: FloatingMotion, instants: np.ndarray
+) -> _ExpandedMotion:
+    gamma, rate, acceleration = (
+        getattr(motion, item)[instants]
+        for item in ("coordinates", "coordinate_rates", "coordinate_accelerations")
+    )
+    moved = [each @ basis.vectors.T for each in (gamma, rate, acceleration)]
+    rigid = np.zeros((len(gamma), 6))
+    if isinstance(reduced, ReducedBody) and reduced.condensed is not None:
+        condensation = Condensation(full.body, basis)
+        z = condensation.bilinear  # z(gamma) = z(gamma, gamma), so its derivatives:
+        following = z(gamma, gamma)
+        rigid = condensation.rigid_part(following).T
+        moved[0] = moved[0] + following.T
+        moved[1] = moved[1] + 2 * z(gamma, rate).T
+        moved[2] = moved[2] + 2 * (z(rate, rate) + z(gamma, acceleration)).T
+    return _ExpandedMotion(moved[0], moved[1], moved[2], rigid)
+
+
+def _expanded(
+    prepared: FullSystem,
+    solution: Solution,
+    expanded: Mapping[str, _ExpandedMotion],
+    row: int,
+    instant: int,
+) -> FullState:
+    """State of the run at one output time, with all coordinates of the bodies that were expanded."""
+
+    def now(item: str, body: str) -> np.ndarray:
+        if body in expanded and item.startswith("coordinate"):
+            return getattr(expanded[body], item)[row]
+        return getattr(solution.bodies[body], item)[instant]
+
+    def joined(*items: str) -> np.ndarray:
+        return np.concatenate([now(item, body) for body in names for item in items])
+
+    system = prepared.system
+    names = [placed.body.name for placed in system.bodies]
+    multipliers = np.concatenate(
+        [np.zeros(0)] + [solution.multipliers[joint.name][instant] for joint in system.joints]
+    )
+    acceleration = joined("acceleration", "angular_acceleration", "coordinate_accelerations")
+    return FullState(
+        time=float(solution.times[instant]),
+        configuration=Configuration(
+            np.array([now("position", body) for body in names]),
+            np.array([now("rotation", body) for body in names]),
+            joined("coordinates"),
+        ),
+        velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
+        acceleration=acceleration,
+        auxiliary=acceleration,
+        multipliers=multipliers[list(prepared.model.active)],
+        # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
+        frame_multipliers=tuple(np.zeros(6) for _ in prepared.interiors),
+    )
+
+
+def static_answer(
+    prepared: FullSystem, state: FullState, position: float, forces: Mapping[str, np.ndarray]
+) -> np.ndarray:
+    """Displacement of all freedoms (n,) by forces on full bodies (n,), by name; joints and frames are held.
+
+    What is out of balance besides is left so.
+    """
+    evaluation = prepared.evaluate(state, 0.0)
+    evaluation = evaluation.left_with(
+        np.zeros_like(evaluation.border.inertia),
+        tuple(np.concatenate([np.zeros(6), forces[interior.full.name]]) for interior in prepared.interiors),
+    )
+    # Written for accelerations, of which a displacement is `position` times as large.
+    step, _, _ = prepared.correction(
+        evaluation,
+        evaluation.closing(position),
+        np.zeros(prepared.n),
+        StepFactors(by_position=position, by_velocity=0.0),
+    )
+    return position * step
+
+
+def _nodal_rms(
+    full: FullBody, coordinates: np.ndarray, rotations: np.ndarray, steps: np.ndarray, determined: bool
+) -> np.ndarray:
+    """Root-mean-square displacement of the nodes, (k,), with the rigid motion where it is determined."""
+    if not determined:
+        without = frame_projector(full.body, MeanAxisFrame())(steps[:, 6:].T)
+        moved = full.expand(without.T)
+    else:
+        places = full.nodes + full.expand(coordinates)
+        seen = full.expand(steps[:, 6:]) + np.cross(steps[:, None, 3:6], places)
+        moved = in_space(steps[:, :3], rotations, seen)
+    return np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1))

@@ -1,0 +1,97 @@
+"""Errors that are not small: the error equation once more about what it found, until that settles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from supple.error.basis_error import FIRST_ORDER
+from supple.error.equation import ErrorEquation, ErrorHistory, TangentMotion
+from supple.error.equation.linearised_march import ErrorState
+
+__all__ = ["Told", "is_clearly_larger", "is_finite", "is_small", "settled"]
+
+SMALL_SECOND = 0.02
+"""A second correction below it is not made: the first is right to as much."""
+CLEAR_SECOND = 0.1
+"""A second correction below it is not made of an error that is `CLEARLY` larger than what is allowed."""
+CLEARLY = 2.0
+SWEEPS = 3
+"""About the corrected motion, at most."""
+SMALL_TURN = 0.02
+"""Error of a frame's turn, rad, below which it counts as small."""
+
+Told = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
+"""Differences of the true motion and a run's; what they are of each body; their last change, by body."""
+
+
+def settled(
+    equation: ErrorEquation,
+    first: ErrorState,
+    histories: Mapping[str, ErrorHistory],
+    tangents: TangentMotion | None = None,
+    *,
+    smooth: bool = True,
+) -> Told:
+    """The differences about the corrected motion, once more until they change no more, and the last change.
+
+    Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as
+    good a guess as any, and no more than that. Where forces have kinks, a small change may be that of a
+    sweep between them: there more sweeps are made, until the change is small.
+    """
+    found, own, changes = first, histories, dict.fromkeys(histories, np.inf)
+    if not is_finite(histories):
+        return found, own, changes
+    for _ in range(SWEEPS):
+        more = equation.again(found, tangents)
+        again = equation.histories(more)
+        changes = {name: _change(own[name], each) for name, each in again.items()}
+        if not np.isfinite(max(changes.values())):
+            break
+        found, own = more, again
+        if max(changes.values()) <= (FIRST_ORDER if smooth else SMALL_SECOND):
+            break
+    if max(changes.values()) <= FIRST_ORDER:
+        return found, own, changes
+    return first, histories, changes
+
+
+def is_finite(histories: Mapping[str, ErrorHistory]) -> bool:
+    """Whether errors are numbers at every step."""
+    return all(bool(np.isfinite(history.rms).all()) for history in histories.values())
+
+
+def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float]) -> bool:
+    """Whether errors are small, by their second corrections and the turns of the frames."""
+    return max(second.values()) <= SMALL_SECOND and _largest_turn(histories) <= SMALL_TURN
+
+
+def is_clearly_larger(
+    histories: Mapping[str, ErrorHistory], second: Mapping[str, float], allowed: Mapping[str, float]
+) -> bool:
+    """Whether an error is so much larger than what is allowed to its body that its first order says enough.
+
+    Rounds of a self-correction that cannot be the last take a sweep less, which is a third of their cost.
+    """
+    small = max(second.values()) <= CLEAR_SECOND and _largest_turn(histories) <= CLEAR_SECOND
+    return small and any(
+        history.rms.max() > CLEARLY * allowed.get(name, np.inf) for name, history in histories.items()
+    )
+
+
+def _largest_turn(histories: Mapping[str, ErrorHistory]) -> float:
+    """Of the frames' errors, rad."""
+    return max(float(np.abs(history.turn).max()) for history in histories.values())
+
+
+def _change(first: ErrorHistory, again: ErrorHistory) -> float:
+    """Largest distance of two estimates of an error, over the first."""
+    if not np.isfinite(again.rms).all():
+        return np.inf
+    rows = np.unique([int(np.argmax(first.rms)), int(np.argmax(again.rms))])
+    apart = max(
+        float(np.sqrt(np.mean(np.sum((first.at_nodes(row) - again.at_nodes(row)) ** 2, axis=1))))
+        for row in rows
+    )
+    return apart / max(float(first.rms.max()), np.finfo(float).tiny)

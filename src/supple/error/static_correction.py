@@ -1,0 +1,180 @@
+"""Self-correction at rest: find an equilibrium or modes, enrich by what the bases miss of them.
+
+No run is needed: an equilibrium with all coordinates is one factorisation away from the reduced one, and what
+it says is missing holds that very equilibrium. So a round or two suffice.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.body import FullBody
+from supple.equations import StaticSearch
+from supple.error.correction_rounds import ReductionStart, SelfCorrection, SelfCorrectionError
+from supple.error.judged_quantity import quantity_distance
+from supple.error.start_deformation import with_reduced
+from supple.errors import BasisWarning, LockingWarning, ModelError
+from supple.machine import Spin, System
+from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
+from supple.simulation import Equilibrium, equilibrium
+
+__all__ = ["Missed", "StaticallyCorrected", "correct_at_rest", "correct_statically", "missed_at_rest"]
+
+
+class Missed(NamedTuple):
+    """What the basis of one body misses.
+
+    error, allowed : in the unit of what is judged
+    fields : (n, m)     displacements of its coordinates, to enrich the basis by
+    """
+
+    error: float
+    allowed: float
+    fields: np.ndarray
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the error is allowed; never of one that is not known."""
+        return self.error <= self.allowed
+
+
+Look = Callable[[System, Mapping[str, FullBody]], Mapping[str, Missed]]
+"""Finds what is asked of a reduced machine, and what its bases miss of it, by name of the body."""
+
+
+@dataclass(frozen=True, eq=False)
+class StaticallyCorrected:
+    """A machine whose bases keep to the error.
+
+    system : System         with its bodies reduced, placed as they were
+    bases : ReductionBasis  by name
+    missed : by name, of each round what was missed
+    """
+
+    system: System
+    bases: Mapping[str, ReductionBasis]
+    missed: Mapping[str, tuple[Missed, ...]]
+
+
+def correct_at_rest(
+    system: System,
+    target: SelfCorrection | ReductionStart | Mapping[str, ReductionStart],
+    *,
+    time: float = 0.0,
+    spin: Spin | None = None,
+    search: StaticSearch | None = None,
+) -> tuple[Equilibrium, StaticallyCorrected]:
+    """Reduce bodies of a system together, as far as the error allows that they have in an equilibrium.
+
+    system : System     each body to reduce is in it as a FullBody, which says its frame and damping
+    target : the error to reach, of every full body (SelfCorrection); with the basis to start from
+        (ReductionStart); or such a start for each body that is named, the others staying as they are
+    time, spin, search : of the `equilibrium`
+
+    Raises
+    ------
+    SelfCorrectionError     the error is not met in the rounds or coordinates allowed
+    ModelError              nothing to reduce, a body that is not full; errors of `equilibrium` and `reduce`
+    ConvergenceError        no equilibrium
+    """
+    start = ReductionStart(target) if isinstance(target, SelfCorrection) else target
+    starts = start if isinstance(start, Mapping) else dict.fromkeys(system.bodies_of(FullBody), start)
+    found: list[Equilibrium] = []
+
+    def look(reduced: System, fulls: Mapping[str, FullBody]) -> Mapping[str, Missed]:
+        found.append(equilibrium(reduced, time=time, spin=spin, search=search, fulls=fulls))
+        return missed_at_rest(found[-1], starts)
+
+    corrected = correct_statically(system, starts, look)
+    return found[-1], corrected
+
+
+def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> dict[str, Missed]:
+    """What the bases miss of an equilibrium, in the quantities that their targets name."""
+    missed = {}
+    for name, start in starts.items():
+        quantity = start.target.quantity(name)
+        error = np.inf
+        if found.full is not None:
+            error = quantity_distance(quantity, found.system, found.solution, *found.full)
+        size = quantity.size(found.system, found.solution)
+        fields = found.errors[name].deformation[:, None]
+        missed[name] = Missed(error, start.target.allowed(size), fields)
+    return missed
+
+
+def correct_statically(
+    system: System, starts: Mapping[str, ReductionStart], look: Look
+) -> StaticallyCorrected:
+    """Rounds of `look` and enrichment until no body misses more than its target allows; errors as above."""
+    fulls = system.bodies_of(FullBody)
+    if not starts or not starts.keys() <= fulls.keys():
+        other = next((name for name in starts if name not in fulls), None)
+        raise ModelError(
+            "self-correction at rest: name at least one body of the system to reduce"
+            if other is None
+            else f"self-correction at rest: body '{other}' must be in the system as a FullBody"
+        )
+    fulls = {name: fulls[name] for name in starts}
+    bases = {
+        name: reduction_basis(full.body, full.frame, starts[name].basis, derivatives=starts[name].derivatives)
+        for name, full in fulls.items()
+    }
+    rounds: dict[str, list[Missed]] = {name: [] for name in starts}
+    while True:
+        reduced = _reduced(system, fulls, starts, bases)
+        with warnings.catch_warnings():
+            # What is missed is told by the rounds.
+            warnings.simplefilter("ignore", BasisWarning)
+            missed = look(reduced, fulls)
+        for name, each in missed.items():
+            rounds[name].append(each)
+        unmet = [name for name, each in missed.items() if not each.is_met]
+        if not unmet:
+            return StaticallyCorrected(reduced, bases, {name: tuple(each) for name, each in rounds.items()})
+        for name in unmet:
+            fields = missed[name].fields
+            more = int(np.linalg.matrix_rank(fields)) if fields.any() else 0
+            _check_prospects(name, starts[name].target, rounds[name], bases[name].r + more)
+            bases[name] = enrich(fulls[name].body, bases[name], fields, more).basis
+
+
+def _check_prospects(name: str, target: SelfCorrection, rounds: list[Missed], size: int) -> None:
+    """SelfCorrectionError where the next round would be one too many, or too large."""
+    if not np.isfinite(rounds[-1].error):
+        reason = "no equilibrium was found with all its coordinates, to compare with"
+    elif size > target.largest_size:
+        reason = f"the next basis would have {size} coordinates, more than {target.largest_size} allowed"
+    elif len(rounds) > target.max_rounds:
+        reason = f"{target.max_rounds} rounds are over"
+    else:
+        return
+    errors = ", ".join(f"{each.error:.2g}" for each in rounds)
+    raise SelfCorrectionError(
+        f"self-correction of body '{name}' at rest did not reach the error {target.wanted}: {reason}. "
+        f"Errors, round by round: {errors}. Start with more modes or derivatives, or allow more coordinates",
+        (),
+    )
+
+
+def _reduced(
+    system: System,
+    fulls: Mapping[str, FullBody],
+    starts: Mapping[str, ReductionStart],
+    bases: Mapping[str, ReductionBasis],
+) -> System:
+    """The machine with its bodies on the bases, as deformed at the start as these allow."""
+    with warnings.catch_warnings():
+        # Stiff motion that the columns lack is missed like any other.
+        warnings.simplefilter("ignore", LockingWarning)
+        bodies: dict[str, ReducedBody] = {
+            name: project(full.body, bases[name], damping=full.damping, quartic=starts[name].quartic)
+            for name, full in fulls.items()
+        }
+
+    return with_reduced(system, bodies, bases)

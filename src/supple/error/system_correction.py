@@ -1,0 +1,369 @@
+"""Self-correction of all flexible bodies of a system at once: run, see what is missed, enrich, run again."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+
+from supple.body.full_body import FullBody
+from supple.equations.checks.load_spectrum import warn_of_missing_modes
+from supple.error.basis_error import ASK_FOR_LESS, FIRST_ORDER
+from supple.error.basis_part import distances, stated_of
+from supple.error.correction_rounds import (
+    CorrectedSystem,
+    ReductionStart,
+    Round,
+    SelfCorrected,
+    SelfCorrection,
+    SelfCorrectionError,
+)
+from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
+from supple.error.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
+from supple.error.round_archive import MissedMotion, RoundArchive, RoundBases
+from supple.error.start_deformation import with_reduced, with_start
+from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part
+from supple.errors import ConvergenceError, LockingWarning
+from supple.integrate import ErrorPart, Run, Solution
+from supple.machine.system import System
+from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
+from supple.reduction.tensor_memory import require_tensor_memory
+
+__all__ = ["Accepted", "Announce", "CorrectionProgress", "Problem", "correct"]
+
+Announce = Callable[[Round], None]
+"""Called with every round as it is finished; of several bodies one after the other."""
+CorrectionProgress = Callable[[str, float], None]
+"""Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
+
+Accepted = Callable[[CorrectedSystem], None]
+"""Called with the run whose basis keeps to the error, before the other parts of the error are told."""
+
+MOST_STEPS_WITH_ROOM = 20_000
+"""Of runs whose rounds share compiled programs (`with_room`): in longer ones inert coordinates cost more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """All that stays the same from round to round.
+
+    system : System         with its full bodies
+    fulls, starts : by body
+    run : of every round
+    announce, accepted, progress, archive : as for `self_correct`
+    first : bases to begin with, where an earlier pass has found them; its number in the archive
+    spent : of what is allowed to a body, what other parts of the error than the basis take
+    confirmed : bodies whose estimates an earlier pass has confirmed, from whose bases this one begins
+    besides : what is judged of the accepted run as well
+    """
+
+    system: System
+    fulls: Mapping[str, FullBody]
+    starts: Mapping[str, ReductionStart]
+    run: Run
+    announce: Announce | None
+    progress: CorrectionProgress | None
+    archive: RoundArchive
+    first: RoundBases | None = None
+    number: int = 0
+    spent: Mapping[str, float] = field(default_factory=dict)
+    accepted: Accepted | None = None
+    confirmed: frozenset[str] = frozenset()
+    besides: tuple[JudgedQuantity, ...] = ()
+
+    def report(self, step: str, fraction: float) -> None:
+        """Say how far a step has come."""
+        if self.progress is not None:
+            self.progress(step, fraction)
+
+    def target(self, name: str) -> SelfCorrection:
+        """The error to reach for a body."""
+        return self.starts[name].target
+
+
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """The system reduced to the bases of one round; in it the bodies have room for more coordinates."""
+
+    number: int
+    bases: RoundBases
+    bodies: Mapping[str, ReducedBody]
+    system: System
+    seconds: float
+
+    @property
+    def label(self) -> str:
+        """What reports call it."""
+        sizes = " + ".join(str(body.r) for body in self.bodies.values())
+        return f"round {self.number}, {sizes} coordinates"
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    model: _Model
+    solution: Solution
+    complete: bool
+    seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Judged:
+    """A round of one body, and whether it meets the target."""
+
+    round: Round
+    met: bool
+
+
+def correct(problem: Problem) -> CorrectedSystem:
+    """Round by round, until every body meets its target in the same one."""
+    for name, full in problem.fulls.items():
+        require_tensor_memory(
+            full.body,
+            problem.target(name).largest_size,
+            strain_rate_damping=full.damping is not None and bool(full.damping.retardation_time),
+            named="as largest_size",
+        )
+    past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
+    estimator = ErrorEstimator(problem.system, problem.run)
+    before: _Run | None = None
+    number = problem.number
+    kept = problem.archive.read_bases(number, problem.fulls)
+    model = _reduced(problem, number, kept or problem.first or _first_bases(problem))
+    _look_at_loads(problem, model)
+    while True:
+        run = _simulated(problem, model)
+        number = model.number + 1
+        allowed = {name: _allowed(problem, name, run) for name in problem.fulls}
+        kept = problem.archive.read_bases(number, problem.fulls)
+        next_bases = kept or _enriched(problem, estimator, run, allowed)
+        for name, judged in past.items():
+            confirmed = _confirmed(problem, name, judged, before, run, allowed[name])
+            judged.append(_judge(problem, name, judged, run, next_bases, allowed[name], confirmed))
+            if problem.announce is not None:
+                problem.announce(judged[-1].round)
+        if all(judged[-1].met for judged in past.values()):
+            return _result(past, run, next_bases)
+        _check_prospects(problem, past, number, next_bases)
+        before = run
+        model = _reduced(problem, number, next_bases)
+
+
+def _first_bases(problem: Problem) -> RoundBases:
+    bases = {}
+    for name, full in problem.fulls.items():
+        step = f"reducing body '{name}' ({full.n_coordinates} freedoms)"
+        problem.report(step, 0.0)
+        start = problem.starts[name]
+        basis = reduction_basis(full.body, full.frame, start.basis, derivatives=start.derivatives)
+        bases[name] = with_start(problem.system.bodies[problem.system.body_index(name)], full, basis)
+        problem.report(step, 1.0)
+    return RoundBases(bases)
+
+
+def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
+    began = perf_counter()
+    problem.archive.keep_bases(number, bases)
+    with warnings.catch_warnings():
+        # What locks is missed motion like any other: the rounds find it and say what is left.
+        warnings.simplefilter("ignore", LockingWarning)
+        bodies = {
+            name: project(
+                full.body, bases.bases[name], damping=full.damping, quartic=problem.starts[name].quartic
+            )
+            for name, full in problem.fulls.items()
+        }
+    brief = problem.run.n_steps <= MOST_STEPS_WITH_ROOM
+    roomy = {name: with_room(body) for name, body in bodies.items()} if brief else bodies
+    system = with_reduced(problem.system, roomy, bases.bases)
+    return _Model(number, bases, bodies, system, perf_counter() - began)
+
+
+def _look_at_loads(problem: Problem, model: _Model) -> None:
+    times = problem.run.times
+    for name, full in problem.fulls.items():
+        warn_of_missing_modes(model.system, times, full.body, model.bodies[name])
+
+
+def _simulated(problem: Problem, model: _Model) -> _Run:
+    """The run; where it breaks off, as that of a start without derivatives may, it shows what it lacks."""
+    began = perf_counter()
+    step = f"{model.label}: simulating"
+    problem.report(step, 0.0)
+    solution = problem.archive.simulate(
+        model.number, model.system, problem.run, progress=lambda fraction: problem.report(step, fraction)
+    )
+    if solution.stopped is not None and len(solution.times) < 2:
+        raise ConvergenceError(solution.stopped)
+    seconds = model.seconds + perf_counter() - began
+    return _Run(model, solution, solution.stopped is None, seconds)
+
+
+def _enriched(
+    problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float]
+) -> RoundBases:
+    """The bases of the next run, and what this one said of its own error."""
+    began = perf_counter()
+    model = run.model
+    step = f"{model.label}: what they miss"
+    problem.report(step, 0.0)
+    estimate = estimator.judge(
+        model.system,
+        model.bases.bases,
+        run.solution,
+        instants=max(problem.target(name).instants for name in problem.fulls),
+        allowed={
+            name: error
+            for name, error in allowed.items()
+            if isinstance(problem.target(name).quantity(name), WholeBody)
+        },
+        progress=lambda fraction: problem.report(step, fraction),
+    )
+    bases, said = {}, {}
+    for name, full in problem.fulls.items():
+        enriched = enrich(
+            full.body, model.bases.bases[name], estimate.missed[name], problem.target(name).directions
+        )
+        bases[name] = enriched.basis
+        quantity = problem.target(name).quantity(name)
+        # The indicator is a length; in other quantities the limit is the same share of the displacement.
+        size = quantity.size(model.system, run.solution)
+        share = allowed[name] / size if size else 0.0
+        said[name] = MissedMotion(
+            float(estimate.corrections[name].rms.max()),
+            enriched.singular_values,
+            _error(quantity, name, run, estimate),
+            estimate.error.bodies[name].is_doubtful(share * WholeBody(name).size(model.system, run.solution)),
+        )
+    besides: Mapping[str, float] = {}
+    if all(said[name].error <= error for name, error in allowed.items()):  # it may be the last
+        asked = stated_of(model.system, problem.fulls, problem.besides)
+        besides = distances(model.system, run.solution, estimate, asked)
+    next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began, besides)
+    # What the last run says is kept as well, though the next one is never made.
+    problem.archive.keep_bases(model.number + 1, next_bases)
+    return next_bases
+
+
+def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstimate) -> float:
+    """The error of a quantity: to the motion that the error equation tells, and what that cannot know.
+
+    Infinite where the second correction is over a third of the first: an order of magnitude then.
+    """
+    told = estimate.error.bodies[name]
+    if estimate.corrected is None or told.second is None or told.second > FIRST_ORDER:
+        return np.inf
+    difference = quantity_distance(quantity, run.model.system, run.solution, *estimate.corrected)
+    return difference * (told.estimate / told.rms if told.rms else 1.0)
+
+
+def _confirmed(
+    problem: Problem, name: str, past: list[_Judged], before: _Run | None, run: _Run, allowed: float
+) -> bool:
+    """Whether a run with fewer coordinates was as far from this one as was estimated of it."""
+    if before is None:
+        return name in problem.confirmed
+    distance = quantity_distance(
+        problem.target(name).quantity(name),
+        before.model.system,
+        before.solution,
+        run.model.system,
+        run.solution,
+    )
+    return is_confirmed(past[-1].round.estimated_error, distance, allowed)
+
+
+def _judge(
+    problem: Problem,
+    name: str,
+    before: list[_Judged],
+    run: _Run,
+    after: RoundBases,
+    allowed: float,
+    confirmed: bool,
+) -> _Judged:
+    """What is known of the error of a run, against what is asked."""
+    missed = after.missed[name]
+    known = [np.inf if each.round.unconfirmed else each.round.estimated_error for each in before]
+    was_met = any(each.met for each in before)
+    after_useless = bool(before) and before[-1].round.useless and not was_met
+    return _Judged(
+        Round(
+            body=run.model.bodies[name],
+            solution=run.solution,
+            estimated_error=missed.error,
+            indicator=missed.indicator,
+            singular_values=missed.singular_values,
+            seconds=after.seconds,
+            allowed=allowed,
+            useless=is_useless([*known, missed.error]),
+            unconfirmed=missed.doubtful and not confirmed,
+            number=run.model.number,
+            run=problem.run,
+        ),
+        missed.error <= allowed - problem.spent.get(name, 0.0)
+        and not after_useless
+        and (confirmed or not missed.doubtful),
+    )
+
+
+def _allowed(problem: Problem, name: str, run: _Run) -> float:
+    """The error to reach, in the unit of what it is of."""
+    target = problem.target(name)
+    return target.allowed(target.quantity(name).size(run.model.system, run.solution))
+
+
+def _result(past: Mapping[str, list[_Judged]], run: _Run, after: RoundBases) -> CorrectedSystem:
+    return CorrectedSystem(
+        run.model.system,
+        {
+            name: SelfCorrected(tuple(each.round for each in judged), run.model.bases.bases[name])
+            for name, judged in past.items()
+        },
+        of_basis={
+            name: ErrorPart(error, "the error equation", ASK_FOR_LESS)
+            for name, error in after.besides.items()
+        },
+    )
+
+
+def _check_prospects(
+    problem: Problem, past: Mapping[str, list[_Judged]], number: int, after: RoundBases
+) -> None:
+    """SelfCorrectionError when the next round would be one too many, or too large."""
+    allowed_rounds = max(problem.target(name).max_rounds for name in past)
+    unmet = [name for name, judged in past.items() if not judged[-1].met]
+    too_large = [name for name in unmet if after.bases[name].r > problem.target(name).largest_size]
+    if too_large:
+        name = too_large[0]
+        reason = (
+            f"the next basis would have {after.bases[name].r} coordinates, more than "
+            f"{problem.target(name).largest_size} allowed"
+        )
+    elif number - problem.number > allowed_rounds:
+        reason = f"{allowed_rounds} rounds are over"
+    else:
+        return
+    said = []
+    for name in too_large or unmet:
+        history = ", ".join(
+            f"{each.round.estimated_error:.2g} with {each.round.size} coordinates" for each in past[name]
+        )
+        useless = [str(each.round.number) for each in past[name] if each.round.useless]
+        idle = f"Round {', '.join(useless)} found nothing that helped. " if useless else ""
+        last = past[name][-1].round
+        if last.unconfirmed and last.estimated_error <= last.allowed:
+            idle += f"The last error is confirmed by no second run, and {doubt(last.body, last.indicator)}. "
+        part = missed_part(problem.fulls[name], after.bases[name], past[name][-1].round.size)
+        said.append(
+            f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "
+            f"{reason}. Estimated errors: {history}. {idle}{part.words}. "
+        )
+    raise SelfCorrectionError(
+        "".join(said) + "Start with more modes (all those in the band of the loads), add more directions a "
+        "round, tighten the tolerances of the time integration, or allow more; the rounds are kept in this "
+        "error",
+        tuple(each.round for judged in past.values() for each in judged),
+    )

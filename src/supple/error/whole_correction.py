@@ -1,0 +1,225 @@
+"""Self-correction to a sum of errors: basis, time step, Newton's tolerance and model together.
+
+The rounds make the basis good for the steps that are taken. Then the accepted bodies are run twice more for
+the other parts, and if the sum is above what is allowed, the parts that are too large are mended, those first
+that cost least: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the
+basis costs rounds and coordinates. Each is asked for no more than its share of what the model leaves of the
+error allowed, and one that suffices leaves the next alone. Then the rounds go on from the bases that are
+there. What the model costs no run can mend: where it alone is too large, that is said.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from supple.error.basis_error import ASK_FOR_LESS
+from supple.error.correction_rounds import CorrectedSystem, Round, SelfCorrected, SelfCorrectionError
+from supple.error.error_study import ErrorStudy, judged, statements
+from supple.error.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
+from supple.error.round_archive import RoundBases
+from supple.error.system_correction import Problem, correct
+from supple.errors import StepCutWarning
+from supple.integrate import ErrorPart, ErrorStatement, Run, Solution
+
+__all__ = ["correct_wholly"]
+
+SHARES = {"newton": 0.1, "step": 0.4, "basis": 0.5}
+"""Of what the model leaves of what is allowed: what a part is mended to, the cheapest first."""
+ROOM = 0.8
+"""Of what is left for a part: what it is brought to, so that it is not tried twice."""
+SHORTEST = 1 / 8
+"""By which a step is shortened at once; errors that fall more slowly than h^2 are met in several passes."""
+PASSES = 6
+MANY = 10
+"""Times the steps asked for: taking as many is warned of."""
+
+
+@dataclass(frozen=True)
+class _Mended:
+    """What the next pass does otherwise; 1 where a number stays."""
+
+    tolerance: float = 1.0
+    step: float = 1.0
+    basis: float | None = None
+    """What the other parts will take of what is allowed."""
+
+
+def correct_wholly(problem: Problem, study: ErrorStudy) -> CorrectedSystem:
+    """Passes of rounds until the sum of all parts keeps to what is allowed, of every body.
+
+    Raises
+    ------
+    SelfCorrectionError     the model alone costs more; the passes do not get there; errors of `correct`. Its
+                            `rounds` are those of all passes
+    """
+    before: dict[str, tuple[Round, ...]] = {name: () for name in problem.fulls}
+    unmet: dict[str, ErrorStatement] = {}
+    attempt, asked_run = 0, problem.run
+    for attempt in range(PASSES):
+        corrected = _with_rounds(correct(problem), before)
+        before = {name: own.rounds for name, own in corrected.bodies.items()}
+        if problem.accepted is not None:
+            problem.accepted(corrected)
+        stated = _stated(problem, corrected, study)
+        solution = corrected.solution.with_errors(stated)
+        corrected = _with_solution(corrected, solution, problem.run)
+        asked = {name: stated[problem.target(name).quantity(name).name] for name in problem.fulls}
+        unmet = {name: each for name, each in asked.items() if not each.is_met}
+        if not unmet:
+            return corrected
+        _check_model(unmet, before)
+        mended = _mended(problem, corrected, unmet)
+        if attempt == PASSES - 1 or _is_same(mended, problem):
+            break
+        _announce_steps(asked_run, problem, mended)
+        problem = mended
+    raise SelfCorrectionError(
+        " ".join(
+            f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted} in "
+            f"{attempt + 1} passes: {each.at_least:.2g} for {each.allowed:.2g}, of which {_words(each)}; "
+            f"{each.advice}."
+            for name, each in unmet.items()
+        )
+        + " The rounds are kept in this error",
+        tuple(each for own in before.values() for each in own),
+    )
+
+
+def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> dict[str, ErrorStatement]:
+    """Statements of what the targets are of, of every body, and of what is asked for besides."""
+    system, solution = corrected.system, corrected.solution
+    of_basis: dict[str, ErrorPart] = dict(corrected.of_basis)
+    allowed: dict[str, float] = {}
+    for name, own in corrected.bodies.items():
+        quantity = problem.target(name).quantity(name)
+        last = own.rounds[-1]
+        of_basis[quantity.name] = ErrorPart(last.estimated_error, "the error equation", ASK_FOR_LESS)
+        allowed[quantity.name] = last.allowed
+    targets = [problem.target(name).quantity(name) for name in corrected.bodies]
+    others = [each for each in judged(system, study) if each.name not in allowed]
+    bases = {name: own.basis for name, own in corrected.bodies.items()}
+    return statements(
+        system,
+        problem.run,
+        solution,
+        study,
+        problem.fulls,
+        bases,
+        of_basis,
+        allowed=allowed,
+        quantities=[*targets, *others],
+        progress=problem.report,
+    )
+
+
+def _with_rounds(corrected: CorrectedSystem, before: Mapping[str, tuple[Round, ...]]) -> CorrectedSystem:
+    bodies = {
+        name: replace(own, rounds=(*before[name], *own.rounds)) for name, own in corrected.bodies.items()
+    }
+    return replace(corrected, bodies=bodies)
+
+
+def _with_solution(corrected: CorrectedSystem, solution: Solution, run: Run) -> CorrectedSystem:
+    """The accepted round of every body with the solution that knows its error, and how it was stepped."""
+
+    def judged_rounds(own: SelfCorrected) -> SelfCorrected:
+        return replace(own, rounds=(*own.rounds[:-1], replace(own.rounds[-1], solution=solution)))
+
+    bodies = {name: judged_rounds(own) for name, own in corrected.bodies.items()}
+    return replace(corrected, bodies=bodies, run=run)
+
+
+def _mended(problem: Problem, corrected: CorrectedSystem, unmet: Mapping[str, ErrorStatement]) -> Problem:
+    """The next pass: from the bases reached, with what the bodies that are not met need."""
+    needs = {name: _needed(each) for name, each in unmet.items()}
+    run = problem.run
+    tolerance = min(each.tolerance for each in needs.values())
+    if tolerance < 1:
+        # By decades: a tolerance is no number to be fine with.
+        decade = np.floor(np.log10(tolerance * run.tolerances.residual) + 1e-9)
+        run = with_tolerance(run, max(float(f"1e{decade:.0f}"), TIGHTEST))
+    step = min(each.step for each in needs.values())
+    if step < 1:
+        run = with_shorter_steps(run, step)
+    spent = dict(problem.spent) | {name: each.basis for name, each in needs.items() if each.basis is not None}
+    reached = {name: own.basis for name, own in corrected.bodies.items()}
+    last = max(own.rounds[-1].number or 0 for own in corrected.bodies.values())
+    return replace(
+        problem,
+        run=run,
+        spent=spent,
+        first=RoundBases(reached),
+        number=last + 2,  # the one between has bases but no run
+        confirmed=problem.confirmed
+        | {name for name, own in corrected.bodies.items() if not own.rounds[-1].unconfirmed},
+    )
+
+
+def _announce_steps(asked: Run, problem: Problem, mended: Problem) -> None:
+    """Say before a pass how many steps it takes; warn where these are many times those asked for."""
+    before, after, wanted = (round(each.n_steps) for each in (problem.run, mended.run, asked))
+    if after == before:
+        return
+    words = f"{after} steps of at most {mended.run.step_control.largest:.3g} instead of {before}"
+    problem.report(f"the step costs too much: {words}", 0.0)
+    if after >= MANY * wanted > before:
+        warnings.warn(
+            f"to keep the error allowed, self-correction takes {after} steps of at most "
+            f"{mended.run.step_control.largest:.3g} where {wanted} were asked for, and as many times "
+            "as long: allow more, or take adaptive steps",
+            StepCutWarning,
+            stacklevel=4,
+        )
+
+
+def _is_same(mended: Problem, problem: Problem) -> bool:
+    """Whether a pass would be the last one again: what its steps and its tolerance leave cannot be less."""
+    one, other = mended.run, problem.run
+    return (
+        mended.spent == problem.spent
+        and one.tolerances == other.tolerances
+        and one.step_control == other.step_control
+    )
+
+
+def _needed(stated: ErrorStatement) -> _Mended:
+    """What brings the sum below what is allowed: the cheapest parts first, none below its share."""
+    allowed = stated.allowed or 0.0
+    values = {name: part.value for name, part in stated.parts.items() if name in SHARES}
+    left = ROOM * (allowed - (0.0 if stated.model is None else stated.model.value))
+    brought = dict(values)
+    for name, share in SHARES.items():
+        if sum(brought.values()) <= left or name not in values:
+            continue
+        rest = left - sum(value for key, value in brought.items() if key != name)
+        brought[name] = min(values[name], max(rest, share * left))
+    step = 1.0
+    if brought.get("step", 0.0) < values.get("step", 0.0):
+        ratio = brought["step"] / values["step"] if np.isfinite(values["step"]) else 0.0
+        step = max(float(np.sqrt(ratio)), SHORTEST)
+    tolerance = 1.0
+    if brought.get("newton", 0.0) < values.get("newton", 0.0):
+        tolerance = max(brought["newton"] / values["newton"], 1e-3)
+    basis = None
+    if brought.get("basis", 0.0) < values.get("basis", 0.0):
+        basis = allowed - brought["basis"]
+    return _Mended(tolerance, step, basis)
+
+
+def _check_model(unmet: Mapping[str, ErrorStatement], rounds: Mapping[str, tuple[Round, ...]]) -> None:
+    for name, each in unmet.items():
+        if each.model is not None and each.allowed is not None and each.model.value > ROOM * each.allowed:
+            raise SelfCorrectionError(
+                f"self-correction of body '{name}': the kinematics of its model alone cost "
+                f"{each.model.value:.2g}, of {each.allowed:.2g} that are allowed, and no basis or step mends "
+                f"that: {each.model.remedy}, or allow more. The rounds are kept in this error",
+                tuple(one for own in rounds.values() for one in own),
+            )
+
+
+def _words(stated: ErrorStatement) -> str:
+    return ", ".join(f"{name} {part.value:.2g}" for name, part in stated.parts.items())

@@ -1,0 +1,1 @@
+"""Floating frames, compiled and full; intrinsic lines; explicit parts. None imports another."""

@@ -1,0 +1,113 @@
+"""What parts of solids and of shells have in common as bodies of a machine."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
+from supple.body.interface import interface_named
+from supple.body.point_motion import InterfaceMotion, NodeMotion
+from supple.fem import FiniteElementModel
+from supple.mesh import Mesh
+from supple.methods.explicit.motions import NodalMotion
+from supple.methods.explicit.node_set import NodeSet, node_sets
+
+__all__ = ["ElementPart"]
+
+FloatArray = NDArray[np.float64]
+
+
+class ElementPart(FormDefaults):
+    """A `BodyForm` whose coordinates are the displacements of its nodes; it has no frame and any rotation."""
+
+    name: str
+    model: FiniteElementModel
+
+    @cached_property
+    def masses(self) -> FloatArray:
+        """(N,) lumped, kg."""
+        raise NotImplementedError
+
+    @property
+    def kind(self) -> Literal["explicit"]:
+        """Explicit finite elements."""
+        return "explicit"
+
+    @property
+    def mesh(self) -> Mesh:
+        """Of its elements."""
+        return self.model.mesh
+
+    @property
+    def nodes(self) -> FloatArray:
+        """(N, 3) undeformed positions."""
+        return self.model.mesh.nodes
+
+    @property
+    def mass(self) -> float:
+        """Of all nodes, kg."""
+        return float(self.masses.sum())
+
+    @property
+    def centre_of_mass(self) -> FloatArray:
+        """(3,) undeformed, in the mesh axes, m."""
+        return self.masses @ self.nodes / self.mass
+
+    @property
+    def n_coordinates(self) -> int:
+        """Displacements of the nodes, three each."""
+        return self.nodes.size
+
+    @cached_property
+    def interfaces(self) -> tuple[NodeSet, ...]:
+        """The node sets of its mesh."""
+        return node_sets(self, self.mesh.node_sets)
+
+    def interface(self, name: str) -> NodeSet:
+        """The node set of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
+
+    def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> FloatArray:
+        """Displacements (..., k, 3) of some nodes or all, of those (..., 3 N) of all."""
+        given = np.asarray(coordinates)
+        return given.reshape(*given.shape[:-1], -1, 3)[..., nodes, :]
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> FloatArray:
+        """Their rates (..., k, 3)."""
+        return self.expand(rates, nodes)
+
+    def positions(self, motion: NodalMotion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
+        """Positions (t, k, 3) in space of some nodes, or all."""
+        return motion.nodes[:, nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))]
+
+    def node_motion(self, motion: NodalMotion, nodes: ArrayLike) -> NodeMotion:
+        """Positions and velocities (t, k, 3) of some nodes in space; accelerations are not known, NaN."""
+        own = node_numbers(nodes, len(self.nodes))
+        velocities = motion.velocities[:, own]
+        return NodeMotion(motion.nodes[:, own], velocities, np.full_like(velocities, np.nan))
+
+    def interface_motion(self, motion: NodalMotion, name: str) -> InterfaceMotion:
+        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`; accelerations are not known."""
+        own = self.interface(name)
+        return own.moving(self.node_motion(motion, own.nodes))
+
+    @property
+    def is_linear(self) -> bool:
+        """False: its strains are those of any displacement."""
+        return False
+
+    @property
+    def rotation_limit(self) -> float:
+        """None: any rotation."""
+        return np.inf
+
+    def lowest_frequency(self) -> float:
+        """Not sought: nothing depends on it."""
+        return np.inf

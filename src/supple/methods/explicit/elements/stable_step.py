@@ -1,0 +1,58 @@
+"""The stable step of explicit elements: no mode of a mesh is faster than the fastest of its elements alone.
+
+    omega_max(M, K) <= max_e omega_max(M_e, K_e),   dt <= 2 / omega_max       (Irons and Treharne 1971)
+
+The element's own eigenvalue is exact at rest, from A A^T of A = sqrt(V) D^(1/2) B M_e^(-1/2), which has six
+rows a strain point; the hourglass stiffness adds at most its own. As elements deform, the bound follows the
+smallest stretch of the element.
+"""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+
+from supple.fem import Isotropic
+from supple.methods.explicit.elements.mean_gradient import SolidPoints
+from supple.methods.explicit.elements.solid_block import SolidBlock, deformation
+from supple.methods.explicit.tensor3 import as_array
+
+__all__ = ["element_limits", "squashed"]
+
+FloatArray = NDArray[np.float64]
+
+
+def element_limits(
+    points: SolidPoints, masses: FloatArray, elastic: Isotropic, hourglass: FloatArray
+) -> FloatArray:
+    """2 / omega_max of each element at rest, (E,), s.
+
+    masses : (E, k) lumped, kg;   hourglass : (E,) kappa, N/m
+    """
+    root = np.linalg.cholesky(elastic.elasticity).T
+    g = points.gradients / np.sqrt(masses)[:, None, None, :]
+    E, n_points, _, k = g.shape
+    B = np.zeros((E, n_points, 6, k, 3))
+    for i in range(3):
+        B[:, :, i, :, i] = g[:, :, i]
+    for row, (i, j) in enumerate(((1, 2), (0, 2), (0, 1)), start=3):
+        B[:, :, row, :, i] = g[:, :, j]
+        B[:, :, row, :, j] = g[:, :, i]
+    A = (root @ B.reshape(E, n_points, 6, 3 * k)) * np.sqrt(points.volumes)[:, :, None, None]
+    A = A.reshape(E, 6 * n_points, 3 * k)
+    largest = np.linalg.eigvalsh(A @ A.swapaxes(1, 2))[:, -1]
+    if points.gamma.shape[1]:
+        gamma = points.gamma / np.sqrt(masses)[:, None]
+        largest = largest + hourglass * np.linalg.eigvalsh(gamma @ gamma.swapaxes(1, 2))[:, -1]
+    return 2 / np.sqrt(largest)
+
+
+def squashed(block: SolidBlock, x: Array) -> Array:
+    """Factor (E,) on the limits at rest: the smallest stretch of each element at positions x (3, N)."""
+    F = as_array(deformation(block, x[:, block.nodes]))
+    C = jnp.einsum("kige,kjge->geij", F, F)
+    stretch = jnp.sqrt(jnp.maximum(jnp.linalg.eigvalsh(C)[..., 0], 0.0))
+    volume = jnp.sqrt(jnp.maximum(jnp.linalg.det(C), 0.0)) ** 0.5
+    return jnp.minimum(stretch, stretch / jnp.maximum(volume, 1e-30)).min(axis=0)

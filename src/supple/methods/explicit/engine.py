@@ -1,0 +1,236 @@
+"""The explicit engine: an `Engine` under the same run as the others."""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.jax_settings import before_compiled_code
+from supple.errors import ModelError
+from supple.integrate import FixedStep, Leg, Run, Solution, Statistics
+from supple.machine import System
+from supple.methods.explicit.check_machine import check_machine, check_run
+from supple.methods.explicit.march.build import Built, built
+from supple.methods.explicit.march.interval import (
+    Recorded,
+    chosen_steps,
+    frame_limits,
+    march_to,
+    nodes_limit,
+    recorded,
+)
+from supple.methods.explicit.march.march_step import kinetic, with_forces
+from supple.methods.explicit.march.model import Energies, MarchState
+from supple.methods.explicit.method import explicit_method
+from supple.methods.explicit.motions import FourPointMotion, NodalMotion
+
+__all__ = ["ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine"]
+
+ENERGIES = "energies"
+"""Name of the series of the energy balance of a run, in the order of `Energies`."""
+STEPS = "steps"
+"""Name of the series of the step of the elements, s, and of how many of them are in one of the frames."""
+OBSTACLES = "obstacles"
+"""Name of the series of how far each obstacle has moved, (t, 3 o), and of its velocity."""
+
+
+class _Reached(NamedTuple):
+    rows: Any
+    last: MarchState
+
+
+class ExplicitEngine:
+    """An `Engine`; `MarchState` is its state."""
+
+    def __init__(self, system: System, run: Run) -> None:
+        before_compiled_code()
+        check_run(run)
+        method = explicit_method(run)
+        check_machine(system, method)
+        self._fixed = _fixed_step(run)
+        self._run = run
+        self._built = built(system, method)
+        self._check_step()
+
+    @property
+    def built(self) -> Built:
+        """The system as it marches."""
+        return self._built
+
+    def steps(self) -> tuple[float, int]:
+        """Step of the explicit nodes at the start, s, and explicit steps in one of the frames."""
+        span = jnp.asarray(self._run.output_step)
+        h, ratio, _ = chosen_steps(
+            self._built.model,
+            self._built.methods,
+            self._built.start,
+            jnp.asarray(self._fixed or 0.0),
+            span,
+        )
+        return float(h), int(ratio)
+
+    def start(self, time: float) -> MarchState:
+        """The parts as they are placed."""
+        own = self._built
+        state = with_forces(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
+        return state._replace(initial=kinetic(self._built.model, state) + state.energies.internal)
+
+    def resumed(self, last: Solution) -> MarchState:
+        """The state at the end of a recorded part, exact to the last bit."""
+        like = self._built.start
+        leaves, structure = jax.tree.flatten(like)
+        known = last.engine_state
+        if len(known) != len(leaves):
+            raise ModelError("this run was recorded by another engine, or of another system")
+        kept = [
+            jnp.asarray(np.asarray(known[f"state {number}"]), dtype=leaf.dtype).reshape(leaf.shape)
+            for number, leaf in enumerate(leaves)
+        ]
+        return jax.tree.unflatten(structure, kept)
+
+    def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
+        """On to each of the output times."""
+        began = clock.perf_counter()
+        own = self._built
+        ahead = times[times > float(state.time)]
+        rows: list[Recorded] = []
+        if len(ahead) < len(times):
+            rows.append(
+                jax.tree.map(lambda leaf: np.asarray(leaf)[None], recorded(own.model, own.methods, state))
+            )
+        before = int(state.steps)
+        stopped, last = None, state
+        if len(ahead):
+            last, after = march_to(
+                own.model,
+                own.methods,
+                state,
+                jnp.asarray(self._fixed or 0.0),
+                jnp.asarray(ahead),
+            )
+            after = jax.device_get(after)
+            bad = np.flatnonzero(after.trouble)
+            if bad.size:
+                stopped = self._told(jax.tree.map(lambda leaf: leaf[bad[0]], after), float(last.initial))
+                after = jax.tree.map(lambda leaf: leaf[: bad[0]], after)
+            if len(after.time):
+                rows.append(after)
+        joined = jax.tree.map(lambda *leaves: np.concatenate(leaves), *rows) if rows else None
+        n = 0 if joined is None else len(joined.time)
+        statistics = Statistics(steps=int(last.steps) - before, seconds=clock.perf_counter() - began)
+        return Leg(_Reached(joined, last), n, last, statistics, stopped)
+
+    def solution(self, leg: Leg[MarchState]) -> Solution:
+        """The motion of each part, and the series of energies, steps and obstacles."""
+        rows: Recorded = leg.states.rows
+        own = self._built
+        bodies: dict[str, Any] = {}
+        for name, span in own.blocks.items():
+            nodes = own.nodes[name]
+            bodies[name] = NodalMotion(
+                np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
+                np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
+                np.concatenate(rows.plastic[span], axis=1),
+                np.concatenate(rows.alive[span], axis=1),
+                np.concatenate(rows.von_mises[span], axis=1),
+            )
+        for name, span in own.shells.items():
+            nodes = own.nodes[name]
+            bodies[name] = NodalMotion(
+                np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
+                np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
+                np.concatenate(rows.shell_plastic[span], axis=1),
+                np.concatenate(rows.shell_alive[span], axis=1),
+                np.concatenate(rows.shell_stress[span], axis=1),
+            )
+        for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
+            p, y, vp, vy = (np.asarray(leaf) for leaf in marched)
+            bodies[name] = FourPointMotion(p, y @ frame.turned.T, vp, vy @ frame.turned.T)
+        series = {ENERGIES: np.asarray(rows.energies), STEPS: np.column_stack([rows.step, rows.ratio])}
+        if rows.obstacles:
+            moved = [np.concatenate(pair, axis=1) for pair in rows.obstacles]
+            series[OBSTACLES] = np.concatenate(moved, axis=1)
+        leaves = jax.tree.leaves(leg.last)
+        return Solution(
+            times=np.asarray(rows.time),
+            bodies=bodies,
+            joint_forces={},
+            statistics=leg.statistics,
+            series=series,
+            engine_state={
+                f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)
+            },
+        )
+
+    def _check_step(self) -> None:
+        step = self._fixed
+        if step is None:
+            return
+        own = self._built
+        if own.model.blocks or own.model.shells:
+            limit = float(nodes_limit(own.model, own.start))
+        else:
+            limit = min(float(each) for each in frame_limits(own.model, own.start))
+        if step > limit:
+            raise ModelError(
+                f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "
+                f"leave it out, or give at most {0.9 * limit:.3g}"
+            )
+
+    def _told(self, row: Recorded, initial: float) -> str:
+        """Why a run ended, in words."""
+        when = f"t = {float(row.time):.6g}, step {int(row.steps)}"
+        e = dict(zip(Energies._fields, np.asarray(row.energies), strict=True))
+        match int(row.trouble):
+            case 1:
+                return (
+                    f"an element turned over (det F <= 0) before {when}: refine there, delete elements "
+                    f"at a plastic "
+                    "strain, or choose a law that resists (NeoHookean)"
+                )
+            case 2:
+                return (
+                    f"the motion is not a number any more at {when}: the step is too long for the "
+                    f"deformed mesh"
+                )
+            case 3:
+                drift = sum(e.values()) - 2 * e["external"] - initial
+                worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
+                return (
+                    f"the energy balance is open by {drift:.3g} J at {when}, more than 1 %; the largest "
+                    f"term is "
+                    f"{worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} J: take "
+                    f"shorter steps, or "
+                    "a smaller ratio between them"
+                )
+            case 5:
+                verb = "lost" if e["interface"] > 0 else "won"
+                return (
+                    f"the interface energy drifts: {abs(e['interface']):.3g} J were {verb} between parts "
+                    f"that march at different steps until {when}, more than 1 %; take a smaller ratio"
+                )
+            case _:
+                worst = min(("internal", "hourglass"), key=lambda name: e[name])
+                return (
+                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: energy comes from "
+                    f"nothing, for "
+                    "the step is above what is stable; take a smaller safety"
+                )
+
+
+def _fixed_step(run: Run) -> float | None:
+    """Of the explicit nodes, s; None: what is stable."""
+    match run.step:
+        case None:
+            return None
+        case FixedStep(size=size):
+            return size
+        case _:
+            raise ModelError(
+                f"explicit steps are bounded by stability, not by an error: {type(run.step).__name__} has no "
+                "meaning here; give FixedStep(size), or none"
+            )

@@ -1,0 +1,181 @@
+"""An explicit sub-domain of shells: flat triangles of small strain and any rotation, with lumped inertias."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import check_fields, checked_arguments
+from supple.body import LinearRayleighDamping
+from supple.body.damping import refuse_held
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel, HomogeneousSection, lumped_mass, stress_recovery
+from supple.fem.kirchhoff_bending import MIDSIDES
+from supple.fem.optimal_membrane import drilling_stiffness, triangle_area
+from supple.fem.shell_kinematics import DRILLING
+from supple.fem.shell_triangle import element_axes, plane_coordinates, resultant_strains
+from supple.mesh import CellType
+from supple.methods.explicit.element_part import ElementPart
+from supple.methods.explicit.materials import J2Plasticity
+
+__all__ = ["ExplicitShell", "explicit_shell"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ShellElements:
+    """Of E triangles of one section.
+
+    nodes : int (E, 3);   corners : (E, 3, 3) m;   stiffness : (E, 18, 18);   to_stress : (E, l, 6, 18)
+    inertia : (E,) of each corner, kg m^2;   mass : (E,) of each corner, kg
+    thickness : m;   area : (E,) m^2
+    membrane : (E, 3, 18), bending : (E, p, 3, 18)      strain and curvature, these at p points
+    drilling : (E, 18, 18) stiffness of the drilling rotations alone
+    """
+
+    nodes: NDArray[np.int64]
+    corners: FloatArray
+    stiffness: FloatArray
+    to_stress: FloatArray
+    mass: FloatArray
+    inertia: FloatArray
+    thickness: float
+    area: FloatArray
+    membrane: FloatArray
+    bending: FloatArray
+    drilling: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ExplicitShell(ElementPart):
+    """Shells of small strain; build it with `explicit_shell`.
+
+    name : str
+    model : FiniteElementModel      of TRIANGLE3 cells with homogeneous sections
+    law : J2Plasticity | None       None: elastic
+    layers : int            Gauss points through the thickness where there is a law
+    deletion : float        plastic strain at which an element is deleted; infinite: never
+    damping : LinearRayleighDamping | None      alpha alone
+    """
+
+    name: str
+    model: FiniteElementModel = field(repr=False)
+    law: J2Plasticity | None = None
+    layers: int = 5
+    deletion: float = float("inf")
+    damping: LinearRayleighDamping | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        refuse_held(self.damping, f"explicit shell '{self.name}'")
+        for section in self.model.sections:
+            if section.cell_type is not CellType.TRIANGLE3 or not isinstance(
+                section.property, HomogeneousSection
+            ):
+                raise ModelError(
+                    f"explicit shell '{self.name}': it has {section.cell_type.name} cells of "
+                    f"{type(section.property).__name__}; explicit shells are TRIANGLE3 cells of a "
+                    "HomogeneousSection"
+                )
+            if self.law is not None and section.property.material != self.law.elastic:
+                raise ModelError(
+                    f"explicit shell '{self.name}': its law has other elastic constants, or another density, "
+                    "than its sections; make a part of each material"
+                )
+        if self.layers < 2:
+            raise ModelError(
+                f"explicit shell '{self.name}': {self.layers} layers do not bend; give at least 2"
+            )
+        if not self.deletion > 0:
+            raise ModelError(f"the plastic strain of deletion must be positive, got {self.deletion}")
+        if self.damping is not None and self.damping.beta:
+            raise ModelError(
+                f"explicit shell '{self.name}': damping by the rate of strain is of solids; give beta = 0"
+            )
+
+    @cached_property
+    def masses(self) -> FloatArray:
+        """(N,) lumped, kg."""
+        return lumped_mass(self.model)[::6]
+
+    @cached_property
+    def inertias(self) -> FloatArray:
+        """(N,) rotary inertia about any axis, kg m^2."""
+        total = np.zeros(len(self.nodes))
+        for own in self.elements:
+            np.add.at(total, own.nodes, own.inertia[:, None])
+        return total
+
+    @cached_property
+    def elements(self) -> tuple[ShellElements, ...]:
+        """The triangles of each section.
+
+        Their inertia is m (t^2/12 + A/8) a corner: the section's own would set the step by the rotations;
+        what is added vanishes with the square of the element (Hughes, Cohen and Haroun 1978).
+        """
+        recovery = stress_recovery(self.model)
+        made = []
+        for section, block, stress in zip(
+            self.model.sections, self.model.blocks, recovery.sections, strict=True
+        ):
+            given = section.property
+            assert isinstance(given, HomogeneousSection)
+            corners = section.corners(self.model.mesh)
+            xy = plane_coordinates(corners, element_axes(corners, given))
+            area = triangle_area(xy)
+            B = block.B[:, 0]
+            membrane, bending = resultant_strains(xy, MIDSIDES)
+            drills = B[:, DRILLING]
+            D = block.w[:, :1, None] * np.broadcast_to(block.D, (len(B), *block.D.shape[-2:]))
+            mass = given.mass_per_area * area / 3
+            of_strain = np.broadcast_to(stress.of_strain, (len(B), *stress.of_strain.shape[1:]))
+            made.append(
+                ShellElements(
+                    section.nodes(self.model.mesh),
+                    corners,
+                    B.swapaxes(1, 2) @ D @ B,
+                    of_strain @ B[:, None],
+                    mass,
+                    mass * (given.thickness**2 / 12 + area / 8),
+                    given.thickness,
+                    area,
+                    membrane @ B,
+                    bending @ B[:, None],
+                    drills.swapaxes(1, 2) @ drilling_stiffness(xy, given.membrane) @ drills,
+                )
+            )
+        return tuple(made)
+
+    @cached_property
+    def step_limit(self) -> float:
+        """Longest stable step at rest, s: the fastest mode of an element alone (Irons and Treharne)."""
+        largest = 0.0
+        for own in self.elements:
+            diagonal = np.tile(np.column_stack([own.mass] * 3 + [own.inertia] * 3), (1, 3))
+            scaled = own.stiffness / np.sqrt(diagonal[:, :, None] * diagonal[:, None])
+            largest = max(largest, float(np.linalg.eigvalsh(scaled)[:, -1].max()))
+        return float(2 / np.sqrt(largest))
+
+
+@checked_arguments
+def explicit_shell(
+    model: FiniteElementModel,
+    *,
+    name: str = "shell",
+    law: J2Plasticity | None = None,
+    layers: int = 5,
+    deletion: float = float("inf"),
+    damping: LinearRayleighDamping | None = None,
+) -> ExplicitShell:
+    """Shells for an explicit march: small strains, any rotation; elastic, or yielding by a law.
+
+    model : of TRIANGLE3 cells with HomogeneousSection(..)
+    name, law, layers, deletion, damping : see `ExplicitShell`
+    Raises ModelError for other cells and sections, a law of other constants, fewer than 2 layers, and damping
+    by the rate of strain.
+    """
+    return ExplicitShell(name, model, law, layers, deletion, damping)

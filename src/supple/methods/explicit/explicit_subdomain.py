@@ -1,0 +1,154 @@
+"""An explicit sub-domain: nonlinear finite elements with lumped mass, which may yield and break."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import check_fields, checked_arguments
+from supple.body import LinearRayleighDamping
+from supple.body.damping import refuse_held
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel, Isotropic, lumped_mass
+from supple.fem.mass import CellMass
+from supple.fem.model import SOLID_ELEMENTS
+from supple.fem.solid_element import solid_mass
+from supple.methods.explicit.element_part import ElementPart
+from supple.methods.explicit.elements import (
+    BulkArrays,
+    BulkViscosity,
+    SolidPoints,
+    bulk_arrays,
+    element_limits,
+    solid_points,
+)
+from supple.methods.explicit.elements.solid_block import hourglass_stiffness
+from supple.methods.explicit.materials import Law, StVenantKirchhoff
+
+__all__ = ["ExplicitSubdomain", "explicit_subdomain"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ExplicitSubdomain(ElementPart):
+    """Finite elements of one law; build it with `explicit_subdomain`.
+
+    name : str
+    model : FiniteElementModel      of solids
+    law : Law
+    hourglass : float       stiffness of an hourglass mode of hexahedra over that of stretching
+    deletion : float        plastic strain at which an element is deleted; infinite: never
+    damping : LinearRayleighDamping | None      beta acts on the rate of Green-Lagrange's strain
+    bulk_viscosity : BulkViscosity      spreads fronts over a few elements; BulkViscosity(0, 0): none
+    """
+
+    name: str
+    model: FiniteElementModel = field(repr=False)
+    law: Law
+    hourglass: float = 0.01
+    deletion: float = float("inf")
+    damping: LinearRayleighDamping | None = None
+    bulk_viscosity: BulkViscosity = field(default_factory=BulkViscosity)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        refuse_held(self.damping, f"explicit sub-domain '{self.name}'")
+        if self.model.dofs_per_node != 3:
+            raise ModelError(
+                f"explicit sub-domain '{self.name}': its law is of solids, its model of shells; "
+                "explicit_shell takes these"
+            )
+        if not 0 <= self.hourglass <= 1:
+            raise ModelError(f"the hourglass stiffness is a fraction, 0 to 1, got {self.hourglass}")
+        if not self.deletion > 0:
+            raise ModelError(f"the plastic strain of deletion must be positive, got {self.deletion}")
+
+    @cached_property
+    def masses(self) -> FloatArray:
+        """(N,) lumped, kg; positive on quadratic tetrahedra too (Hinton, Rock and Zienkiewicz 1976)."""
+        return lumped_mass(self.model)[::3] * (self.law.elastic.density / self._density)
+
+    @cached_property
+    def points(self) -> tuple[SolidPoints, ...]:
+        """The strain points of each section."""
+        pairs = zip(self.model.sections, self.model.blocks, strict=True)
+        return tuple(solid_points(self.model, section, block) for section, block in pairs)
+
+    @cached_property
+    def element_limits(self) -> tuple[FloatArray, ...]:
+        """The longest stable step of each element of each block at rest, s, without damping or viscosity."""
+        elastic = self.law.elastic
+        return tuple(
+            element_limits(points, masses, elastic, hourglass_stiffness(points, elastic, self.hourglass))
+            for points, masses in zip(self.points, self._element_masses, strict=True)
+        )
+
+    @property
+    def bulk_arrays(self) -> tuple[BulkArrays | None, ...]:
+        """The bulk viscosity of each block."""
+        return tuple(
+            bulk_arrays(points, masses, self.law.elastic, limits, self.bulk_viscosity)
+            for points, masses, limits in zip(
+                self.points, self._element_masses, self.element_limits, strict=True
+            )
+        )
+
+    @cached_property
+    def _element_masses(self) -> tuple[FloatArray, ...]:
+        """(E, k) lumped, kg, of each block."""
+        found = []
+        for section, points in zip(self.model.sections, self.points, strict=True):
+            element, corners = SOLID_ELEMENTS[section.cell_type], section.corners(self.model.mesh)
+            mass = solid_mass(element, corners, self.law.elastic.density)
+            found.append(np.einsum("ekk->ek", CellMass(points.nodes, mass).lumped().translational))
+        return tuple(found)
+
+    @property
+    def step_limit(self) -> float:
+        """Longest stable step at rest, s, without damping or viscosity."""
+        return min(float(own.min()) for own in self.element_limits)
+
+    @property
+    def _density(self) -> float:
+        return self.model.sections[0].property.density  # type: ignore[union-attr] - of solids
+
+
+@checked_arguments
+def explicit_subdomain(
+    model: FiniteElementModel,
+    material: Law | None = None,
+    *,
+    name: str = "explicit",
+    hourglass: float = 0.01,
+    deletion: float = float("inf"),
+    damping: LinearRayleighDamping | None = None,
+    bulk_viscosity: BulkViscosity | None = None,
+) -> ExplicitSubdomain:
+    """Nonlinear finite elements for an explicit march.
+
+    model : of TETRA4, TETRA10 or HEXA8 cells; the hexahedra get one strain point with hourglass control
+    material : J2Plasticity(..), NeoHookean(..) or StVenantKirchhoff(..), the last of the model's own
+        constants
+        where it is left out
+    name, hourglass, deletion, damping : see `ExplicitSubdomain`
+    bulk_viscosity : BulkViscosity      with the usual coefficients where left out; BulkViscosity(0, 0): none
+    Raises ModelError for other cells, and for a model of several materials.
+    """
+    own = {section.property for section in model.sections}
+    if len(own) != 1:
+        raise ModelError(
+            f"explicit sub-domain '{name}' has {len(own)} materials; make a sub-domain of each, they "
+            f"are tied "
+            "where they share nodes"
+        )
+    (constants,) = own
+    if material is None:
+        if not isinstance(constants, Isotropic):
+            raise ModelError(f"explicit sub-domain '{name}' needs a solid of an Isotropic material")
+        material = StVenantKirchhoff(constants)
+    viscosity = BulkViscosity() if bulk_viscosity is None else bulk_viscosity
+    return ExplicitSubdomain(name, model, material, hourglass, deletion, damping, viscosity)

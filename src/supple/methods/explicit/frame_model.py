@@ -1,0 +1,110 @@
+"""A four-point frame with its modes, as compiled code holds it, and the state that it marches."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.methods.explicit.frame_moments import Moments, Spread, arms
+from supple.methods.explicit.frame_points import CORNERS
+from supple.methods.explicit.spin_stiffness import spin_products
+
+__all__ = [
+    "FrameModel",
+    "FrameState",
+    "Generalized",
+    "Steps",
+    "elastic_force",
+    "gravity_force",
+    "point_forces",
+    "spin_force",
+]
+
+
+class FrameModel(NamedTuple):
+    """The numbers of a modal sub-domain; its modes are mass-normalised: arm^2 sum_i C_ii = I.
+
+    moments : Moments
+    stiffness : (k, k)          K_L, 1/s^2
+    squared_lengths : (6,)      of the links, m^2
+    mass_damping, stiffness_damping : alpha (1/s) and beta (s) of the modes; the frame is undamped
+    spin_stiffness : (6, k, k)  of the products of angular velocity (`PAIRS`), or None
+    """
+
+    moments: Moments
+    stiffness: Array
+    squared_lengths: Array
+    mass_damping: Array
+    stiffness_damping: Array
+    spin_stiffness: Array | None = None
+
+
+class FrameState(NamedTuple):
+    """Where a frame stands at t_n, and its rates over the step before; at the start, those of that instant.
+
+    p : (4, 3) m;   y : (k,);   vp : (4, 3) m/s;   vy : (k,)
+    """
+
+    p: Array
+    y: Array
+    vp: Array
+    vy: Array
+
+
+class Steps(NamedTuple):
+    """The lengths of the step before t_n, zero at the start, and of the one after, s."""
+
+    before: Array | float
+    after: Array | float
+
+    @property
+    def mean(self) -> Array | float:
+        """The time over which a force at t_n acts: half a step at the start."""
+        return 0.5 * (self.before + self.after)
+
+
+class Generalized(NamedTuple):
+    """A force, impulse or momentum on the points, (4, 3), and on the modes, (k,)."""
+
+    p: Array
+    y: Array
+
+    def __add__(self, other: Generalized) -> Generalized:  # type: ignore[override] - sums, as tuples do not
+        """Their sum."""
+        return Generalized(self.p + other.p, self.y + other.y)
+
+    def times(self, factor: Array | float) -> Generalized:
+        """Scaled."""
+        return Generalized(factor * self.p, factor * self.y)
+
+
+def elastic_force(model: FrameModel, y: Array, rates: Array) -> Array:
+    """-(K_L y + beta K_L y'), (k,): stiffness damping follows at the rates of the last half step."""
+    return -(model.stiffness @ (y + model.stiffness_damping * rates))
+
+
+def spin_force(model: FrameModel, old: FrameState, new: FrameState) -> Array:
+    """-1/2 (K_G(Omega_n-1/2) + K_G(Omega_n+1/2)) y_n on the modes, (k,), as a step that is done had it."""
+    if model.spin_stiffness is None:
+        return jnp.zeros_like(old.y)
+    both = spin_products(old.p, old.vp) + spin_products(old.p, new.vp)
+    return -0.5 * both @ (model.spin_stiffness @ old.y)
+
+
+def gravity_force(sums: Spread, p: Array, gravity: Array) -> Generalized:
+    """Weight; directors have none, for their weights sum to zero."""
+    return Generalized(sums.Xi.sum(axis=1)[:, None] * gravity, (arms(p).T @ gravity) @ sums.Q.sum(axis=0))
+
+
+def point_forces(weights: Array, shapes: Array, p: Array, y: Array, forces: Array) -> Generalized:
+    """Generalized force B^T f of forces (n, 3) on material points of weights (n, 4) and shapes (n, 3, k)."""
+    local = forces @ arms(p)
+    xi = weights + (shapes @ y) @ jnp.asarray(CORNERS).T
+    return Generalized(xi.T @ forces, jnp.einsum("nik,ni->k", shapes, local))
+
+
+def material_points(weights: Array, shapes: Array, p: Array, y: Array) -> Array:
+    """Positions (n, 3) of material points: always by (5), never by integrating velocities."""
+    return weights @ p + (shapes @ y) @ arms(p).T

@@ -1,0 +1,375 @@
+"""From a system to the arrays of its march: common nodes, mass that hangs on frames, contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.machine import At, Contact, DeadForce, FollowerForce, Placed, System, Tie
+from supple.machine.ties.meeting import meeting_nodes
+from supple.methods.explicit.elements import rest_layers
+from supple.methods.explicit.frame_model import FrameModel, FrameState
+from supple.methods.explicit.march.build_blocks import explicit_blocks
+from supple.methods.explicit.march.build_shells import explicit_shells
+from supple.methods.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
+from supple.methods.explicit.march.build_ties import met_material, modal_ties, within
+from supple.methods.explicit.march.frame_step import hanging as hung_places
+from supple.methods.explicit.march.march_step import with_forces
+from supple.methods.explicit.march.model import (
+    Energies,
+    FrameArrays,
+    MarchModel,
+    MarchState,
+    Methods,
+    NodesTouching,
+    ObstacleState,
+)
+from supple.methods.explicit.march.turning import Turning
+from supple.methods.explicit.method import Explicit
+from supple.methods.explicit.modal_frame import ModalFrame, modal_frame
+from supple.methods.explicit.modal_subdomain import ModalSubdomain
+from supple.methods.explicit.start_motion import rigid_velocities, undeformed
+
+__all__ = ["Built", "built"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Built:
+    """A system ready to march.
+
+    nodes : explicit part to the numbers of its nodes in the march
+    blocks : explicit part of solids to its blocks among those of the march;   shells : likewise
+    frames : modal parts, in the order of the march, with their modes as marched
+    """
+
+    model: MarchModel
+    methods: Methods
+    start: MarchState
+    nodes: dict[str, IntArray]
+    blocks: dict[str, slice]
+    shells: dict[str, slice]
+    frames: dict[str, ModalFrame]
+
+
+def built(system: System, method: Explicit) -> Built:
+    """The march of a system; ModelError for ties that do not meet and nodes that begin inside an obstacle."""
+    explicit = [placed for placed in system.bodies if placed.body.kind == "explicit"]
+    numbers, x, v = _numbered(system, explicit)
+    skins = modal_skins(system, len(x))
+    for skin in skins:
+        part = system.placed(skin.part)
+        corners = undeformed(part)[skin.corners]
+        x = np.vstack([x, corners])
+        v = np.vstack([v, rigid_velocities(part, corners)])
+    made = explicit_blocks(explicit, numbers, len(x))
+    shells = explicit_shells(explicit, numbers, len(x))
+    mass = made.mass + shells.mass
+    alpha = (made.damped + shells.damped) / np.where(mass > 0, mass, 1.0)
+    short = min(made.step_limit, shells.step_limit)
+    movable = _movable(system, numbers, v)
+    obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
+    hanging = [hung for tie in system.ties if (hung := _hung(system, tie, numbers, x)) is not None]
+    hanging += [
+        Hanging(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1))) for skin in skins
+    ]
+    _check_hung_once(hanging, x)
+    _check_not_held(system, hanging, numbers)
+    frames, frame_arrays, frame_states, frame_obstacles, penalties = {}, [], [], [], {}
+    for part in system.bodies:
+        name = part.body.name
+        if part.body.kind == "modal":
+            own = [each for each in hanging if each.part == name]
+            frame, arrays, state, touched, pressed = _frame(system, part, own, mass, x)
+            frames[name] = frame
+            frame_arrays.append(arrays)
+            frame_states.append(state)
+            frame_obstacles.append(touched)
+            penalties[name] = pressed
+    surfaces, contact_rate, between = touching_surfaces(
+        system, numbers, skins, hanging, frames, mass, x, short
+    )
+    pressed = {}
+    for place, (name, frame) in enumerate(frames.items()):
+        both = [each for each in (penalties[name], between.get(name)) if each is not None]
+        pressed[name] = sum(both[1:], both[0]) if both else None
+        limit = jnp.asarray(frame.step_limit(pressed[name]))
+        frame_arrays[place] = frame_arrays[place]._replace(step_limit=limit)
+    ties, tied, tied_limit = modal_ties(system, method.scheme, frames, tuple(frame_states), pressed)
+    for place in {number for pair in tied for number in pair}:
+        frame_arrays[place] = frame_arrays[place]._replace(step_limit=jnp.asarray(tied_limit))
+    touching, obstacle_of, on_obstacles = [], [], 0.0
+    for number, contact in enumerate(system.rigid_contacts):
+        if contact.nodes.body in numbers:
+            nodes = numbers[contact.nodes.body][system.node_numbers(contact.nodes)]
+            stiffness = _stiffness(contact, mass[nodes], short)
+            on_obstacles = max(on_obstacles, float((stiffness / mass[nodes]).max()))
+            _check_outside(contact, x[nodes])
+            touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
+            obstacle_of.append(number)
+    model = MarchModel(
+        tuple(made.blocks),
+        tuple(made.limits),
+        tuple(made.betas),
+        jnp.asarray(mass),
+        jnp.asarray(alpha),
+        jnp.asarray(movable),
+        tuple(frame_arrays),
+        ties,
+        tuple(touching),
+        surfaces,
+        _loaded(system, numbers),
+        jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
+        jnp.asarray(system.gravity),
+        jnp.asarray(contact_rate + on_obstacles),
+        tuple(shells.blocks),
+        shells.spins(system.supports, numbers, system),
+        jnp.asarray(shells.step_limit),
+    )
+    methods = Methods(
+        tuple(made.laws),
+        tuple(made.deletions),
+        tuple(shells.laws),
+        tuple(shells.deletions),
+        obstacles,
+        tuple(obstacle_of),
+        tuple(frame_obstacles),
+        tied,
+        method,
+    )
+    for arrays, state in zip(frame_arrays, frame_states, strict=True):
+        if state.y.any():  # deformed at the start
+            x[np.asarray(arrays.nodes)] = hung_places(arrays, state).T
+    start = with_forces(model, methods, _start(model, methods, x, v, tuple(frame_states), shells.start()))
+    return Built(model, methods, start, numbers, made.spans, shells.spans, frames)
+
+
+def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
+    """(3, N) 1, or 0 where nodes are held, which begin at rest."""
+    movable = np.ones((3, len(v)))
+    for support in system.supports:
+        held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
+        for axis in (axis for axis in support.axes if axis < 3):
+            movable[axis, held] = 0.0
+            v[held, axis] = 0.0
+    return movable
+
+
+def _loaded(system: System, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
+    """Nodes, number of those that share it, and law of each load on explicit nodes."""
+    found = []
+    for load in system.loads:
+        if isinstance(load, DeadForce) and load.body in numbers:
+            own, shared = _loaded_nodes(system, load)
+            found.append((jnp.asarray(numbers[load.body][own]), shared, load.law))
+    return tuple(found)
+
+
+def _loaded_nodes(system: System, load: DeadForce | FollowerForce) -> tuple[IntArray, float]:
+    """Numbers of the nodes of a load within its part, and how many of them share its force."""
+    if isinstance(load, DeadForce) and not isinstance(load.at, str):
+        return load.nodes, 1.0
+    end = load.first if isinstance(load, FollowerForce) else At(load.body, str(load.at))
+    nodes = system.node_numbers(end)
+    return nodes, float(len(nodes))
+
+
+def _start(
+    model: MarchModel,
+    methods: Methods,
+    x: FloatArray,
+    v: FloatArray,
+    frames: tuple[FrameState, ...],
+    turning: Turning,
+) -> MarchState:
+    zero = jnp.zeros(())
+    held = [0.5 * at.y @ own.model.stiffness @ at.y for own, at in zip(model.frames, frames, strict=True)]
+    return MarchState(
+        time=zero,
+        before=zero,
+        frame_before=zero,
+        x=jnp.asarray(x.T),
+        v=jnp.asarray(v.T),
+        forces=jnp.zeros((4, 3, len(x))),
+        materials=tuple(
+            law.initial(block.volumes.shape) for law, block in zip(methods.laws, model.blocks, strict=True)
+        ),
+        ratios=tuple(jnp.ones(block.volumes.shape) for block in model.blocks),
+        alive=tuple(jnp.ones(block.volumes.shape[1]) for block in model.blocks),
+        layers=tuple(None if shell.layers is None else rest_layers(shell) for shell in model.shells),
+        shells_alive=tuple(jnp.ones(shell.nodes.shape[1]) for shell in model.shells),
+        frames=frames,
+        obstacles=tuple(
+            ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))
+            for obstacle in methods.obstacles
+        ),
+        turning=turning,
+        obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
+        energies=Energies(*(zero for _ in Energies._fields))._replace(internal=sum(held, zero)),
+        initial=zero,
+        ratio_bound=jnp.asarray(methods.explicit.largest_ratio),
+        ratio_wait=jnp.asarray(0),
+        ratio_patience=jnp.asarray(1),
+        smallest=jnp.ones(()),
+        steps=jnp.asarray(0),
+    )
+
+
+def _numbered(system: System, explicit: list[Placed]) -> tuple[dict[str, IntArray], FloatArray, FloatArray]:
+    """Numbers of the nodes of each explicit part, those that are tied in common; positions and velocities."""
+    numbers: dict[str, IntArray] = {}
+    x, v = np.empty((0, 3)), np.empty((0, 3))
+    for part in explicit:
+        name, nodes = part.body.name, undeformed(part)
+        own = np.full(len(nodes), -1)
+        for tie in system.ties:
+            if tie.nodes.body == name and tie.on in numbers:
+                shared = system.node_numbers(tie.nodes)
+                other = numbers[tie.on]
+                own[shared] = _met(tie, nodes[shared], x[other], other)
+            elif tie.on == name and tie.nodes.body in numbers:
+                shared = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
+                met = _met(tie, x[shared], nodes, np.arange(len(nodes)))
+                own[met] = shared
+        fresh = own < 0
+        own[fresh] = len(x) + np.arange(fresh.sum())
+        numbers[name] = own
+        x = np.vstack([x, nodes[fresh]])
+        rates = part.body.expand(part.coordinate_rates) @ part.rotation.T
+        v = np.vstack([v, (rigid_velocities(part, nodes) + rates)[fresh]])
+    return numbers, x, v
+
+
+def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> IntArray:
+    found = meeting_nodes(points, nodes, within(tie, points))
+    if (found < 0).any():
+        lost = points[found < 0][0]
+        raise ModelError(
+            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} "
+            f"meets no node "
+            "of the other part; explicit parts are tied node to node: give them a common mesh there"
+        )
+    return numbers[found]
+
+
+def _hung(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> Hanging | None:
+    """The explicit nodes of a tie on a modal part; None of other ties."""
+    if tie.on in numbers or tie.nodes.body not in numbers:
+        return None
+    nodes = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
+    corners, weights = met_material(system, tie, x[nodes])
+    return Hanging(tie.on, nodes, corners, weights)
+
+
+def _check_hung_once(hanging: list[Hanging], x: FloatArray) -> None:
+    """An explicit node on two frames would give both its mass, and stand where the last one puts it."""
+    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
+    found, counts = np.unique(nodes, return_counts=True)
+    if (counts > 1).any():
+        at = np.array2string(x[found[counts > 1][0]], precision=6)
+        on = " and ".join(f"'{each.part}'" for each in hanging if found[counts > 1][0] in each.nodes)
+        raise ModelError(
+            f"the explicit node at {at} is tied on {on}: a node hangs on one modal part, once; tie the modal "
+            "parts to each other, and leave the node out of one of the sets"
+        )
+
+
+def _check_not_held(system: System, hanging: list[Hanging], numbers: dict[str, IntArray]) -> None:
+    """A support of nodes that a modal part leads would have no effect."""
+    for support in system.supports:
+        held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
+        for each in hanging:
+            if min(support.axes, default=3) < 3 and np.isin(each.nodes, held).any():
+                raise ModelError(
+                    f"support of '{support.nodes}': some of its nodes are tied on '{each.part}', which leads "
+                    "them; leave these out of the support"
+                )
+
+
+def _frame(
+    system: System, part: Placed, hanging: list[Hanging], mass: FloatArray, x: FloatArray
+) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
+    body: ModalSubdomain = part.body  # type: ignore[assignment] - of its kind
+    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
+    local = (x[nodes] - part.position) @ part.rotation
+    shapes = np.concatenate(
+        [np.einsum("nc,ncik->nik", each.weights, body.shapes[each.corners]) for each in hanging]
+        or [np.empty((0, 3, body.n_modes))]
+    )
+    frame = modal_frame(body, local, shapes, mass[nodes])
+    touching, touched, stiffest = [], [], None
+    for number, contact in enumerate(system.rigid_contacts):
+        if contact.nodes.body == body.name:
+            own = system.node_numbers(contact.nodes)
+            stiffness = _modal_stiffness(contact, frame, own)
+            _check_outside(contact, undeformed(part)[own])
+            touching.append(
+                NodesTouching(
+                    jnp.asarray(own),
+                    jnp.asarray(stiffness),
+                    jnp.asarray(frame.weights(own)),
+                    jnp.asarray(frame.shapes[own]),
+                )
+            )
+            touched.append(number)
+            added = frame.penalty_stiffness(own, stiffness)
+            stiffest = added if stiffest is None else stiffest + added
+    loaded = []
+    for load in system.loads:
+        assert isinstance(load, DeadForce | FollowerForce)  # checked before
+        follows = isinstance(load, FollowerForce)
+        if (load.first.body if follows else load.body) == body.name:
+            own, shared = _loaded_nodes(system, load)
+            # Components of a force that follows are along axes that stood along the global ones.
+            turned = jnp.asarray(part.rotation.T) if follows else None
+            of_nodes = jnp.asarray(frame.weights(own)), jnp.asarray(frame.shapes[own])
+            loaded.append((*of_nodes, shared, load.law, turned))
+    points = body.points
+    p = points.placed(part.position, part.rotation)
+    rates = rigid_velocities(part, p)
+    model: FrameModel = frame.model
+    arrays = FrameArrays(
+        model,
+        jnp.asarray(nodes),
+        jnp.asarray(points.weights(local)),
+        jnp.asarray(shapes @ frame.turned),
+        tuple(touching),
+        tuple(loaded),
+        jnp.asarray(jnp.inf),  # once all contacts are known
+        None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
+    )
+    y, vy = (
+        jnp.asarray(np.linalg.solve(frame.turned, own)) for own in (part.coordinates, part.coordinate_rates)
+    )
+    start = FrameState(jnp.asarray(p), y, jnp.asarray(rates), vy)
+    return frame, arrays, start, tuple(touched), stiffest
+
+
+def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray:
+    if contact.stiffness is not None:
+        return np.full(len(masses), contact.stiffness)
+    return contact.fraction * masses * (2 / short) ** 2
+
+
+def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> FloatArray:
+    if contact.stiffness is not None:
+        return np.full(len(nodes), contact.stiffness)
+    return frame.stiffness_at(nodes, contact.fraction)
+
+
+def _check_outside(contact: Contact, points: FloatArray) -> None:
+    gap = np.asarray(contact.obstacle.gap(jnp.asarray(points.T))[0])
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if gap.min() < -1e-6 * size:
+        worst = int(gap.argmin())
+        raise ModelError(
+            f"contact of '{contact.nodes}': the node at {np.array2string(points[worst], precision=6)} begins "
+            f"{-gap[worst]:.3g} inside the {type(contact.obstacle).__name__}; move the parts apart"
+        )

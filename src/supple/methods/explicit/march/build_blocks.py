@@ -1,0 +1,70 @@
+"""From explicit sub-domains to their blocks of elements in the march, and the lumped mass of its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+
+from supple.machine import Placed
+from supple.methods.explicit.elements import SolidBlock, solid_block
+from supple.methods.explicit.explicit_subdomain import ExplicitSubdomain
+from supple.methods.explicit.materials import Law
+
+__all__ = ["Blocks", "explicit_blocks"]
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Blocks of elements, one list item each, and their nodes.
+
+    limits : (E,) stable steps at rest, s;   betas : stiffness damping, s, or None
+    spans : part to its blocks;   mass : (N,) kg;   damped : (N,) alpha m, kg/s
+    """
+
+    mass: NDArray[np.float64]
+    damped: NDArray[np.float64]
+    blocks: list[SolidBlock] = field(default_factory=list)
+    limits: list[Array] = field(default_factory=list)
+    laws: list[Law] = field(default_factory=list)
+    deletions: list[float] = field(default_factory=list)
+    betas: list[Array | None] = field(default_factory=list)
+    spans: dict[str, slice] = field(default_factory=dict)
+
+    @property
+    def step_limit(self) -> float:
+        """Of all elements at rest, s; infinite without any."""
+        return min((float(np.asarray(limit).min()) for limit in self.limits), default=np.inf)
+
+
+def explicit_blocks(
+    parts: Sequence[Placed], numbers: Mapping[str, NDArray[np.int64]], n_nodes: int
+) -> Blocks:
+    """The blocks of explicit parts whose nodes have numbers among the n_nodes of the march."""
+    mass, damped = np.zeros(n_nodes), np.zeros(n_nodes)
+    made = Blocks(mass, damped)
+    for part in parts:
+        body = part.body
+        if not isinstance(body, ExplicitSubdomain):
+            continue
+        own = numbers[body.name]
+        np.add.at(mass, own, body.masses)
+        if body.damping is not None:
+            np.add.at(damped, own, body.damping.alpha * body.masses)
+        made.spans[body.name] = slice(len(made.blocks), len(made.blocks) + len(body.points))
+        for points, limit, bulk in zip(body.points, body.element_limits, body.bulk_arrays, strict=True):
+            turned = points.gradients.swapaxes(2, 3) @ part.rotation.T
+            gradients = turned.swapaxes(2, 3)
+            made.blocks.append(
+                solid_block(points, own, n_nodes, gradients, body.law.elastic, body.hourglass, bulk)
+            )
+            made.limits.append(jnp.asarray(limit))
+            made.laws.append(body.law)
+            made.deletions.append(body.deletion)
+            beta = 0.0 if body.damping is None else body.damping.beta
+            made.betas.append(jnp.asarray(beta) if beta else None)
+    return made

@@ -1,0 +1,120 @@
+"""From explicit shells to their blocks of triangles in the march, and the triads at their nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.machine import Placed, Support, System
+from supple.methods.explicit.elements import LayerArrays, ShellBlock, shell_block
+from supple.methods.explicit.explicit_shell import ExplicitShell, ShellElements
+from supple.methods.explicit.march.turning import Spins, Turning
+from supple.methods.explicit.materials import J2Plasticity
+
+__all__ = ["Shells", "explicit_shells"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Shells:
+    """Blocks of shells; parts that share a node share its triad.
+
+    place : (N,)    number of the triad of each node of the march, -1 without
+    inertia, turned : (r,) kg m^2, and alpha J;   triads : (3, 3, r), rates : (3, r) at the start
+    mass, damped : (N,) kg, and alpha m;   spans : part to its blocks
+    laws, deletions : of each block;   law None: elastic
+    """
+
+    place: IntArray
+    mass: FloatArray
+    damped: FloatArray
+    inertia: FloatArray
+    turned: FloatArray
+    triads: FloatArray
+    rates: FloatArray
+    blocks: list[ShellBlock] = field(default_factory=list)
+    spans: dict[str, slice] = field(default_factory=dict)
+    limits: list[float] = field(default_factory=list)
+    laws: list[J2Plasticity | None] = field(default_factory=list)
+    deletions: list[float] = field(default_factory=list)
+
+    @property
+    def step_limit(self) -> float:
+        """Of all triangles at rest, s; infinite without any."""
+        return min(self.limits, default=np.inf)
+
+    def start(self) -> Turning:
+        """The triads as they are placed."""
+        rates = jnp.asarray(self.rates)
+        return Turning(jnp.asarray(self.triads), rates, jnp.zeros_like(rates))
+
+    def spins(self, supports: Sequence[Support], numbers: Mapping[str, IntArray], system: System) -> Spins:
+        """The constants of the triads; rotations that supports hold do not begin to turn either."""
+        free = np.ones((3, len(self.inertia)))
+        for support in supports:
+            held = self.place[numbers[support.nodes.body][system.node_numbers(support.nodes)]]
+            for axis in (axis - 3 for axis in support.axes if axis >= 3):
+                free[axis, held] = 0.0
+        self.rates[:] *= free
+        return Spins(jnp.asarray(self.inertia), jnp.asarray(self.turned / self.inertia), jnp.asarray(free))
+
+
+def explicit_shells(parts: Sequence[Placed], numbers: Mapping[str, IntArray], n_nodes: int) -> Shells:
+    """The blocks of shells among explicit parts whose nodes have numbers among the n_nodes of the march."""
+    chosen = [(part, part.body) for part in parts if isinstance(part.body, ExplicitShell)]
+    place = np.full(n_nodes, -1)
+    turning = np.unique(
+        np.concatenate([numbers[body.name] for _, body in chosen] or [np.empty(0, dtype=int)])
+    )
+    place[turning] = np.arange(len(turning))
+    r = len(turning)
+    made = Shells(
+        place,
+        np.zeros(n_nodes),
+        np.zeros(n_nodes),
+        np.zeros(r),
+        np.zeros(r),
+        np.zeros((3, 3, r)),
+        np.zeros((3, r)),
+    )
+    for part, body in chosen:
+        own = numbers[body.name]
+        alpha = 0.0 if body.damping is None else body.damping.alpha
+        np.add.at(made.mass, own, body.masses)
+        np.add.at(made.damped, own, alpha * body.masses)
+        np.add.at(made.inertia, place[own], body.inertias)
+        np.add.at(made.turned, place[own], alpha * body.inertias)
+        made.triads[:, :, place[own]] = part.rotation[:, :, None]
+        made.rates[:, place[own]] = (part.rotation @ part.twist[3:])[:, None]
+        made.spans[body.name] = slice(len(made.blocks), len(made.blocks) + len(body.elements))
+        made.limits.append(body.step_limit)
+        for each in body.elements:
+            nodes = own[each.nodes]
+            layers = None if body.law is None else _layers(each, body.layers)
+            made.blocks.append(
+                shell_block(
+                    nodes, place[nodes], each.corners, each.stiffness, each.to_stress, n_nodes, r, layers
+                )
+            )
+            made.laws.append(body.law)
+            made.deletions.append(body.deletion)
+    return made
+
+
+def _layers(of: ShellElements, count: int) -> LayerArrays:
+    """Gauss points through the thickness: exact for what is linear in it, as elastic stress is."""
+    places, weights = np.polynomial.legendre.leggauss(count)
+    return LayerArrays(
+        jnp.asarray(of.membrane.transpose(1, 2, 0)),
+        jnp.asarray(of.bending.transpose(1, 2, 3, 0)),
+        jnp.asarray(of.drilling.transpose(1, 2, 0)),
+        jnp.asarray(of.area),
+        jnp.asarray(0.5 * of.thickness * places),
+        jnp.asarray(0.5 * of.thickness * weights),
+    )

@@ -1,0 +1,152 @@
+"""From contacts between parts to the arrays of their march: points of modal surfaces, stiffness, limits.
+
+The points of a modal part that touch, or are touched, become explicit nodes without mass that hang on it: so
+what holds for tied nodes (they stand where the frame puts them, their forces act on it) holds for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.machine import SurfaceContact, System
+from supple.mesh.outer_faces import outer_triangles
+from supple.methods.explicit.march.touching_surface import (
+    TouchingSurface,
+    corner_stiffness,
+    projected,
+    touching_surface,
+)
+from supple.methods.explicit.modal_frame import ModalFrame
+
+__all__ = ["Hanging", "ModalSkin", "modal_skins", "touching_surfaces"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Hanging:
+    """Explicit nodes on a modal part: their numbers, and their corners among its nodes with weights."""
+
+    part: str
+    nodes: IntArray
+    corners: IntArray
+    weights: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ModalSkin:
+    """Points of a modal part in contact with others: their numbers in the march, and among its nodes."""
+
+    part: str
+    nodes: IntArray
+    corners: IntArray
+
+
+def modal_skins(system: System, first: int) -> list[ModalSkin]:
+    """The points of each modal part that contacts with other parts name, numbered from `first` on."""
+    skins = []
+    ends = [end for each in system.surface_contacts for end in (each.nodes, each.surface)]
+    for body in (placed.body for placed in system.bodies):
+        own = [system.node_numbers(end) for end in ends if end.body == body.name]
+        if own and body.kind == "modal":
+            corners = np.unique(np.concatenate(own))
+            skins.append(ModalSkin(body.name, first + np.arange(len(corners)), corners))
+            first += len(corners)
+    return skins
+
+
+def touching_surfaces(
+    system: System,
+    numbers: Mapping[str, IntArray],
+    skins: Sequence[ModalSkin],
+    hanging: Sequence[Hanging],
+    frames: Mapping[str, ModalFrame],
+    mass: FloatArray,
+    x: FloatArray,
+    short: float,
+) -> tuple[tuple[TouchingSurface, ...], float, dict[str, FloatArray]]:
+    """The contacts between parts, and what they do to the step limits with all of them closed.
+
+    numbers : of the nodes of each explicit part;   short : step limit of the explicit nodes, s
+    Returns the surfaces; the largest stiffness over mass of explicit nodes that hang nowhere, 1/s^2; and for
+    each frame the stiffness (6 + k, 6 + k) of its penalties.
+    """
+    place = {part: np.full(len(system.placed(part).body.nodes), -1) for part in (skin.part for skin in skins)}
+    for skin in skins:
+        place[skin.part][skin.corners] = skin.nodes
+    number = {**numbers, **place}
+    bears = _bearing(hanging, frames, mass, short)
+    on_nodes = np.zeros(len(x))
+    surfaces = []
+    for contact in system.surface_contacts:
+        nodes = number[contact.nodes.body][system.node_numbers(contact.nodes)]
+        faces = outer_triangles(system.mesh_of(contact.surface.body), system.node_numbers(contact.surface))
+        if not len(faces):
+            raise ModelError(
+                f"contact with '{contact.surface}': no outer face has all its corners in this node set; "
+                "name the nodes of a surface"
+            )
+        corners = number[contact.surface.body][faces]
+        stiffness = _stiffness(contact, bears, nodes, corners, x)
+        surface = touching_surface(nodes, stiffness, corners, x)
+        _check_outside(contact, surface, x)
+        surfaces.append(surface)
+        np.add.at(on_nodes, nodes, stiffness)
+        for node, bound in corner_stiffness(x[nodes], stiffness, corners, x).items():
+            on_nodes[node] += bound
+    # Twice: the bound of a difference by the sum of both sides.
+    on_nodes *= 2.0
+    hung = np.zeros(len(x), dtype=bool)
+    penalties: dict[str, FloatArray] = {}
+    for each in hanging:
+        hung[each.nodes] = True
+        # (sum w u)^2 <= sum |w| sum |w| u^2; weights of a mortar have both signs.
+        shares = np.abs(each.weights)
+        spread = (on_nodes[each.nodes][:, None] * shares.sum(axis=1, keepdims=True) * shares).ravel()
+        if spread.any():
+            own = frames[each.part].penalty_stiffness(each.corners.ravel(), spread)
+            penalties[each.part] = penalties[each.part] + own if each.part in penalties else own
+    free = ~hung & (mass > 0)
+    rate = float((on_nodes[free] / mass[free]).max(initial=0.0))
+    return tuple(surfaces), rate, penalties
+
+
+def _bearing(
+    hanging: Sequence[Hanging], frames: Mapping[str, ModalFrame], mass: FloatArray, short: float
+) -> FloatArray:
+    """Stiffness (N,) at which each node alone would vibrate at the step limit, N/m."""
+    bears = mass * (2 / short) ** 2
+    for each in hanging:
+        own = frames[each.part].stiffness_at(each.corners.ravel(), 1.0).reshape(each.corners.shape)
+        bears[each.nodes] = own.min(axis=1)
+    return bears
+
+
+def _stiffness(
+    contact: SurfaceContact, bears: FloatArray, nodes: IntArray, corners: IntArray, x: FloatArray
+) -> FloatArray:
+    if contact.stiffness is not None:
+        return np.full(len(nodes), contact.stiffness)
+    shares = corner_stiffness(x[nodes], np.ones(len(nodes)), corners, x)
+    weakest = min(bears[node] / share for node, share in shares.items())
+    return contact.fraction * np.minimum(bears[nodes], weakest)
+
+
+def _check_outside(contact: SurfaceContact, surface: TouchingSurface, x: FloatArray) -> None:
+    gap = np.asarray(projected(surface, jnp.asarray(x.T)).gap)
+    size = float(np.linalg.norm(np.ptp(x[np.asarray(surface.corners).ravel()], axis=0)))
+    inside = (gap < -1e-6 * size) & (gap > -float(surface.reach))
+    if inside.any():
+        worst = int(np.where(inside, gap, 0.0).argmin())
+        point = np.array2string(x[np.asarray(surface.nodes)[worst]], precision=6)
+        raise ModelError(
+            f"contact of '{contact.nodes}' with '{contact.surface}': the node at {point} begins "
+            f"{-gap[worst]:.3g} inside the surface; move the parts apart"
+        )

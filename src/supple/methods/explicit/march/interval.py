@@ -1,0 +1,266 @@
+"""The compiled march from output time to output time, by steps chosen anew from what is stable."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from supple.methods.explicit.elements import (
+    SolidBlock,
+    layered_von_mises,
+    shell_von_mises,
+    squashed,
+    von_mises,
+)
+from supple.methods.explicit.elements.bulk_viscosity import bulk_share
+from supple.methods.explicit.elements.solid_block import deformation
+from supple.methods.explicit.march.march_step import kinetic, march_step
+from supple.methods.explicit.march.model import MarchModel, MarchState, Methods
+from supple.methods.explicit.spin_stiffness import spun_limit
+
+__all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
+
+DRIFT = 0.01
+"""Of the energy that a run has had: what may get lost, or come from nothing."""
+
+HOPELESS = 10.0
+"""Times the loss at the interface that is allowed: where it has grown to this, a trial is not marched on."""
+
+
+class Recorded(NamedTuple):
+    """What is kept of an output time.
+
+    trouble : 0, or 1 an element turned over, 2 not a number, 3 the energy drifts, 4 energy from nothing,
+        5 the interface loses or wins too much
+    """
+
+    x: Array
+    v: Array
+    plastic: tuple[Array, ...]
+    alive: tuple[Array, ...]
+    von_mises: tuple[Array, ...]
+    shell_plastic: tuple[Array, ...]
+    shell_alive: tuple[Array, ...]
+    shell_stress: tuple[Array, ...]
+    frames: tuple[tuple[Array, Array, Array, Array], ...]
+    obstacles: tuple[tuple[Array, Array], ...]
+    energies: Array
+    time: Array
+    steps: Array
+    step: Array
+    ratio: Array
+    trouble: Array
+
+
+@partial(jax.jit, static_argnames="methods")
+def march_to(
+    model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
+) -> tuple[MarchState, Recorded]:
+    """Through output times (t,); the rows after one with trouble repeat it.
+
+    fixed : step of the explicit nodes to keep, s; 0: what is stable
+    """
+
+    def one(carry: tuple[MarchState, Array], end: Array) -> tuple[tuple[MarchState, Array], Recorded]:
+        state, trouble = carry
+        new = _interval(model, methods, state, fixed, end)
+        new = jax.tree.map(lambda a, b: jnp.where(trouble > 0, a, b), state, new)
+        row, trouble = _judged(model, methods, new, trouble)
+        return (new, trouble), row
+
+    (state, _), rows = lax.scan(one, (state, jnp.asarray(0)), times)
+    return state, rows
+
+
+def chosen_steps(
+    model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
+) -> tuple[Array, Array, Array]:
+    """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
+    short = nodes_limit(model, state, methods.explicit.safety)
+    short = jnp.where(fixed > 0, fixed, short)
+    if not model.frames:
+        n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
+        return span / n, jnp.asarray(1), n.astype(int)
+    long = methods.explicit.safety * jnp.min(jnp.stack(frame_limits(model, state)))
+    if not model.blocks and not model.shells:
+        short = long = jnp.where(fixed > 0, fixed, long)
+    long = jnp.minimum(long, jnp.minimum(methods.explicit.largest_ratio, state.ratio_bound) * short)
+    n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
+    ratio = jnp.maximum(jnp.ceil(span / n / short * (1 - 1e-9)), 1)
+    return span / (n * ratio), ratio.astype(int), n.astype(int)
+
+
+def nodes_limit(model: MarchModel, state: MarchState, safety: float = 1.0) -> Array:
+    """Step of the explicit nodes, s, at a part of the limit of their elements as they stand and move."""
+    # Strains of shells are small: their limit is that at rest.
+    short = _with_contact(model, model.shell_limit)
+    for block, limit, live in zip(model.blocks, model.limits, state.alive, strict=True):
+        short = jnp.minimum(short, _block_limit(model, state, block, limit, live))
+    short = safety * short
+    for beta in (beta for beta in model.betas if beta is not None):
+        zeta = beta / short
+        short = short * (jnp.sqrt(1 + zeta**2) - zeta)
+    return short
+
+
+def _with_contact(model: MarchModel, limit: Array) -> Array:
+    """A step limit with all contacts closed, s."""
+    return 2 / jnp.sqrt((2 / limit) ** 2 + model.contact_rate)
+
+
+def _block_limit(model: MarchModel, state: MarchState, block: SolidBlock, limit: Array, live: Array) -> Array:
+    """Step limit of the elements of a block that are left, as they stand and move, s."""
+    stretch = squashed(block, state.x)
+    longest = _with_contact(model, limit * stretch)
+    if block.bulk is not None:
+        F, rate = (deformation(block, each[:, block.nodes]) for each in (state.x, state.v))
+        xi = bulk_share(block.bulk, F, rate) / stretch
+        longest = longest * (jnp.sqrt(1 + xi**2) - xi)
+    return jnp.min(jnp.where(live > 0, longest, jnp.inf))
+
+
+def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:
+    """Step limit of each frame at its spin, s."""
+    return [
+        arrays.step_limit
+        if arrays.spin_bound is None
+        else spun_limit(arrays.step_limit, arrays.spin_bound, frame.p, frame.vp)
+        for arrays, frame in zip(model.frames, state.frames, strict=True)
+    ]
+
+
+def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
+    """On to an output time; again with a smaller ratio as long as the interface loses or wins too much."""
+    if not model.frames or not (model.blocks or model.shells):
+        return _marched(model, methods, state, fixed, end)
+    allowed = methods.explicit.interface_loss * (_size(state) + kinetic(model, state))
+
+    def ratio_of(bound: Array) -> Array:
+        return chosen_steps(model, methods, state._replace(ratio_bound=bound), fixed, end - state.time)[1]
+
+    def lost(new: MarchState) -> Array:
+        return jnp.abs(new.energies.interface - state.energies.interface)
+
+    def too_much(carry: tuple[Array, MarchState]) -> Array:
+        ratio, new = carry
+        return (ratio > 1) & ~(lost(new) <= allowed)
+
+    def again(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
+        bound = jnp.maximum(carry[0] // 2, 1)
+        return bound, _marched(
+            model, methods, state._replace(ratio_bound=bound), fixed, end, HOPELESS * allowed
+        )
+
+    first = ratio_of(state.ratio_bound)
+    tried = _marched(model, methods, state, fixed, end, HOPELESS * allowed)
+    ratio, new = lax.while_loop(too_much, again, (first, tried))
+    repeated = ratio != first
+    # After each repetition a larger ratio is tried only twice as much later: a trial costs the whole way.
+    longer = (lost(new) < 0.1 * allowed) & (state.ratio_wait == 0) & ~repeated
+    larger = jnp.where(longer, jnp.minimum(2 * ratio, methods.explicit.largest_ratio), state.ratio_bound)
+    return new._replace(
+        ratio_bound=jnp.where(repeated, ratio, larger),
+        ratio_wait=jnp.where(repeated, state.ratio_patience, jnp.maximum(state.ratio_wait - 1, 0)),
+        ratio_patience=jnp.where(repeated, jnp.minimum(2 * state.ratio_patience, 64), state.ratio_patience),
+    )
+
+
+def _size(state: MarchState) -> Array:
+    """Energy that a run has had so far, without the kinetic one, J."""
+    e = state.energies
+    return jnp.abs(state.initial) + jnp.abs(e.external) + e.plastic + jnp.abs(e.damping)
+
+
+def _marched(
+    model: MarchModel,
+    methods: Methods,
+    state: MarchState,
+    fixed: Array,
+    end: Array,
+    most: Array | float = float("inf"),
+) -> MarchState:
+    """On to an output time, or until more than `most` J has gone through the interface at a ratio above 1."""
+    h, ratio, n = chosen_steps(model, methods, state, fixed, end - state.time)
+    before = state.energies.interface
+
+    def going_on(carry: tuple[Array, MarchState]) -> Array:
+        done, state = carry
+        bears = (ratio == 1) | (jnp.abs(state.energies.interface - before) <= most)
+        return (done < n) & (state.smallest > 0) & jnp.isfinite(state.energies.internal) & bears
+
+    def go_on(carry: tuple[Array, MarchState]) -> tuple[Array, MarchState]:
+        done, state = carry
+        return done + 1, march_step(model, methods, state, h, ratio)
+
+    done, state = lax.while_loop(going_on, go_on, (jnp.asarray(0), state))
+    return state._replace(time=jnp.where(done == n, end, state.time))
+
+
+def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Array) -> tuple[Recorded, Array]:
+    row = recorded(model, methods, state, trouble)
+    e = state.energies._replace(kinetic=row.energies[0])
+    held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
+    # What round-off stores in a body at rest is no energy: relative strains of 1e-12 at the fastest rate.
+    noise = 1e-24 * jnp.sum(model.mass) * jnp.abs(state.x).max(initial=0.0) ** 2 / state.before**2
+    size = _size(state) + noise
+    seen = jnp.where(
+        state.smallest <= 0,
+        1,
+        jnp.where(
+            ~jnp.isfinite(held),
+            2,
+            jnp.where(
+                jnp.abs(held - e.external - state.initial) > DRIFT * (size + e.kinetic),
+                3,
+                jnp.where(
+                    jnp.abs(e.interface) > DRIFT * (size + e.kinetic),
+                    5,
+                    jnp.where(jnp.minimum(e.internal, e.hourglass) < -2 * DRIFT * size, 4, 0),
+                ),
+            ),
+        ),
+    )
+    trouble = jnp.where(trouble > 0, trouble, seen)
+    return row._replace(trouble=trouble), trouble
+
+
+@partial(jax.jit, static_argnames="methods")
+def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Array | int = 0) -> Recorded:
+    """A state as it is kept."""
+    plastic, stress = [], []
+    for law, block, own, live in zip(methods.laws, model.blocks, state.materials, state.alive, strict=True):
+        strain = law.plastic_strain(own)
+        plastic.append(jnp.zeros_like(live) if strain is None else strain.max(axis=0))
+        stress.append(live * von_mises(law, block, state.x, own).max(axis=0))
+    bent, bent_stress = [], []
+    for law, shell, own, live in zip(
+        methods.shell_laws, model.shells, state.layers, state.shells_alive, strict=True
+    ):
+        if law is None or own is None:
+            bent.append(jnp.zeros_like(live))
+            bent_stress.append(shell_von_mises(shell, state.x, state.turning.triads))
+        else:
+            bent.append(own.strain.max(axis=(0, 1)))
+            bent_stress.append(live * layered_von_mises(law, shell, state.x, state.turning.triads, own))
+    return Recorded(
+        state.x,
+        state.v,
+        tuple(plastic),
+        state.alive,
+        tuple(stress),
+        tuple(bent),
+        state.shells_alive,
+        tuple(bent_stress),
+        tuple((frame.p, frame.y, frame.vp, frame.vy) for frame in state.frames),
+        tuple((at.offset, at.velocity) for at in state.obstacles),
+        jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
+        state.time,
+        state.steps,
+        state.before,
+        jnp.where(state.before > 0, state.frame_before / state.before, 1.0),
+        jnp.asarray(trouble),
+    )

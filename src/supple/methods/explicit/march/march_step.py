@@ -1,0 +1,176 @@
+"""One step of the march: the frames by a long step, the explicit nodes by several short ones within it.
+
+The frames step first, from the forces of t_n; so the path of the nodes that hang on them is known, and they
+follow it at a constant rate while the explicit nodes go on by their own steps (constant-velocity subcycling:
+W. J. T. Daniel, Comput. Struct. 65 (1997) 613-623, and references there). In equal steps the result is the
+leap-frog of both parts as one. What subcycling loses at the interface stands in the energy balance.
+"""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+from jax import Array, lax
+
+from supple.methods.explicit.frame_invariants import kinetic_energy
+from supple.methods.explicit.march.frame_step import frame_step, hanging
+from supple.methods.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
+from supple.methods.explicit.march.nodal_forces import nodal_forces
+from supple.methods.explicit.march.turning import turned
+
+__all__ = ["kinetic", "march_step", "with_forces"]
+
+
+def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array, ratio: Array) -> MarchState:
+    """The state `ratio` explicit steps of h later, in one step of the frames."""
+    if not model.frames:
+        return nodal_step(
+            model, methods, state, h, jnp.zeros_like(state.v), jnp.zeros((len(methods.obstacles), 3))
+        )
+    long = ratio * h
+    done = frame_step(model, methods, state, long)
+    led = state.v
+    for arrays, frame in zip(model.frames, done.frames, strict=True):
+        led = led.at[:, arrays.nodes].set((hanging(arrays, frame) - state.x[:, arrays.nodes]) / long)
+    old = state.energies
+    energies = old._replace(
+        internal=old.internal + done.internal,
+        damping=old.damping + done.damping,
+        external=old.external + done.external,
+        contact=old.contact + done.contact,
+        interface=old.interface - done.from_nodes - done.turning,
+    )
+    state = state._replace(energies=energies)
+    state = lax.fori_loop(
+        0, ratio, lambda _, s: nodal_step(model, methods, s, h, led, done.on_obstacles), state
+    )
+    # Nodes end where they hang, to round-off.
+    x = state.x
+    for arrays, frame in zip(model.frames, done.frames, strict=True):
+        x = x.at[:, arrays.nodes].set(hanging(arrays, frame))
+    return state._replace(x=x, frames=done.frames, frame_before=long)
+
+
+def nodal_step(
+    model: MarchModel, methods: Methods, state: MarchState, h: Array, led: Array, from_frames: Array
+) -> MarchState:
+    """The explicit nodes a step h on; those that hang on frames move at the rates `led` (3, N)."""
+    mean = 0.5 * (state.before + h)
+    drag = 0.5 * mean * model.alpha
+    # Points of modal surfaces have no mass: they are led.
+    acceleration = state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
+    v = model.movable * ((1 - drag) * state.v + mean * acceleration) / (1 + drag)
+    hangs = jnp.zeros(len(model.mass), dtype=bool)
+    for arrays in model.frames:
+        hangs = hangs.at[arrays.nodes].set(True)
+    v = jnp.where(hangs, led, v)
+    middle = 0.5 * (state.v + v)
+    obstacles, driven, given = _moved(model, state, from_frames, mean, h)
+    x = state.x + h * v
+    turning, spun, dragged = turned(model.spins, state.turning, mean, h)
+    out = nodal_forces(
+        model,
+        methods,
+        state.time + h,
+        x,
+        h * v,
+        h,
+        state.materials,
+        state.ratios,
+        state.alive,
+        state.layers,
+        state.shells_alive,
+        obstacles,
+        turning.triads,
+    )
+    works = mean * (state.forces * middle).sum(axis=(1, 2))
+    on_hanging = mean * jnp.sum(jnp.where(hangs, state.forces.sum(axis=0) * middle, 0.0))
+    weight = mean * jnp.sum(jnp.where(hangs, model.mass * model.gravity[:, None] * middle, 0.0))
+    old = state.energies
+    energies = Energies(
+        kinetic=old.kinetic,
+        internal=old.internal - works[0] - spun - out.plastic - out.viscous,
+        plastic=old.plastic + out.plastic,
+        hourglass=old.hourglass - works[1],
+        contact=old.contact - works[2] - given,
+        damping=old.damping
+        + out.viscous
+        + dragged
+        + mean * jnp.sum(jnp.where(hangs, 0.0, model.alpha * model.mass * middle**2)),
+        interface=old.interface + on_hanging - weight,
+        external=old.external + works[3] - weight + driven,
+    )
+    return state._replace(
+        time=state.time + h,
+        before=h,
+        x=x,
+        v=v,
+        forces=out.forces,
+        materials=out.materials,
+        ratios=out.ratios,
+        alive=out.alive,
+        layers=out.layers,
+        shells_alive=out.shells_alive,
+        obstacles=obstacles,
+        turning=turning._replace(moments=out.moments),
+        obstacle_forces=out.on_obstacles,
+        energies=energies,
+        smallest=jnp.minimum(state.smallest, out.smallest),
+        steps=state.steps + 1,
+    )
+
+
+def _moved(
+    model: MarchModel, state: MarchState, from_frames: Array, mean: Array, h: Array
+) -> tuple[tuple[ObstacleState, ...], Array, Array]:
+    """Obstacles a step on, the work of those that are driven, and the work done on all of them."""
+    moved, driven, given = [], jnp.zeros(()), jnp.zeros(())
+    for number, at in enumerate(state.obstacles):
+        force = state.obstacle_forces[number] + from_frames[number]
+        velocity = at.velocity + mean * (force / model.obstacle_mass[number] + _fall(model, number))
+        work = mean * force @ (0.5 * (at.velocity + velocity))
+        given = given + work
+        mass = model.obstacle_mass[number]
+        weight = jnp.where(jnp.isinf(mass), 0.0, mass) * model.gravity
+        fallen = mean * weight @ (0.5 * (at.velocity + velocity))
+        driven = driven + jnp.where(jnp.isinf(mass), -work, fallen)
+        moved.append(ObstacleState(at.offset + h * velocity, velocity))
+    return tuple(moved), driven, given
+
+
+def _fall(model: MarchModel, number: int) -> Array:
+    return jnp.where(jnp.isinf(model.obstacle_mass[number]), 0.0, model.gravity)
+
+
+def with_forces(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
+    """A state at the start of a run with the forces there."""
+    out = nodal_forces(
+        model,
+        methods,
+        state.time,
+        state.x,
+        jnp.zeros_like(state.x),
+        jnp.ones(()),
+        state.materials,
+        state.ratios,
+        state.alive,
+        state.layers,
+        state.shells_alive,
+        state.obstacles,
+        state.turning.triads,
+    )
+    turning = state.turning._replace(moments=out.moments)
+    return state._replace(forces=out.forces, obstacle_forces=out.on_obstacles, turning=turning)
+
+
+def kinetic(model: MarchModel, state: MarchState) -> Array:
+    """Of explicit nodes, frames and free obstacles, J; nodes that hang on frames count with these."""
+    own = model.mass
+    for arrays in model.frames:
+        own = own.at[arrays.nodes].set(0.0)
+    total = 0.5 * jnp.sum(own * state.v**2) + 0.5 * jnp.sum(model.spins.inertia * state.turning.rates**2)
+    for arrays, frame in zip(model.frames, state.frames, strict=True):
+        total = total + kinetic_energy(arrays.model, frame, state.frame_before)
+    for number, at in enumerate(state.obstacles):
+        mass = model.obstacle_mass[number]
+        total = total + jnp.where(jnp.isinf(mass), 0.0, 0.5 * mass * at.velocity @ at.velocity)
+    return total

@@ -1,0 +1,171 @@
+"""What the explicit march is made of: constants as arrays, methods as static objects, and its state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from jax import Array
+
+from supple.machine.obstacles import Obstacle
+from supple.methods.explicit.elements import ShellBlock, SolidBlock
+from supple.methods.explicit.frame_model import FrameModel, FrameState
+from supple.methods.explicit.march.touching_surface import TouchingSurface
+from supple.methods.explicit.march.turning import Spins, Turning
+from supple.methods.explicit.materials import J2Plasticity, Law
+from supple.methods.explicit.materials.plane_stress import LayerState
+from supple.methods.explicit.method import Explicit
+from supple.methods.explicit.modal_tie import ModalTie
+
+__all__ = ["Energies"]
+
+
+class NodesTouching(NamedTuple):
+    """Nodes in contact with an obstacle.
+
+    nodes : (n,) of the explicit nodes, or of a modal part's own points below
+    stiffness : (n,) N/m
+    weights, shapes : (n, 4), (n, 3, k) of a modal part's points; None of explicit nodes
+    """
+
+    nodes: Array
+    stiffness: Array
+    weights: Array | None = None
+    shapes: Array | None = None
+
+
+class FrameArrays(NamedTuple):
+    """A modal sub-domain in the march.
+
+    model : FrameModel      with the mass of the nodes that hang on it
+    nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
+    touching : tuple of NodesTouching       contacts of its own points
+    loaded : tuple of (weights, shapes, number that share, law, axes)   forces on its own points; axes (3, 3)
+        of one that turns with the frame, or None
+    step_limit : at rest, s;   spin_bound : of what a spin of 1 rad/s adds to squared frequencies, or None
+    """
+
+    model: FrameModel
+    nodes: Array
+    weights: Array
+    shapes: Array
+    touching: tuple[NodesTouching, ...]
+    loaded: tuple[Any, ...]
+    step_limit: Array
+    spin_bound: Array | None
+
+
+class MarchModel(NamedTuple):
+    """Numbers of the march.
+
+    blocks : of explicit elements;   limits : (E,) of each block at rest, s;   betas : (s) of each, or None
+    mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
+    ties : of frames to each other
+    surfaces : contacts between parts
+    contact_rate : largest stiffness over mass of a node in contact, 1/s^2
+    shells : of triangles, with their triads;   shell_limit : of their step, s
+    """
+
+    blocks: tuple[SolidBlock, ...]
+    limits: tuple[Array, ...]
+    betas: tuple[Array | None, ...]
+    mass: Array
+    alpha: Array
+    movable: Array
+    frames: tuple[FrameArrays, ...]
+    ties: tuple[ModalTie, ...]
+    touching: tuple[NodesTouching, ...]
+    surfaces: tuple[TouchingSurface, ...]
+    loaded: tuple[Any, ...]
+    obstacle_mass: Array
+    gravity: Array
+    contact_rate: Array
+    shells: tuple[ShellBlock, ...]
+    spins: Spins
+    shell_limit: Array
+
+
+@dataclass(frozen=True)
+class Methods:
+    """What the march is compiled for.
+
+    laws, deletions : of each block;   shell_laws, shell_deletions : likewise, law None of elastic ones
+    obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
+    obstacle_of : number of the obstacle of each contact of explicit nodes
+    tied : which two frames each of their ties joins
+    explicit : Explicit     of the run
+    """
+
+    laws: tuple[Law, ...]
+    deletions: tuple[float, ...]
+    shell_laws: tuple[J2Plasticity | None, ...]
+    shell_deletions: tuple[float, ...]
+    obstacles: tuple[Obstacle, ...]
+    obstacle_of: tuple[int, ...]
+    frame_obstacles: tuple[tuple[int, ...], ...]
+    tied: tuple[tuple[int, int], ...]
+    explicit: Explicit
+
+
+class Energies(NamedTuple):
+    """Where the energy of a run is, J; kinetic at the middle of the last step.
+
+    kinetic + internal + plastic + hourglass + contact + damping + interface - external   does not change
+
+    internal : work of stresses that is neither plastic nor viscous; hourglass : of the control's forces
+    contact : held by penalties; interface : lost between parts that march at different steps, and by frames
+    that turn by a finite angle in a step
+    external : work of loads, gravity and driven obstacles
+    """
+
+    kinetic: Array
+    internal: Array
+    plastic: Array
+    hourglass: Array
+    contact: Array
+    damping: Array
+    interface: Array
+    external: Array
+
+
+class ObstacleState(NamedTuple):
+    """How far an obstacle has moved, (3,), and its velocity over the last step."""
+
+    offset: Array
+    velocity: Array
+
+
+class MarchState(NamedTuple):
+    """All that the march knows at t_n.
+
+    before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
+    x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
+    materials, ratios (det F), alive : of each block;   layers, shells_alive : of each block of shells
+    smallest : det F of the worst point so far
+    obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
+    ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
+    ratio_wait, ratio_patience : output times until more are tried, and after the next failure
+    """
+
+    time: Array
+    before: Array
+    frame_before: Array
+    x: Array
+    v: Array
+    forces: Array
+    materials: tuple[Any, ...]
+    ratios: tuple[Array, ...]
+    alive: tuple[Array, ...]
+    layers: tuple[LayerState | None, ...]
+    shells_alive: tuple[Array, ...]
+    frames: tuple[FrameState, ...]
+    obstacles: tuple[ObstacleState, ...]
+    turning: Turning
+    obstacle_forces: Array
+    energies: Energies
+    initial: Array
+    ratio_bound: Array
+    ratio_wait: Array
+    ratio_patience: Array
+    smallest: Array
+    steps: Array

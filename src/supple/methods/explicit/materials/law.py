@@ -1,0 +1,85 @@
+"""What a constitutive law offers an explicit element: stress from the deformation gradient."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.fem import Isotropic
+from supple.methods.explicit.tensor3 import (
+    Tensor,
+    double_dot,
+    product,
+    scaled,
+    symmetric_part,
+    tensor,
+    transposed,
+)
+
+__all__ = ["Law", "Response"]
+
+
+class Response(NamedTuple):
+    """Of a law at some points.
+
+    stress : Tensor             first Piola-Kirchhoff P, force per undeformed area, Pa
+    state : pytree of arrays    what the law remembers
+    dissipated : array          plastic work of the step per undeformed volume, J/m^3
+    volume_ratio : array        J = det F; not positive where the element has turned over
+    """
+
+    stress: Tensor
+    state: Any
+    dissipated: Array
+    volume_ratio: Array
+
+
+class Law(Protocol):
+    """A material at finite strain; frozen and hashable, for a compiled march is made for it."""
+
+    @property
+    def elastic(self) -> Isotropic:
+        """Its elastic constants and density, which bound the step."""
+        ...
+
+    def initial(self, shape: tuple[int, ...]) -> Any:
+        """What it remembers of points at rest."""
+        ...
+
+    def respond(self, F: Tensor, dF: Tensor, state: Any) -> Response:
+        """Stress at the deformation gradient F, reached by the increment dF from the last one."""
+        ...
+
+    def plastic_strain(self, state: Any) -> Array | None:
+        """Equivalent plastic strain at the points; None where there is none."""
+        ...
+
+
+def lame(material: Isotropic) -> tuple[float, float]:
+    """Lame's constants lambda and mu, Pa."""
+    mu, nu = material.shear_modulus, material.poissons_ratio
+    return 2 * mu * nu / (1 - 2 * nu), mu
+
+
+def linear_stress(material: Isotropic, strain: Tensor) -> Tensor:
+    """Lambda tr(e) I + 2 mu e of a symmetric tensor."""
+    first, mu = lame(material)
+    pressure = first * (strain[0][0] + strain[1][1] + strain[2][2])
+    return tensor(lambda i, j: 2 * mu * strain[i][j] + (pressure if i == j else 0.0))
+
+
+def viscous_stress(material: Isotropic, beta: Array, F: Tensor, dF: Tensor, h: Array) -> tuple[Tensor, Array]:
+    """P (Tensor) of the second Piola-Kirchhoff stress beta C : E', and its work in the step per volume.
+
+    It resists the rate of strain and no rotation; about the undeformed state it is Rayleigh's beta K.
+    """
+    rate = scaled(1 / h, symmetric_part(product(transposed(F), dF)))
+    S = scaled(beta, linear_stress(material, rate))
+    return product(F, S), h * double_dot(S, rate)
+
+
+def no_dissipation(F: Tensor) -> Array:
+    """Zero at every point."""
+    return jnp.zeros_like(F[0][0])

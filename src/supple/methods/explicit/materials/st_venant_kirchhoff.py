@@ -1,0 +1,35 @@
+"""St. Venant-Kirchhoff: Green-Lagrange strain times constants, as in the rest of supple."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from jax import Array
+
+from supple.fem import Isotropic
+from supple.methods.explicit.materials.law import Response, linear_stress, no_dissipation
+from supple.methods.explicit.tensor3 import Tensor, cofactor, determinant, product, tensor, transposed
+
+__all__ = ["StVenantKirchhoff"]
+
+
+@dataclass(frozen=True)
+class StVenantKirchhoff:
+    """P = F (lambda tr(E) I + 2 mu E), E = (F^T F - I) / 2. Softens in compression: for small strains."""
+
+    elastic: Isotropic
+
+    def initial(self, shape: tuple[int, ...]) -> tuple[()]:  # noqa: ARG002 - of the protocol
+        """Nothing."""
+        return ()
+
+    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> Response:  # noqa: ARG002 - of the protocol
+        """Stress at F."""
+        C = product(transposed(F), F)
+        E = tensor(lambda i, j: 0.5 * (C[i][j] - (1.0 if i == j else 0.0)))
+        stress = product(F, linear_stress(self.elastic, E))
+        return Response(stress, state, no_dissipation(F), determinant(F, cofactor(F)))
+
+    def plastic_strain(self, state: tuple[()]) -> Array | None:  # noqa: ARG002 - of the protocol
+        """None."""
+        return None

@@ -1,0 +1,133 @@
+"""A modal sub-domain with what hangs on it: modes for the whole mass, step limit, contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+
+from supple.methods.explicit.frame_model import FrameModel
+from supple.methods.explicit.frame_moments import Moments, moments, rigid_rates
+from supple.methods.explicit.mass_fields import MassFields
+from supple.methods.explicit.modal_subdomain import ModalSubdomain
+from supple.methods.explicit.spin_stiffness import largest_of_unit_spin
+from supple.methods.explicit.step_limit import damped_limit, local_mass, true_limit
+
+__all__ = ["ModalFrame", "modal_frame"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ModalFrame:
+    """As it marches.
+
+    turned : (k, k)     modes of the sub-domain per mode of the march: y_own = turned @ y
+    """
+
+    body: ModalSubdomain
+    model: FrameModel
+    turned: FloatArray
+
+    @property
+    def shapes(self) -> FloatArray:
+        """(N, 3, k) of the modes of the march, in units of the arm."""
+        return self.body.shapes @ self.turned
+
+    def weights(self, nodes: NDArray[np.int64]) -> FloatArray:
+        """(n, 4) of nodes on the four points."""
+        return self.body.points.weights(self.body.body.nodes[nodes])
+
+    def step_limit(self, penalty: FloatArray | None = None) -> float:
+        """Longest stable step with the penalties of all its contacts closed, s."""
+        if penalty is None:
+            limit = true_limit(self.model.moments, self.body.points, np.asarray(self.model.stiffness))
+        else:
+            mass, stiffness = self.pencil()
+            largest = linalg.eigh(stiffness + penalty, mass, eigvals_only=True)[-1]
+            limit = float(2 / np.sqrt(largest))
+        return damped_limit(limit, self.body.stiffness_damping)
+
+    @property
+    def spin_bound(self) -> float | None:
+        """Of the squared frequencies that a spin of 1 rad/s adds, 1/s^2 per (rad/s)^2; None without."""
+        if self.model.spin_stiffness is None:
+            return None
+        mass, _ = self.pencil()
+        free = mass[6:, 6:] - mass[6:, :6] @ np.linalg.solve(mass[:6, :6], mass[:6, 6:])
+        return largest_of_unit_spin(np.asarray(self.model.spin_stiffness), free)
+
+    def penalty_stiffness(self, nodes: NDArray[np.int64], stiffness: FloatArray) -> FloatArray:
+        """Sum k B^T B (6 + k, 6 + k) of springs at nodes in all directions, on rigid motion and modes."""
+        B = self.motion(nodes)
+        return np.einsum("n,nia,nib->ab", stiffness, B, B, optimize=True)
+
+    def stiffness_at(self, nodes: NDArray[np.int64], fraction: float) -> FloatArray:
+        """A fraction of what the effective mass of each node bears at the step limit of the modes, N/m."""
+        mass, stiffness = self.pencil()
+        largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
+        B = self.motion(nodes)
+        mobility = B @ np.linalg.solve(mass, B.swapaxes(1, 2))
+        return fraction * largest / np.linalg.eigvalsh(mobility)[:, -1]
+
+    def motion(self, nodes: NDArray[np.int64]) -> FloatArray:
+        """(n, 3, 6 + k): motion of nodes per rigid motion and mode, undeformed, in the mesh axes."""
+        return self.material_motion(self.weights(nodes), self.shapes[nodes])
+
+    def material_motion(self, weights: FloatArray, shapes: FloatArray) -> FloatArray:
+        """The same of material points of weights (n, 4) and shapes (n, 3, k)."""
+        on_points = np.einsum("na,aic->nic", weights, self.rigid_rates)
+        return np.concatenate([on_points, self.body.points.arm * shapes], axis=2)
+
+    @property
+    def rigid_rates(self) -> FloatArray:
+        """(4, 3, 6): rates of the points per unit velocity and angular velocity, in the mesh axes."""
+        points = self.body.points
+        return rigid_rates(points.placed(np.zeros(3), np.eye(3)) - points.origin).reshape(4, 3, 6)
+
+    def pencil(self) -> tuple[FloatArray, FloatArray]:
+        """Mass and stiffness (6 + k, 6 + k) of rigid motion and modes."""
+        sums, points = self.model.moments, self.body.points
+        k = len(self.turned)
+        rigid = self.rigid_rates.reshape(12, 6)
+        M = np.zeros((6 + k, 6 + k))
+        M[:6, :6] = rigid.T @ np.kron(np.asarray(sums.S0), np.eye(3)) @ rigid
+        M[:6, 6:] = rigid.T @ (points.arm * np.asarray(sums.S1).reshape(12, -1))
+        M[6:, :6] = M[:6, 6:].T
+        M[6:, 6:] = local_mass(sums, points.arm)
+        K = np.zeros_like(M)
+        K[6:, 6:] = np.asarray(self.model.stiffness)
+        return M, K
+
+
+def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, mass: FloatArray) -> ModalFrame:
+    """The frame of a sub-domain on which points with mass hang.
+
+        K T = (M_V + sum m Phi^T Phi) T diag(omega^2),   T^T (..) T = I
+
+    points : (n, 3) undeformed, in the mesh axes;   shapes : (n, 3, k);   mass : (n,) kg
+    """
+    frame = body.points
+    hung = MassFields(frame.weights(points), shapes, sparse.csr_array(sparse.diags_array(mass)))
+    sums = body.moments + moments(hung) if len(mass) else body.moments
+    K = np.diag(body.frequencies**2)
+    squares, T = (
+        linalg.eigh(K, local_mass(sums, frame.arm)) if body.n_modes else (np.zeros(0), np.zeros((0, 0)))
+    )
+    turned = Moments(
+        sums.S0,
+        sums.S1 @ jnp.asarray(T),
+        jnp.einsum("ijkl,ka,lb->ijab", sums.C, jnp.asarray(T), jnp.asarray(T)),
+    )
+    model = FrameModel(
+        turned,
+        jnp.diag(jnp.asarray(squares)),
+        jnp.asarray(frame.squared_lengths),
+        jnp.asarray(body.mass_damping),
+        jnp.asarray(body.stiffness_damping),
+        None if body.spin_stiffness is None else jnp.asarray(T.T @ body.spin_stiffness @ T),
+    )
+    return ModalFrame(body, model, T)

@@ -1,0 +1,279 @@
+"""A modal sub-domain: a linear body that vibrates in modes while its four-point frame flies and turns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.arguments import checked_arguments
+from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
+from supple.body.damping import refuse_held
+from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
+from supple.body.interface import interface_named
+from supple.body.mass_properties import rigid_mass_properties
+from supple.body.point_motion import InterfaceMotion, NodeMotion
+from supple.errors import ModelError
+from supple.mesh import Mesh
+from supple.methods.explicit.frame_model import FrameModel
+from supple.methods.explicit.frame_moments import Moments, moments
+from supple.methods.explicit.frame_points import FramePoints
+from supple.methods.explicit.mass_fields import mass_fields
+from supple.methods.explicit.motions import FourPointMotion
+from supple.methods.explicit.node_set import NodeSet, node_sets
+from supple.methods.explicit.spin_stiffness import CentrifugalStiffness
+from supple.methods.explicit.step_limit import local_mass, true_limit
+from supple.reduction import LinearBasisRecipe, rayleigh_ritz
+
+__all__ = ["ModalSubdomain", "modal_subdomain"]
+
+LARGEST_RIGID_PART = 1e-8
+"""Of a mode: its product with a rigid motion of the same mass norm."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModalSubdomain(FormDefaults):
+    """Modes of a free body on a four-point frame; build it with `modal_subdomain`.
+
+    body : FlexibleBody
+    vectors : (n, k)        V^T M V = I, R^T M V = 0, V^T K V = diag(omega^2)
+    frequencies : (k,)      rad/s, ascending
+    mass_damping, stiffness_damping : alpha, 1/s, and beta, s, of the modes
+    spin_stiffness : (6, k, k) of `CentrifugalStiffness`, or None
+    yield_stress : Pa, beyond which a run warns; None: that of the explicit parts of its material, if any
+    Raises ModelError for vectors that contain rigid motion: their step limit would not be that of the modes.
+    """
+
+    body: FlexibleBody
+    vectors: NDArray[np.float64] = field(repr=False)
+    frequencies: NDArray[np.float64] = field(repr=False)
+    mass_damping: float = 0.0
+    stiffness_damping: float = 0.0
+    spin_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
+    yield_stress: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.yield_stress is not None and not self.yield_stress > 0:
+            raise ModelError(
+                f"the yield stress of part '{self.name}' must be positive, got {self.yield_stress}"
+            )
+        R, M = self.body.rigid_modes, self.body.mass
+        shared = self.vectors.T @ (M @ R) / np.sqrt(np.einsum("ij,ij->j", R, M @ R))
+        if (worst := float(np.abs(shared).max(initial=0.0))) > LARGEST_RIGID_PART:
+            raise ModelError(
+                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' "
+                f"contains rigid "
+                f"motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}): its frame carries that "
+                "already, and the step limit would be lost; make the modes M-orthogonal to rigid motion, as "
+                "modal_subdomain does"
+            )
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        return self.body.name
+
+    @property
+    def kind(self) -> Literal["modal"]:
+        """Modes on a four-point frame."""
+        return "modal"
+
+    @property
+    def n_modes(self) -> int:
+        """Number of modes k."""
+        return self.vectors.shape[1]
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of modes k."""
+        return self.n_modes
+
+    @property
+    def mass(self) -> float:
+        """Of the whole body, kg."""
+        return float(np.asarray(self.moments.S0).sum())
+
+    @property
+    def centre_of_mass(self) -> NDArray[np.float64]:
+        """(3,) undeformed, in the mesh axes, m: where the frame has its origin."""
+        return self.points.origin
+
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """(N, 3) undeformed positions."""
+        return self.body.nodes
+
+    @property
+    def mesh(self) -> Mesh:
+        """Of its elements; ModelError of a body of matrices."""
+        if self.body.model is None:
+            raise ModelError(
+                f"part '{self.name}' has no mesh, only matrices: it cannot be tied, hit or loaded"
+            )
+        return self.body.model.mesh
+
+    @cached_property
+    def interfaces(self) -> tuple[NodeSet, ...]:
+        """The node sets of its mesh, and the nodes of the interfaces of its body that have other names."""
+        sets = {} if self.body.model is None else dict(self.body.model.mesh.node_sets)
+        of_body = {each.name: each.node_ids for each in self.body.interfaces}
+        return node_sets(self, of_body | sets)
+
+    def interface(self, name: str) -> NodeSet:
+        """The node set of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
+
+    def expand(
+        self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Displacements (..., k, 3) of some nodes, or all, in the body's frame."""
+        return self.points.arm * np.einsum("nik,...k->...ni", self.shapes[nodes], np.asarray(coordinates))
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Their rates (..., k, 3)."""
+        return self.expand(rates, nodes)
+
+    def positions(
+        self, motion: FourPointMotion, nodes: ArrayLike | slice = slice(None)
+    ) -> NDArray[np.float64]:
+        """Positions (t, k, 3) in space of some nodes, or all.
+
+        x = sum_a w_a x_a + P Phi y     [Radioss] (5), never integrated
+        """
+        own = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
+        weights = self.points.weights(self.nodes[own])
+        P = (motion.points[:, 1:] - motion.points[:, :1]).swapaxes(1, 2)
+        local = np.einsum("nik,tk->tni", self.shapes[own], motion.coordinates, optimize=True)
+        return weights @ motion.points + local @ P.swapaxes(1, 2)
+
+    def node_motion(self, motion: FourPointMotion, nodes: ArrayLike) -> NodeMotion:
+        """Positions and velocities (t, k, 3) of some nodes in space; accelerations are not known, NaN.
+
+        dx = sum_a w_a dx_a + dP Phi y + P Phi dy
+        """
+        own = node_numbers(nodes, len(self.nodes))
+        weights, shapes = self.points.weights(self.nodes[own]), self.shapes[own]
+        P, dP = (each[:, 1:] - each[:, :1] for each in (motion.points, motion.point_rates))
+        local, rate = (
+            np.einsum("nik,tk->tni", shapes, y, optimize=True)
+            for y in (motion.coordinates, motion.coordinate_rates)
+        )
+        velocities = weights @ motion.point_rates + local @ dP + rate @ P
+        return NodeMotion(self.positions(motion, own), velocities, np.full_like(velocities, np.nan))
+
+    def interface_motion(self, motion: FourPointMotion, name: str) -> InterfaceMotion:
+        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`; accelerations are not known."""
+        own = self.interface(name)
+        return own.moving(self.node_motion(motion, own.nodes))
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether it has no stiffness of its own spin."""
+        return self.spin_stiffness is None
+
+    def lowest_frequency(self) -> float:
+        """Of the free modes, rad/s; infinite without any."""
+        return float(self.frequencies.min(initial=np.inf))
+
+    @property
+    def rotation_limit(self) -> float:
+        """Against the frame, rad: foreshortening, theta^2 / 2, is then half a percent of the length."""
+        return 0.1
+
+    @property
+    def rotation_rows(self) -> NDArray[np.float64] | None:
+        """Rotation vectors at P points per modal coordinate, (3 P, k); None of a body of matrices."""
+        operator = self.body.rotation_operator
+        return None if operator is None else operator @ self.body.expansion @ self.vectors
+
+    @cached_property
+    def points(self) -> FramePoints:
+        """The frame: at the centre of mass, arms of the radius of gyration."""
+        own = rigid_mass_properties(self.body.nodal_mass, self.body.nodes, self.body.dofs_per_node)
+        return FramePoints(own.centre, float(np.sqrt(np.trace(own.inertia) / (2 * own.mass))))
+
+    @cached_property
+    def shapes(self) -> NDArray[np.float64]:
+        """Local displacements of the nodes per modal coordinate, in units of the arm, (N, 3, k)."""
+        nodal = (self.body.expansion @ self.vectors).reshape(
+            len(self.body.nodes), self.body.dofs_per_node, -1
+        )
+        return nodal[:, :3] / self.points.arm
+
+    @cached_property
+    def moments(self) -> Moments:
+        """The sums over its mass."""
+        return moments(mass_fields(self.body, self.points, self.vectors))
+
+    @property
+    def step_limit(self) -> float:
+        """Longest stable step of the undamped modes with their frame, s."""
+        return true_limit(self.moments, self.points, np.diag(self.frequencies**2))
+
+    def compiled(self) -> FrameModel:
+        """The numbers of the march."""
+        M_V = local_mass(self.moments, self.points.arm)
+        if self.n_modes and np.abs(M_V - np.eye(self.n_modes)).max() > 1e-8:
+            raise ModelError(f"the modes of body '{self.name}' are not mass-normalised")
+        return FrameModel(
+            self.moments,
+            jnp.diag(jnp.asarray(self.frequencies**2)),
+            jnp.asarray(self.points.squared_lengths),
+            jnp.asarray(self.mass_damping),
+            jnp.asarray(self.stiffness_damping),
+            None if self.spin_stiffness is None else jnp.asarray(self.spin_stiffness),
+        )
+
+
+@checked_arguments
+def modal_subdomain(
+    body: FlexibleBody,
+    basis: LinearBasisRecipe,
+    *,
+    highest: float = float("inf"),
+    damping: LinearRayleighDamping | None = None,
+    stiffening: CentrifugalStiffness | None = None,
+    yield_stress: float | None = None,
+) -> ModalSubdomain:
+    """A linear body as a modal sub-domain of an explicit march.
+
+        V^T M V = I,   R^T M V = 0,   V^T K V = diag(omega^2)
+
+    The columns of any basis are made M-orthogonal to the six rigid motions and vibrate at frequencies of
+    their own; those above `highest` are left out. So constraint modes of many interface freedoms do not
+    shorten the step: what counts is the highest frequency kept.
+
+    body : FlexibleBody     its elements' quadratic strains are used by `stiffening` alone
+    basis : NormalModes(..), CraigBampton(..), ErrorControlled(..) or any other recipe
+    highest : float         rad/s
+    damping : LinearRayleighDamping(..)     of the modes; the frame is undamped
+    stiffening : CentrifugalStiffness()     stress of free spin, for bodies that spin faster than about 3 % of
+        their lowest frequency; None: the modes are those at rest at any spin
+    yield_stress : float    Pa, beyond which a run warns, for modes stay elastic; None: the lowest of the
+        explicit parts of the same material
+    Raises ModelError when no mode is left; errors of the recipe.
+    Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
+    """
+    refuse_held(damping, f"modal sub-domain '{body.name}'")
+    frame = MeanAxisFrame()
+    linear = rayleigh_ritz(body, frame, basis.build(body, frame))
+    kept = linear.frequencies <= highest
+    if not kept.any():
+        raise ModelError(
+            f"no mode of body '{body.name}' lies below {highest:g} rad/s; the lowest is at "
+            f"{linear.frequencies[0]:g}"
+        )
+    alpha, beta = (0.0, 0.0) if damping is None else (damping.alpha, damping.beta)
+    vectors = linear.vectors[:, kept]
+    # A mode has no sign of its own; this one lets a run go on in another process.
+    signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), np.arange(vectors.shape[1])])
+    vectors = vectors * signs
+    spun = None if stiffening is None else stiffening.matrices(body, vectors)
+    return ModalSubdomain(body, vectors, linear.frequencies[kept], alpha, beta, spun, yield_stress)

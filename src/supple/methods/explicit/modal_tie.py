@@ -1,0 +1,66 @@
+"""Two four-point frames tied to each other: the gap between them, and its rows.
+
+    g_r = 1/l sum_c L_rc . P_2^T (x_1(X_c) - x_2(X_c)) = 0
+
+at points X_c of both interfaces, with combinations L in the axes of the second frame. A rigid motion of both
+parts leaves g as it is, so its multipliers carry neither linear nor angular momentum away. Like all sums over
+nodes it is a polynomial in the coordinates: L is contracted with weights and shapes once.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.methods.explicit.frame_model import FrameState, Generalized
+from supple.methods.explicit.frame_moments import arms
+from supple.methods.explicit.frame_points import CORNERS
+
+__all__ = ["ModalTie", "TiedSide", "tied_gap", "tied_rows"]
+
+
+class TiedSide(NamedTuple):
+    """One part of a tie.
+
+    weights : (r, 3, 4)     sum_c L_rci w_ca
+    shapes : (r, 3, 3, k)   sum_c L_rci Phi_cmk
+    """
+
+    weights: Array
+    shapes: Array
+
+
+class ModalTie(NamedTuple):
+    """The tied parts, and 1 / arm of the second, 1/m."""
+
+    first: TiedSide
+    second: TiedSide
+    per_arm: Array
+
+
+def tied_gap(tie: ModalTie, first: FrameState, second: FrameState) -> Array:
+    """G (r,), m."""
+    apart = _combined(tie.first, first) - _combined(tie.second, second)
+    return tie.per_arm * jnp.einsum("ji,rij->r", arms(second.p), apart)
+
+
+def tied_rows(tie: ModalTie, first: FrameState, second: FrameState) -> tuple[Generalized, Generalized]:
+    """dg/dq of both parts: rows on the points, (r, 4, 3), and on the modes, (r, k)."""
+    P = tie.per_arm * arms(second.p)
+    apart = _combined(tie.first, first) - _combined(tie.second, second)
+    own, other = _rows(tie.first, first, P), _rows(tie.second, second, P)
+    turned = tie.per_arm * jnp.einsum("ai,rij->raj", jnp.asarray(CORNERS), apart)
+    return own, Generalized(turned - other.p, -other.y)
+
+
+def _combined(side: TiedSide, at: FrameState) -> Array:
+    """Sum_c L_rci x_j(X_c), (r, 3, 3)."""
+    return side.weights @ at.p + (side.shapes @ at.y) @ arms(at.p).T
+
+
+def _rows(side: TiedSide, at: FrameState, P: Array) -> Generalized:
+    hung = side.weights + (side.shapes @ at.y) @ jnp.asarray(CORNERS).T
+    turned = P.T @ arms(at.p)
+    return Generalized(jnp.einsum("ji,ria->raj", P, hung), jnp.einsum("im,rimk->rk", turned, side.shapes))

@@ -1,0 +1,325 @@
+"""The projected nodal central difference: leap-frog of the nodes, projected on what frame and modes can do.
+
+    B(q_n)^T M [x(q_n+1) - 2 x_n + x_n-1] = h^2 {B(q_n)^T f_n - [0; K_L y_n] + G_n^T lambda},   D(p_n+1) = 0
+
+with B = dx/dq, in equal steps; from the discrete Lagrangian 1/(2h) |x(q_n+1) - x(q_n)|_M^2 - h V(y_n). No
+term is neglected and no force depends on velocity: gyroscopic, centrifugal and Euler forces are inside.
+Momentum is exact, energy stays bounded, the step limit of the modes holds. The unknown increments enter
+bilinearly,
+
+    x_n+1 - x_n = xi_n dp + P_n Phi dy + dP Phi dy,
+
+so the equation is solved for them (not for positions, whose differences would lose digits) by Newton's method
+with the Jacobian frozen at t_n: each pass shrinks the error by the turn of a step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array, lax
+
+from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, Steps, elastic_force
+from supple.methods.explicit.frame_moments import Spread, arms, spread
+from supple.methods.explicit.modal_tie import ModalTie, tied_gap, tied_rows
+from supple.methods.explicit.rigid_links import link_residual, link_rows, link_vectors
+from supple.methods.explicit.spin_stiffness import spin_products
+
+__all__ = ["ProjectedDifference"]
+
+_MOST_PASSES = 40
+_SMALL = 1e-13  # of the last correction: the next would be its product with the turn of a step
+
+
+class _Tangent(NamedTuple):
+    """B_n^T M B_n in blocks, and the rows of the links."""
+
+    sums: Spread
+    P: Array
+    A_py: Array
+    G: Array
+
+
+@dataclass(frozen=True)
+class ProjectedDifference:
+    """The default scheme of a four-point frame."""
+
+    def step(
+        self, model: FrameModel, state: FrameState, force: Generalized, steps: Steps
+    ) -> tuple[FrameState, Array]:
+        """The state after the step, and the link multipliers (6,), N/m; `force` applies at t_n."""
+        after, multipliers, _ = self.step_tied((model,), (state,), (force,), (), (), steps)
+        return after[0], multipliers[0]
+
+    def step_tied(
+        self,
+        models: tuple[FrameModel, ...],
+        states: tuple[FrameState, ...],
+        forces: tuple[Generalized, ...],
+        ties: tuple[ModalTie, ...],
+        pairs: tuple[tuple[int, int], ...],
+        steps: Steps,
+    ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
+        """Frames that are tied to each other, and the multipliers of their links (6,) and of the ties (R,).
+
+        pairs : which two of the frames each tie joins
+        """
+        h, mean = steps.after, steps.mean
+        frozen, guesses = [], []
+        for model, state, force in zip(models, states, forces, strict=True):
+            frozen.append(_frozen(model, state, force, steps))
+            guesses.append(Generalized(h * state.vp, h * state.vy))
+        increments, links, pulls = _increments(tuple(frozen), states, tuple(guesses), ties, pairs)
+        after = tuple(
+            FrameState(state.p + d.p, state.y + d.y, d.p / h, d.y / h)
+            for state, d in zip(states, increments, strict=True)
+        )
+        return after, tuple(each / (h * mean) for each in links), pulls / (h * mean)
+
+    def tied_work(
+        self,
+        tie: ModalTie,
+        old: tuple[FrameState, ...],
+        new: tuple[FrameState, ...],
+        pulls: Array,
+        steps: Steps,
+    ) -> Array:
+        """Work of a tie's multipliers in a step, J: none but what goes with the turn, as of links."""
+        rows = tied_rows(tie, *old)
+        opened = sum(
+            own.p.reshape(-1, 12) @ (0.5 * (a.vp + b.vp)).reshape(12) + own.y @ (0.5 * (a.vy + b.vy))
+            for own, a, b in zip(rows, old, new, strict=True)
+        )
+        return steps.mean * pulls @ opened
+
+    def turning_work(
+        self, model: FrameModel, old: FrameState, new: FrameState, multipliers: Array, steps: Steps
+    ) -> Array:
+        """Work that the links and the bilinear motion do in a step, for it turns by a finite angle, J.
+
+        With nodal velocities v = B d +- b, b = h P' Phi y', half a step after and before t_n the kinetic
+        energy grows by <M (v+ - v-), (v+ + v-) / 2>; forces do B^T f . d of it, and the rest is
+
+            lambda . G d + 1/2 [(d+ - d-) . B^T M (b+ - b-) + <b+, M b+> - <b-, M b->]
+
+        It vanishes with the step, does not accumulate (the scheme is variational), and is known exactly.
+        """
+        t = _tangent(model, old.p, old.y)
+        before, after = _bilinear(model, t, old.vp, old.vy), _bilinear(model, t, new.vp, new.vy)
+        dp, dy = new.vp - old.vp, new.vy - old.vy
+        turned = [
+            jnp.sum(dp * (steps.after * after.p - steps.before * before.p)),
+            dy @ (steps.after * after.y - steps.before * before.y),
+            steps.after**2 * _bilinear_square(model, new.vp, new.vy),
+            -(steps.before**2) * _bilinear_square(model, old.vp, old.vy),
+        ]
+        links = multipliers @ (t.G @ (0.5 * (old.vp + new.vp)).reshape(12))
+        return steps.mean * links + 0.5 * sum(turned[1:], turned[0])
+
+
+def _tangent(model: FrameModel, p: Array, y: Array) -> _Tangent:
+    sums = spread(model.moments, y)
+    P = arms(p)
+    A_py = jnp.einsum("il,alk->aik", P, sums.Q).reshape(12, -1)
+    return _Tangent(sums, P, A_py, link_rows(link_vectors(p)))
+
+
+def _momentum(t: _Tangent, d: Generalized) -> Generalized:
+    """B_n^T M B_n d."""
+    return Generalized(t.sums.Xi @ d.p + (t.A_py @ d.y).reshape(4, 3), t.A_py.T @ d.p.reshape(12) + d.y)
+
+
+def _bilinear(model: FrameModel, t: _Tangent, dp: Array, dy: Array) -> Generalized:
+    """B_n^T M (dP Phi dy)."""
+    dP = arms(dp)
+    on_p = (t.sums.Q @ dy) @ dP.T
+    k = len(dy)
+    on_y = (t.P.T @ dP).reshape(9) @ (model.moments.C.reshape(9, k, k) @ dy)
+    return Generalized(on_p, on_y)
+
+
+def _bilinear_square(model: FrameModel, dp: Array, dy: Array) -> Array:
+    """<b, M b> of b = dP Phi dy."""
+    dP, k = arms(dp), len(dy)
+    sums = jnp.einsum("k,ijkl,l->ij", dy, model.moments.C, dy) if k else jnp.zeros((3, 3))
+    return jnp.sum((dP.T @ dP) * sums)
+
+
+class _Frozen(NamedTuple):
+    """What does not change over the passes of a frame's step: B_n^T M B_n with the links, factored.
+
+    The modes are eliminated first; the links make the rest regular, even where modes repeat a uniform strain.
+
+    unit : a mass, for scale;   factor : of the links, so that their rows are as large as the masses
+    spun : (6, k) impulse of the spin's stiffness per product of angular velocity after t_n, or None
+    after : h, s
+    """
+
+    model: FrameModel
+    p: Array
+    t: _Tangent
+    right: Generalized
+    modal_mass: Array | float
+    unit: Array
+    factor: Array
+    border: Array
+    inverse: Array
+    spun: Array | None
+    after: Array | float
+
+
+def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Steps) -> _Frozen:
+    p, y, vp, vy = state
+    h, mean = steps.after, steps.mean
+    t = _tangent(model, p, y)
+    moved, bilinear = _momentum(t, Generalized(vp, vy)), _bilinear(model, t, vp, vy)
+    drag = 0.5 * mean * model.mass_damping
+    right_p = h * (moved.p - steps.before * bilinear.p + mean * force.p)
+    right_y = h * (
+        moved.y - steps.before * bilinear.y + mean * (force.y + elastic_force(model, y, vy)) - drag * vy
+    )
+    spun = None
+    if model.spin_stiffness is not None:
+        # Half of the spin before t_n and half of that after it: second order, and reversible.
+        spun = -0.5 * h * mean * (model.spin_stiffness @ y)
+        right_y = right_y + spin_products(p, vp) @ spun
+    unit = t.sums.Xi[0, 0] + t.sums.Xi[1, 1]
+    factor = unit / jnp.sqrt(model.squared_lengths[0])
+    S = jnp.kron(t.sums.Xi, jnp.eye(3)) - t.A_py @ t.A_py.T / (1 + drag)
+    border = t.G * factor
+    inverse = jnp.linalg.inv(jnp.block([[S, -border.T], [border, jnp.zeros((6, 6))]]))
+    right = Generalized(right_p, right_y)
+    return _Frozen(model, p, t, right, 1 + drag, unit, factor, border, inverse, spun, h)
+
+
+def _missing(f: _Frozen, d: Generalized, links: Array) -> tuple[Array, Array, Array]:
+    """Residuals of momentum on points (12,) and modes (k,), and of the links (6,)."""
+    moved, bilinear = _momentum(f.t, d), _bilinear(f.model, f.t, *d)
+    r_p = (f.right.p - moved.p - bilinear.p).reshape(12) + f.border.T @ links
+    r_y = f.right.y - moved.y - bilinear.y - (f.modal_mass - 1) * d.y
+    if f.spun is not None:
+        r_y = r_y + spin_products(f.p, d.p / f.after) @ f.spun
+    return r_p, r_y, -link_residual(f.p + d.p, f.model.squared_lengths) * f.factor
+
+
+def _answer(f: _Frozen, r_p: Array, r_y: Array, r_D: Array) -> tuple[Array, Array, Array]:
+    """Corrections of points (12, ..), modes (k, ..) and links (6, ..) to residuals, or columns of them."""
+    solved = f.inverse @ jnp.concatenate([r_p - f.t.A_py @ r_y / f.modal_mass, r_D])
+    dp = solved[:12]
+    return dp, (r_y - f.t.A_py.T @ dp) / f.modal_mass, solved[12:]
+
+
+class _Bound(NamedTuple):
+    """The rows J (R, 12), (R, k) of all ties on a frame, and its answers Z to their unit multipliers."""
+
+    on_points: Array
+    on_modes: Array
+    answers: tuple[Array, Array, Array]
+
+
+def _bound(
+    frozen: tuple[_Frozen, ...],
+    states: tuple[FrameState, ...],
+    ties: tuple[ModalTie, ...],
+    pairs: tuple[tuple[int, int], ...],
+) -> tuple[tuple[_Bound, ...], Array]:
+    """The rows of each frame, and the inverse of H = sum J Z, (R, R)."""
+    pieces: list[list[Generalized]] = [[] for _ in frozen]
+    for tie, (a, b) in zip(ties, pairs, strict=True):
+        own = dict(zip((a, b), tied_rows(tie, states[a], states[b]), strict=True))
+        rows = len(tie.first.weights)
+        for number, f in enumerate(frozen):
+            none = Generalized(jnp.zeros((rows, 4, 3)), jnp.zeros((rows, f.right.y.shape[0])))
+            pieces[number].append(own.get(number, none))
+    bound, H = [], jnp.zeros(())
+    for f, own in zip(frozen, pieces, strict=True):
+        J_p = jnp.concatenate([each.p.reshape(-1, 12) for each in own])
+        J_y = jnp.concatenate([each.y for each in own])
+        Z = _answer(f, J_p.T, J_y.T, jnp.zeros((6, len(J_p))))
+        bound.append(_Bound(J_p, J_y, Z))
+        H = H + J_p @ Z[0] + J_y @ Z[1]
+    return tuple(bound), jnp.linalg.inv(H)
+
+
+def _gaps(
+    states: tuple[FrameState, ...],
+    increments: tuple[Generalized, ...],
+    ties: tuple[ModalTie, ...],
+    pairs: tuple[tuple[int, int], ...],
+) -> Array:
+    moved = [at._replace(p=at.p + d.p, y=at.y + d.y) for at, d in zip(states, increments, strict=True)]
+    return jnp.concatenate(
+        [tied_gap(tie, moved[a], moved[b]) for tie, (a, b) in zip(ties, pairs, strict=True)]
+    )
+
+
+class _Pass(NamedTuple):
+    """What Newton's method improves."""
+
+    increments: tuple[Generalized, ...]
+    links: tuple[Array, ...]
+    pulls: Array
+    size: Array
+    passes: Array
+
+
+def _increments(
+    frozen: tuple[_Frozen, ...],
+    states: tuple[FrameState, ...],
+    guesses: tuple[Generalized, ...],
+    ties: tuple[ModalTie, ...],
+    pairs: tuple[tuple[int, int], ...],
+) -> tuple[tuple[Generalized, ...], tuple[Array, ...], Array]:
+    """D, lambda and mu of B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda + J_n^T mu, D = 0, g = 0.
+
+    Each pass answers frame by frame first; what then is left of the gaps says how to pull (Schur complement).
+    """
+    bound, inverse = _bound(frozen, states, ties, pairs) if ties else ((), jnp.zeros((0, 0)))
+
+    def improve(now: _Pass) -> _Pass:
+        changes = []
+        for number, f in enumerate(frozen):
+            r_p, r_y, r_D = _missing(f, now.increments[number], now.links[number])
+            if ties:
+                r_p = r_p + bound[number].on_points.T @ now.pulls
+                r_y = r_y + bound[number].on_modes.T @ now.pulls
+            changes.append(_answer(f, r_p, r_y, r_D))
+        pulls = now.pulls
+        if ties:
+            opened = _gaps(states, now.increments, ties, pairs) + sum(
+                own.on_points @ dp + own.on_modes @ dy
+                for own, (dp, dy, _) in zip(bound, changes, strict=True)
+            )
+            more = -inverse @ opened
+            pulls = pulls + more
+            changes = [
+                tuple(part + Z @ more for part, Z in zip(change, own.answers, strict=True))
+                for own, change in zip(bound, changes, strict=True)
+            ]
+        size = jnp.zeros(())
+        for f, (dp, dy, _) in zip(frozen, changes, strict=True):
+            scale = f.model.squared_lengths[0]
+            on_modes = jnp.abs(dy).max(initial=0.0) * jnp.sqrt(1 / f.unit / scale)
+            size = jnp.maximum(size, jnp.abs(dp).max() / jnp.sqrt(scale) + on_modes)
+        increments = tuple(
+            d + Generalized(dp.reshape(4, 3), dy)
+            for d, (dp, dy, _) in zip(now.increments, changes, strict=True)
+        )
+        links = tuple(old + change[2] for old, change in zip(now.links, changes, strict=True))
+        return _Pass(increments, links, pulls, size, now.passes + 1)
+
+    def unfinished(now: _Pass) -> Array:
+        return (now.size > _SMALL) & (now.passes < _MOST_PASSES)
+
+    start = _Pass(
+        guesses,
+        tuple(jnp.zeros(6) for _ in frozen),
+        jnp.zeros(len(inverse)),
+        jnp.asarray(jnp.inf),
+        jnp.asarray(0),
+    )
+    done = lax.while_loop(unfinished, improve, start)
+    links = tuple(each * f.factor for each, f in zip(done.links, frozen, strict=True))
+    return done.increments, links, done.pulls

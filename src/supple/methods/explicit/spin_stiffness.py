@@ -1,0 +1,92 @@
+"""Stiffness that the centrifugal stress of a free, spinning body adds to its modes.
+
+    K_G(Omega) = sum_ab Omega_a Omega_b K_ab,     K_ab = V^T K'(u_ab) V,     K u_ab = load of Omega_a Omega_b
+
+with K'(u) the derivative of the tangent stiffness at rest: the geometric stiffness of the stress of u, and
+what u changes in the strains. Centrifugal loads are quadratic in the angular velocity, stress is linear in
+the loads: six static solutions serve every spin about every axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+
+from supple.body import FlexibleBody
+from supple.body.mass_properties import rigid_mass_properties
+from supple.methods.explicit.frame_moments import arms
+
+__all__ = ["CentrifugalStiffness"]
+
+FloatArray = NDArray[np.float64]
+
+PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
+"""Which products of angular velocity the six solutions are of."""
+
+
+@dataclass(frozen=True)
+class CentrifugalStiffness:
+    """The stress of free spin about the centre of mass, as stiffness of the modes.
+
+    Of the body alone: neither ties, contacts and loads nor the mass of what hangs on it add to the stress.
+    """
+
+    def matrices(self, body: FlexibleBody, vectors: FloatArray) -> FloatArray:
+        """K_ab (6, k, k), kg per (rad/s)^2 in the units of the modes, in the order of `PAIRS`.
+
+        Each load is in equilibrium with the inertia forces of the free body (inertia relief), the solution
+        M-orthogonal to rigid motion.
+
+        vectors : (n, k)        V, in the coordinates of the body
+        Raises ModelError for a body without quadratic strains.
+        """
+        assembly = body.assembly
+        R, MR = body.rigid_modes, body.mass @ body.rigid_modes
+        loads = centrifugal_loads(body)
+        loads = loads - MR @ np.linalg.solve(R.T @ MR, R.T @ loads)
+        moved = body.constrained(MR.T).solve(loads)
+        found = [vectors.T @ (assembly.tangent_derivative(u) @ vectors) for u in moved.T]
+        return np.array([0.5 * (each + each.T) for each in found])
+
+
+def centrifugal_loads(body: FlexibleBody) -> FloatArray:
+    """Loads (n, 6) of m (|Omega|^2 X - Omega (Omega . X)), X from the centre of mass, per product."""
+    X = body.nodes - rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node).centre
+    fields = np.zeros((len(X), body.dofs_per_node, 6))
+    for number, (a, b) in enumerate(PAIRS):
+        if a == b:
+            fields[:, :3, number] = X
+            fields[:, a, number] = 0.0
+        else:
+            fields[:, a, number] = -X[:, b]
+            fields[:, b, number] = -X[:, a]
+    return body.expansion.T @ (body.nodal_mass @ fields.reshape(-1, 6))
+
+
+def spin_products(p: Array, rates: Array) -> Array:
+    """Omega_a Omega_b (6,) in the axes of a frame of points p (4, 3), from the rates of its points."""
+    P = arms(p)
+    W = P.T @ arms(rates) / (P[:, 0] @ P[:, 0])
+    spin = 0.5 * jnp.stack([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]])
+    return jnp.stack([spin[a] * spin[b] for a, b in PAIRS])
+
+
+def largest_of_unit_spin(matrices: FloatArray, mass: FloatArray) -> float:
+    """A bound of the eigenvalues of K_G y = lambda M y, at 1 rad/s about any axis.
+
+    With c the six components of Omega Omega^T (those off the diagonal times sqrt 2), |c| = 1, so
+    |K_G| = |sum c_i K_i| <= sqrt(sum |K_i|^2).
+    """
+    factor = np.linalg.inv(np.linalg.cholesky(mass))
+    sizes = np.linalg.norm(factor @ matrices @ factor.T, ord=2, axis=(1, 2))
+    return float(np.linalg.norm(sizes / np.where([a == b for a, b in PAIRS], 1.0, np.sqrt(2.0))))
+
+
+def spun_limit(limit: Array, bound: Array, p: Array, rates: Array) -> Array:
+    """The step limit of a frame that spins, s, from that at rest and the bound of `largest_of_unit_spin`."""
+    squared = spin_products(p, rates)[:3].sum()
+    return 2 / jnp.sqrt((2 / limit) ** 2 + bound * squared)

@@ -1,0 +1,67 @@
+"""The longest stable step of central differences on a modal sub-domain.
+
+    (27)   dt <= 2 / omega_max,   K_L y = omega^2 M_V y
+
+holds for modes that are M-orthogonal to rigid motion. Other bases move the frame's points when they vibrate,
+which makes them lighter; then the limit is that of the true pencil
+
+    K_L y = omega^2 (M_V - M_C R (R^T M_E R)^-1 R^T M_C^T) y,   R the six rigid motions of the points.
+
+It does not depend on the rotation, so it is found once. [Radioss] (26)-(27), corrected.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.errors import ModelError
+from supple.methods.explicit.frame_moments import Moments, rigid_rates
+from supple.methods.explicit.frame_points import FramePoints
+
+__all__ = ["damped_limit", "local_limit", "true_limit"]
+
+FloatArray = NDArray[np.float64]
+
+
+def local_limit(moments: Moments, arm: float, stiffness: FloatArray) -> float:
+    """Limit (27) of the modes alone, s; stiffness (k, k)."""
+    return _limit(stiffness, local_mass(moments, arm))
+
+
+def true_limit(moments: Moments, points: FramePoints, stiffness: FloatArray) -> float:
+    """Limit of modes and frame together, s; stiffness (k, k)."""
+    S0, S1 = np.asarray(moments.S0), np.asarray(moments.S1)
+    p = points.placed(np.zeros(3), np.eye(3)) - points.origin
+    R = rigid_rates(p)
+    M_E = np.kron(S0, np.eye(3))
+    M_C = points.arm * S1.reshape(12, -1)
+    coupled = R.T @ M_C
+    return _limit(
+        stiffness, local_mass(moments, points.arm) - coupled.T @ np.linalg.solve(R.T @ M_E @ R, coupled)
+    )
+
+
+def damped_limit(limit: float, stiffness_factor: float) -> float:
+    """The limit when damping beta K follows half a step late, s: 2/omega (sqrt(1 + zeta^2) - zeta)."""
+    zeta = stiffness_factor / limit
+    return limit * float(np.hypot(1.0, zeta) - zeta)
+
+
+def local_mass(moments: Moments, arm: float) -> FloatArray:
+    """M_V (k, k), kg."""
+    return arm**2 * np.einsum("iikl->kl", np.asarray(moments.C))
+
+
+def _limit(stiffness: FloatArray, mass: FloatArray) -> float:
+    if not len(stiffness):
+        return float("inf")
+    try:
+        largest = linalg.eigh(stiffness, mass, eigvals_only=True)[-1]
+    except linalg.LinAlgError:
+        raise ModelError(
+            "the modes of a sub-domain contain rigid motion, which its frame carries already: make them "
+            "M-orthogonal to it, as modal_subdomain does"
+        ) from None
+    return float(2 / np.sqrt(largest)) if largest > 0 else float("inf")

@@ -1,0 +1,109 @@
+"""Modes are elastic: is a modal part stressed beyond its yield stress at an output time?"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ValidityError, ValidityWarning
+from supple.integrate import Solution, Validity
+from supple.machine import System
+from supple.methods.explicit.materials import J2Plasticity
+from supple.methods.explicit.modal_stress import isotropic_materials, modal_von_mises, stress_of_modes
+from supple.methods.explicit.modal_subdomain import ModalSubdomain
+
+__all__ = ["YieldWatch", "yield_watch"]
+
+FloatArray = NDArray[np.float64]
+Stressed = tuple[float, float, int]
+"""The largest stress of a part, Pa, when, and the number of its node."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Limit:
+    """Yield stress, Pa, of a modal part, the part that it is of, and the stress of its modes."""
+
+    part: ModalSubdomain
+    yield_stress: float
+    whose: str
+    of_modes: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class YieldWatch:
+    """The yield stresses of the modal parts of a system, and how to hold them."""
+
+    validity: Validity
+    limits: tuple[_Limit, ...]
+
+    def observe(self, so_far: Mapping[str, Stressed], leg: Solution) -> dict[str, Stressed]:
+        """The largest stresses with a leg of a run included; ValidityError at once when strict."""
+        merged = {}
+        for own in self.limits:
+            values = modal_von_mises(own.of_modes, leg.bodies[own.part.name].coordinates)
+            row, node = np.unravel_index(values.argmax(), values.shape)
+            found = float(values[row, node]), float(leg.times[row]), int(node)
+            merged[own.part.name] = max(so_far.get(own.part.name, found), found)
+        if self.validity.strict:
+            for message in self.excesses(merged):
+                raise ValidityError(message)
+        return merged
+
+    def excesses(self, peaks: Mapping[str, Stressed]) -> list[str]:
+        """What is to be said of every limit passed."""
+        return [
+            _yields(own, *peaks[own.part.name])
+            for own in self.limits
+            if peaks[own.part.name][0] > own.yield_stress
+        ]
+
+    def report(self, peaks: Mapping[str, Stressed]) -> None:
+        """Warn of every limit passed."""
+        for message in self.excesses(peaks):
+            warnings.warn(message, ValidityWarning, stacklevel=3)
+
+
+def yield_watch(system: System, validity: Validity) -> YieldWatch:
+    """Prepare the limits of the modal parts of a system.
+
+    The yield stress of a part that states none is the lowest of the explicit parts of its material.
+    """
+    found = []
+    for part in system.bodies_of(ModalSubdomain).values():
+        limit, whose = _yield_stress(system, part)
+        if part.n_modes and part.body.model is not None and np.isfinite(limit):
+            found.append(_Limit(part, limit, whose, stress_of_modes(part)))
+    return YieldWatch(validity, tuple(found))
+
+
+def _yield_stress(system: System, part: ModalSubdomain) -> tuple[float, str]:
+    if part.yield_stress is not None:
+        return part.yield_stress, part.name
+    own = isotropic_materials(part.body.model) if part.body.model else set()
+    laws = [(placed.body.name, getattr(placed.body, "law", None)) for placed in system.bodies]
+    yields = [
+        (float(law.hardening.yield_stress(jnp.zeros(()))), name)
+        for name, law in laws
+        if isinstance(law, J2Plasticity) and own == {law.elastic}
+    ]
+    return min(yields, default=(np.inf, part.name))
+
+
+def _yields(own: _Limit, stress: float, time: float, node: int) -> str:
+    name, model = own.part.name, own.part.body.model
+    assert model is not None  # of which the stress is
+    whose = (
+        "its yield stress"
+        if own.whose == name
+        else f"the yield stress of '{own.whose}', of the same material,"
+    )
+    return (
+        f"part '{name}' is modal, so elastic, and reaches a von Mises stress of {stress:.4g} at node "
+        f"{model.mesh.node_ids[node]} (t = {time:.4g}), above {whose} {own.yield_stress:.4g}: it would yield "
+        "there. March that region in explicit elements, or state another yield_stress of the modal part"
+    )

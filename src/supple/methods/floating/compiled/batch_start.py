@@ -1,0 +1,159 @@
+"""Consistent starts of many load cases: what they have in common is found once, the rest mapped."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, NamedTuple, TypeAlias
+
+import jax
+import numpy as np
+
+from supple.equations.build_model import build_model
+from supple.equations.compiler_options import STARTING
+from supple.equations.consistent_start import placed_configuration, placed_velocity
+from supple.equations.model import Model
+from supple.equations.start_velocity import given_parts
+from supple.integrate import Run
+from supple.machine import System
+from supple.methods.floating.compiled.compiled_machine import (
+    CompiledMachine,
+    bordered_solve,
+    forces_without_acceleration,
+)
+from supple.methods.floating.compiled.engine import initial_state
+from supple.methods.floating.compiled.state import State
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["Axes", "BatchStart", "batch_start", "differing", "stacked"]
+
+_AT_ONCE = 64
+"""Cases whose forces are evaluated together: a last, shorter set is filled up, so that one program does."""
+
+
+Axes: TypeAlias = tuple[int | None, ...]
+"""By leaf: 0 where the cases differ, None where they share it"""
+
+
+def differing(trees: Sequence[Any]) -> Axes:
+    """Which leaves of pytrees of one structure differ."""
+    columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
+    return tuple(None if _all_equal(column) else 0 for column in columns)
+
+
+def stacked(trees: Sequence[Any], axes: Axes) -> list[Any]:
+    """Their leaves together: shared ones once, the others with a new first axis."""
+    columns = zip(*(jax.tree.leaves(tree) for tree in trees), strict=True)
+    return [
+        np.asarray(column[0]) if axis is None else np.stack([np.asarray(leaf) for leaf in column])
+        for column, axis in zip(columns, axes, strict=True)
+    ]
+
+
+def _all_equal(leaves: Sequence[Any]) -> bool:
+    first = leaves[0]
+    return all(leaf is first or np.array_equal(np.asarray(leaf), np.asarray(first)) for leaf in leaves[1:])
+
+
+class BatchStart(NamedTuple):
+    """The models and consistent states of the cases."""
+
+    models: list[Model]
+    states: list[State]
+
+
+def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
+    """Models and states of cases, as `initial_state` finds them one by one.
+
+    Cases of the same bodies, joints and initial motion as the first differ in forces alone: their positions,
+    velocities and redundant equations are its own, and their accelerations solve its equations,
+
+        M vdot + G^T lambda = - forces,      G vdot = - d2g/dt2 at constant velocity
+    """
+    first = cases[0]
+    model, state = _initial_state(first, run)
+    models, states, alike = [model], [state], []
+    for number, system in enumerate(cases[1:], 1):
+        own = build_model(system, model.active, (first, model))
+        if _starts_alike(first, model, system, own):
+            # The arrays of the first, so that nothing is kept or compared twice.
+            own, begun = replace(own, groups=model.groups, joints=model.joints), state
+            alike.append(number)
+        else:
+            own, begun = _initial_state(system, run)
+        models.append(own)
+        states.append(begun)
+    if alike:
+        machine = CompiledMachine(first, model)
+        for number, (acceleration, multipliers) in zip(
+            alike, _answers(machine, state, [models[i] for i in alike]), strict=True
+        ):
+            states[number] = state._replace(
+                acceleration=acceleration, auxiliary=acceleration, multipliers=multipliers
+            )
+    return BatchStart(models, states)
+
+
+def _initial_state(system: System, run: Run) -> tuple[Model, State]:
+    """As of one case; without a kept tangent on other devices than a processor, which map cases together."""
+    model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
+    return model, state if jax.default_backend() == "cpu" else state._replace(kept=None)
+
+
+def _starts_alike(first: System, model: Model, system: System, own: Model) -> bool:
+    """Whether only the forces differ at the start."""
+
+    def same(one: Any, other: Any) -> bool:
+        if jax.tree.structure(one) != jax.tree.structure(other):
+            return False
+        return all(map(np.array_equal, jax.tree.leaves(one), jax.tree.leaves(other)))
+
+    # What joints carry, and what controllers read, changes the forces: each start is found by itself.
+    if model.reads_reactions or own.reads_reactions or model.controllers or own.controllers:
+        return False
+    if [placed.body for placed in system.bodies] != [placed.body for placed in first.bodies]:
+        return False
+    return (
+        same(placed_configuration(first), placed_configuration(system))
+        and np.array_equal(placed_velocity(first), placed_velocity(system))
+        and np.array_equal(given_parts(first), given_parts(system))
+        and same(model.joints, own.joints)
+        and same((model.length, model.mass), (own.length, own.mass))
+    )
+
+
+def _answers(machine: CompiledMachine, state: State, models: list[Model]) -> list[tuple[Any, Any]]:
+    """Accelerations and multipliers of models that differ in forces."""
+    velocity = np.asarray(state.velocity)
+    terms = machine.joint_terms(float(state.time), state.configuration, velocity)
+    mass = machine.metric(state.configuration)
+    n = len(mass)
+    forces = np.concatenate(
+        [_forces(models[i : i + _AT_ONCE], state) for i in range(0, len(models), _AT_ONCE)]
+    )
+    bias = np.tile(terms.acceleration_bias, (len(forces), 1))
+    solved = bordered_solve(mass, terms.jacobian, -forces.T, -bias.T)
+    return [(answer[:n], answer[n:]) for answer in solved.T]
+
+
+def _forces(models: list[Model], state: State) -> np.ndarray:
+    """Residuals (k, n) without accelerations and multipliers."""
+    filled = models + models[-1:] * (_AT_ONCE - len(models))
+    axes = differing(filled)
+    program = _mapped_forces(jax.tree.structure(models[0]), axes)
+    leaves = stacked(filled, axes)
+    return np.asarray(program(leaves, state.time, state.configuration, state.velocity))[: len(models)]
+
+
+@lru_cache(maxsize=32)
+def _mapped_forces(model_structure: Any, axes: Axes) -> KeptProgram:
+    def of_case(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
+        model = jax.tree.unflatten(model_structure, leaves)
+        return forces_without_acceleration(model, time, configuration, velocity)
+
+    def of_cases(leaves: list[Any], time: Any, configuration: Any, velocity: Any) -> jax.Array:
+        mapped = jax.vmap(of_case, in_axes=(list(axes), None, None, None), axis_size=_AT_ONCE)
+        return mapped(leaves, time, configuration, velocity)
+
+    return KeptProgram(of_cases, STARTING)

@@ -1,0 +1,257 @@
+"""The compiled engine: machines of rigid and reduced bodies, marched from output time to output time."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.equations.build_model import build_model
+from supple.equations.checks.start import report_start
+from supple.equations.configuration import SystemMotion
+from supple.equations.control_start import kept_control, resumed_control
+from supple.equations.floating_solution import (
+    failure_message,
+    floating_solution,
+    last_instant,
+)
+from supple.equations.model import Model
+from supple.equations.sampling import sampling_of
+from supple.equations.stops import Stops, stepping_instants
+from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
+from supple.machine import System
+from supple.methods.floating.compiled.compiled_machine import compiled_start
+from supple.methods.floating.compiled.contraction import Contraction, untold
+from supple.methods.floating.compiled.inert_motion import (
+    in_all_coordinates,
+    in_own_coordinates,
+    with_inert_coordinates,
+)
+from supple.methods.floating.compiled.kept_tangent import KeptTangent, keeps_tangent, no_tangent
+from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
+from supple.methods.floating.compiled.sampling import march_sampled
+from supple.methods.floating.compiled.state import Controls, State
+
+__all__ = ["CompiledEngine"]
+
+WARNING = Validity()
+
+
+def controls(run: Run) -> Controls:
+    """The numbers that steer a compiled run."""
+    step = run.step_control
+    return Controls(
+        coefficients=run.second_order_method.coefficients,
+        first=float(step.first),
+        largest=float(step.largest),
+        smallest=float(step.least),
+        error_tolerance=float(step.tolerance),
+        residual_tolerance=float(run.tolerances.residual),
+        max_iterations=run.tolerances.max_iterations,
+    )
+
+
+def initial_state(
+    system: System, time: float, first_step: float, validity: Validity = WARNING
+) -> tuple[Model, State]:
+    """The compiled model (redundant constraints left out) and the consistent state at the initial time.
+
+    Warns StartWarning (ValidityError when strict) of positions or velocities that the joints do not allow.
+    """
+    start = compiled_start(system, time)
+    report_start(start.change, validity)
+    return start.model, _state(
+        time=time,
+        step=first_step,
+        configuration=start.configuration,
+        velocity=start.velocity,
+        acceleration=start.acceleration,
+        auxiliary=start.acceleration,
+        multipliers=start.multipliers,
+        control=start.control,
+        kept=no_tangent(start.model) if keeps_tangent(start.model) else None,
+    )
+
+
+def _state(**known: Any) -> State:
+    # In NumPy: the program takes it as it is, and JAX would compile one for every line here.
+    count = np.zeros((), dtype=int)
+    fresh: dict[str, Any] = {
+        "steps": count,
+        "iterations": count,
+        "rejected_steps": count,
+        "failed": np.zeros((), dtype=bool),
+        "largest_error": np.zeros(()),
+        "largest_turn": np.zeros(()),
+    }
+    known.setdefault("contraction", untold())
+    arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
+    return State(**arrays, **fresh, relative_residual=np.zeros(4))
+
+
+def _kept_tangent(kept: KeptTangent | None) -> dict[str, np.ndarray]:
+    """By name, for result files."""
+    if kept is None:
+        return {}
+    return {f"tangent.{name}": np.asarray(leaf) for name, leaf in kept._asdict().items()}
+
+
+def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> KeptTangent | None:
+    """As it was kept; none yet where a recorded part kept nothing."""
+    if not keeps_tangent(model):
+        return None
+    fresh = no_tangent(model)
+    found = {name: known.get(f"tangent.{name}", leaf) for name, leaf in fresh._asdict().items()}
+    return KeptTangent(**found)
+
+
+class CompiledEngine:
+    """An `Engine` whose steps are one compiled program; `State` is its state.
+
+    It marches bodies with their inert coordinates, and tells their motion without; `engine_state` is of all.
+    """
+
+    def __init__(self, system: System, run: Run) -> None:
+        self._own = system
+        self._system = with_inert_coordinates(system)
+        self._run = run
+        self._controls = jax.device_put(controls(run))
+        self._model: Model | None = None
+        self._program = COMPILED_MARCH
+        self._stops = Stops(run.times, stepping_instants([system], run))
+        self._sampling = sampling_of(self._system, run)
+
+    def start(self, time: float) -> State:
+        """Consistent positions, velocities, accelerations and multipliers."""
+        model, state = initial_state(self._system, time, self._run.step_control.first, self._run.validity)
+        self._program = march_for(model, self._run.n_steps)
+        self._model = jax.device_put(model)  # once, not with every leg
+        return state
+
+    def resumed(self, last: Solution) -> State:
+        """The state at the end of a recorded part.
+
+        Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
+        one, which keeps the order of accuracy but not the last digits; and where it is of the same bodies
+        with other inert coordinates.
+        """
+        known = last.engine_state
+        if "active" in known:
+            active = tuple(int(index) for index in known["active"])
+        else:
+            active = compiled_start(self._system, self._run.start).model.active
+        model = build_model(self._system, active)
+        if np.shape(known.get("auxiliary", ())) != (model.n_velocities,):
+            known = {}
+        self._program = QUICK_MARCH if known.get("quick", 0.0) else COMPILED_MARCH
+        instant = last_instant(self._system, in_all_coordinates(self._own, last))
+        self._model = jax.device_put(model)
+        return _state(
+            time=instant.time,
+            step=known.get("step", self._run.step_control.first),
+            configuration=instant.configuration,
+            velocity=instant.velocity,
+            acceleration=instant.acceleration,
+            auxiliary=known.get("auxiliary", instant.acceleration),
+            multipliers=instant.multipliers[list(active)],
+            contraction=Contraction(*known.get("contraction", untold())),
+            control=resumed_control(self._system, known),
+            kept=_resumed_tangent(model, known),
+        )
+
+    def march(self, state: State, times: np.ndarray) -> Leg[State]:
+        """To each of the output times; where controllers are sampled, from instant to instant."""
+        if self._sampling is None:
+            return self._marched(state, times)
+        return march_sampled(self._sampling, self._marched, self._model, state, times)
+
+    def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
+        """To each of the output times, in a few calls of the compiled program."""
+        began = clock.perf_counter()
+        stops, outputs = self._stops.on_the_way(float(state.time), times)
+        # The last stops are repeated, where nothing is left to do: all calls share one program.
+        calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
+        program = self._program.compiled(self._model, self._controls, state, calls[0])
+        ready = clock.perf_counter()
+        last, parts = state, []
+        for number, own in enumerate(calls):
+            last, states = program(self._model, self._controls, last, own)
+            left = len(stops) - number * STOPS_AT_ONCE
+            parts.append(jax.tree.map(lambda leaf, left=left: leaf[:left], jax.device_get(states)))
+            if parts[-1].failed[-1]:
+                break
+        states = parts[0] if len(parts) == 1 else jax.tree.map(lambda *own: np.concatenate(own), *parts)
+        before, after = jax.device_get((state, last))
+        states = jax.tree.map(lambda leaf: leaf[outputs[outputs < len(leaf)]], states)
+        n_reached = int(np.sum(~states.failed))
+        return Leg(
+            states=jax.tree.map(lambda leaf: leaf[:n_reached], states),
+            n_reached=n_reached,
+            last=last,
+            statistics=Statistics(
+                steps=int(after.steps - before.steps),
+                iterations=int(after.iterations - before.iterations),
+                rejected_steps=int(after.rejected_steps - before.rejected_steps),
+                factorizations=tangents_made(after) - tangents_made(before),
+                seconds=clock.perf_counter() - ready,
+                compile_seconds=ready - began,
+                largest_error=float(after.largest_error),
+                largest_turn=float(after.largest_turn),
+            ),
+            stopped=self._why(after) if after.failed else None,
+        )
+
+    def _why(self, failed: State) -> str:
+        undamped = bool(self._system.joints) and not damps_joint_forces(self._run.second_order_method)
+        return failure_message(float(failed.time), failed.relative_residual, undamped=undamped)
+
+    def solution(self, leg: Leg[State]) -> Solution:
+        """The motion of a leg."""
+        assert self._model is not None
+        kept = leg.last.kept
+        if kept is not None and leg.stopped is not None:  # behind the last output time
+            kept = no_tangent(self._model)
+        found = as_solution(self._system, self._model, leg.states, leg.statistics, kept)
+        quick = np.array(float(self._program is QUICK_MARCH))
+        found = replace(found, engine_state={**found.engine_state, "quick": quick})
+        return in_own_coordinates(self._own, found)
+
+
+def tangents_made(state: State) -> int:
+    """Tangents made so far: one for each correction, where none is kept."""
+    return int(state.iterations if state.kept is None else state.kept.made)
+
+
+def as_solution(
+    system: System, model: Model, states: State, statistics: Statistics, kept: KeptTangent | None = None
+) -> Solution:
+    """Stacked states (leading axis: time) as a solution.
+
+    kept : the tangent at their end, which they do not hold
+    """
+    states = jax.tree.map(np.asarray, states)
+    motion, ending = system_motion(states), engine_state(model, states, kept)
+    return floating_solution(system, model.slices, model.active, motion, statistics, ending)
+
+
+def system_motion(states: State) -> SystemMotion:
+    """The motion of stacked states."""
+    return SystemMotion(
+        states.time, states.configuration, states.velocity, states.acceleration, states.multipliers
+    )
+
+
+def engine_state(model: Model, states: State, kept: KeptTangent | None = None) -> dict[str, np.ndarray]:
+    """What an exact resume needs besides the motion at the end of stacked states; `kept` as above."""
+    return {
+        "active": np.array(model.active, dtype=float),
+        "auxiliary": states.auxiliary[-1],
+        "step": states.step[-1],
+        "contraction": np.array([own[-1] for own in states.contraction]),
+        **_kept_tangent(kept),
+        **kept_control(jax.tree.map(lambda leaf: leaf[-1], states.control)),
+    }

@@ -1,0 +1,115 @@
+"""An iterate of a step: where an acceleration leads, and what the equations of motion leave there."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.equations.balance import Balance, Linearization, balance
+from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
+from supple.equations.coordinate_scales import kinds_of_rows, position_scale
+from supple.equations.model import Model
+from supple.equations.step_size import position_rounding
+from supple.integrate import StepRule
+from supple.methods.floating.compiled.state import State
+
+__all__ = ["Place", "Trial", "evaluate", "motion_of", "place"]
+
+
+class Trial(NamedTuple):
+    """An evaluated iterate within a step."""
+
+    acceleration: jax.Array
+    multipliers: jax.Array
+    configuration: Configuration
+    velocity: jax.Array
+    increments: jax.Array
+    residual: jax.Array
+    constraint_residual: jax.Array
+    relative_residual: jax.Array
+    converged: jax.Array
+
+
+class Place(NamedTuple):
+    """Where an acceleration leads."""
+
+    configuration: Configuration
+    velocity: Any
+    increments: Any
+
+
+def _relative(norm: jax.Array, scale: jax.Array) -> jax.Array:
+    """`norm / scale`, and 0 where nothing is out of balance."""
+    # Asked this way round, NaN stays NaN: no comparison with it holds.
+    return jnp.where(norm == 0, 0.0, norm / jnp.where(scale > 0, scale, 1.0))
+
+
+def _relative_residual(
+    model: Model, terms: Balance, trial: jax.Array, position: jax.Array, rounding: jax.Array
+) -> jax.Array:
+    """Residual of each kind over the largest term in balance, and the constraints' over the accelerations."""
+    columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
+    norms = jnp.sqrt(kinds_of_rows(model) @ jnp.stack(columns, axis=1) ** 2)
+    forces = _relative(norms[:, 0], jnp.max(norms[:, 1:], axis=1))
+    accelerations = model.length * jnp.max(jnp.abs(trial / position_scale(model)), initial=0.0)
+    largest_gap = jnp.max(jnp.abs(terms.constraint_residual), initial=0.0)
+    floor = rounding * model.length
+    constraint = jnp.where(
+        largest_gap <= floor, 0.0, _relative(largest_gap / position, accelerations + floor / position)
+    )
+    return jnp.concatenate([forces, constraint[None]])
+
+
+def place(model: Model, rule: StepRule, start: State, acceleration: jax.Array) -> Place:
+    """Configuration, velocity and increments that belong to an acceleration."""
+    auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
+    increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
+    velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
+    return Place(advance(model, start.configuration, increments), velocity, increments)
+
+
+def evaluate(
+    model: Model,
+    rule: StepRule,
+    start: State,
+    acceleration: jax.Array,
+    multipliers: jax.Array,
+    tolerance: jax.Array,
+) -> tuple[Trial, Linearization]:
+    """The iterate of accelerations (n,) and multipliers (m,), evaluated, and its linearisation."""
+    configuration, velocity, increments = place(model, rule, start, acceleration)
+    time = start.time + rule.h
+    control = _control(start, rule)
+    terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers, control))
+    rounding = position_rounding(model.length, configuration.origins)
+    relative_residual = _relative_residual(model, terms, acceleration, rule.factors.by_position, rounding)
+    trial = Trial(
+        acceleration,
+        multipliers,
+        configuration,
+        velocity,
+        increments,
+        terms.residual,
+        terms.constraint_residual,
+        relative_residual,
+        jnp.all(relative_residual <= tolerance),
+    )
+    return trial, terms.linearization
+
+
+def _control(start: State, rule: StepRule) -> ControlStep | None:
+    return None if start.control is None else ControlStep(start.control, rule.h)
+
+
+def motion_of(rule: StepRule, start: State, at: Any) -> SystemMotion:
+    """What the equations are evaluated at, of an iterate or of the end of a step."""
+    return SystemMotion(
+        start.time + rule.h,
+        at.configuration,
+        at.velocity,
+        at.acceleration,
+        at.multipliers,
+        _control(start, rule),
+    )

@@ -1,0 +1,283 @@
+"""Kinematic runs: machines whose joints and laws leave nothing free, and the forces that move them."""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.balance import balance, constraint_jacobian
+from supple.equations.build_model import build_model
+from supple.equations.checks.start import report_start
+from supple.equations.checks.strictness import say
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import AnyArray, Configuration, SystemMotion, advance
+from supple.equations.consistent_start import consistent_start
+from supple.equations.floating_solution import floating_solution, last_instant
+from supple.equations.joint_force import constraints
+from supple.equations.model import Model
+from supple.equations.starting_machine import joint_terms
+from supple.equations.step_size import position_rounding
+from supple.errors import ModelError, ValidityWarning
+from supple.integrate import Leg, Run, Solution, Statistics
+from supple.machine import System
+from supple.methods.floating.compiled.compiled_machine import CompiledMachine
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["KinematicEngine"]
+
+_KEEPING_SHAPE = ("rigid", "reduced")
+_INSTANTS_AT_ONCE = 128
+_MOST_ITERATIONS = 20
+_REACTIONS, _SETTLED = 60, 1e-9
+"""Iterations for friction that depends on the joints' forces, and by what part the last may change these."""
+_DEAD_POINT = 1e-9
+"""Smallest singular value of the joints' Jacobian over its largest, turns times the machine's size."""
+
+
+class Instant(NamedTuple):
+    """Where a machine is, how it moves, and what moves it."""
+
+    time: AnyArray
+    configuration: Configuration
+    velocity: AnyArray
+    """(n,)"""
+    acceleration: AnyArray
+    multipliers: AnyArray
+    """(m,)"""
+    iterations: AnyArray
+    """Of Newton's method so far"""
+    largest_turn: AnyArray
+    """Of a body from one instant to the next so far, rad"""
+    failed: AnyArray
+    """True once the joints could not be closed: the state stays that before."""
+
+
+class KinematicEngine:
+    """An `Engine` that solves the joints' equations at each instant for the frames of the bodies."""
+
+    def __init__(self, system: System, run: Run) -> None:
+        if system.controllers:
+            raise ModelError(
+                "the machine has controllers, but the joints alone move it in a kinematic run: integrate it, "
+                "or leave out the controllers"
+            )
+        for placed in system.bodies:
+            if placed.body.kind not in _KEEPING_SHAPE:
+                raise ModelError(
+                    f"body '{placed.body.name}' is {placed.body.kind}, but a kinematic run moves bodies that "
+                    "keep their shape: place a RigidBody, or a reduced body, which is held as it is placed"
+                )
+            if placed.body.n_coordinates:
+                message = (
+                    f"body '{placed.body.name}' is held in the shape in which it is placed: a kinematic run "
+                    "tells the forces on a rigid body of its mass. To see it deform, integrate"
+                )
+                say(message, ValidityWarning, run.validity)
+        self._system, self._run = system, run
+        self._step = run.step_control.largest
+        self._model: Model | None = None
+
+    def start(self, time: float) -> Instant:
+        """The joints closed; ModelError where they leave a motion free."""
+        start = consistent_start(CompiledMachine(self._system, build_model(self._system)), time)
+        report_start(start.change, self._run.validity)
+        model = start.machine.model
+        free = 6 * len(self._system.bodies) - len(model.active)
+        if free:
+            raise ModelError(
+                f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot tell: "
+                "prescribe one for each (PrescribedRotation in the place of Revolute, PrescribedTranslation "
+                "in that of Prismatic), or simulate the machine with an integrator"
+            )
+        self._model = jax.device_put(model)
+        still = np.zeros_like(start.velocity)
+        placed = _instant(time, start.configuration, still, still, np.zeros(len(model.active)))
+        _, rows = _march_instants(self._model, placed, np.full(_INSTANTS_AT_ONCE, float(time)))
+        if rows.failed[0]:
+            raise ModelError(self._why(time))
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[0], rows)
+
+    def resumed(self, last: Solution) -> Instant:
+        """The state at the end of a recorded part."""
+        active = tuple(int(index) for index in last.engine_state["active"])
+        instant = last_instant(self._system, last)
+        self._model = jax.device_put(build_model(self._system, active))
+        return _instant(
+            instant.time,
+            instant.configuration,
+            instant.velocity,
+            instant.acceleration,
+            instant.multipliers[list(active)],
+        )
+
+    def march(self, state: Instant, times: np.ndarray) -> Leg[Instant]:
+        """To each of the output times, by as many instants between them as the step asks for."""
+        began = clock.perf_counter()
+        every, outputs = self._instants(float(state.time), times)
+        calls = np.pad(every, (0, -len(every) % _INSTANTS_AT_ONCE), mode="edge").reshape(
+            -1, _INSTANTS_AT_ONCE
+        )
+        program = _march_instants.compiled(self._model, state, calls[0])
+        ready = clock.perf_counter()
+        last, parts = state, []
+        for own in calls:
+            last, rows = program(self._model, last, own)
+            parts.append(jax.device_get(rows))
+            if parts[-1].failed[-1]:
+                break
+        states = jax.tree.map(lambda *own: np.concatenate(own), *parts)
+        n_instants = int(np.sum(~states.failed[: len(every)]))
+        outputs = outputs[outputs < n_instants]
+        after = jax.device_get(last)
+        return Leg(
+            states=jax.tree.map(lambda leaf: leaf[outputs], states),
+            n_reached=len(outputs),
+            last=after,
+            statistics=Statistics(
+                steps=n_instants,
+                iterations=int(after.iterations - state.iterations),
+                seconds=clock.perf_counter() - ready,
+                compile_seconds=ready - began,
+                largest_turn=float(after.largest_turn),
+            ),
+            stopped=self._why(float(every[n_instants])) if after.failed else None,
+        )
+
+    def _instants(self, begin: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All instants on the way to output times, no further apart than the step; and which are these."""
+        intervals = np.diff(times, prepend=begin)
+        ends = np.cumsum(np.maximum(np.ceil(intervals / self._step * (1 - 1e-9)), 1).astype(int))
+        every = np.interp(np.arange(1, ends[-1] + 1), [0, *ends], [begin, *times])
+        return every, ends - 1
+
+    def _why(self, time: float) -> str:
+        return (
+            f"the joints cannot be closed at t = {time:.6g}: the machine is in a dead point there, or its "
+            "laws ask for what its bodies cannot reach. Prescribe another motion, one that determines the "
+            "machine throughout; where it moves far from one instant to the next, take a shorter step"
+        )
+
+    def solution(self, leg: Leg[Instant]) -> Solution:
+        """The motion of a leg."""
+        assert self._model is not None
+        states = jax.tree.map(np.asarray, leg.states)
+        model = self._model
+        motion = SystemMotion(
+            states.time, states.configuration, states.velocity, states.acceleration, states.multipliers
+        )
+        active = {"active": np.array(model.active, dtype=float)}
+        return floating_solution(
+            self._system, model.slices, model.active, motion, leg.statistics, engine_state=active
+        )
+
+
+def _instant(
+    time: float, configuration: Configuration, velocity: Any, acceleration: Any, multipliers: Any
+) -> Instant:
+    count = np.zeros((), dtype=int)
+    placed = Configuration(*map(np.asarray, configuration))
+    return Instant(
+        time=np.asarray(float(time)),
+        configuration=placed,
+        velocity=np.asarray(velocity),
+        acceleration=np.asarray(acceleration),
+        multipliers=np.asarray(multipliers),
+        iterations=count,
+        largest_turn=np.zeros(()),
+        failed=np.zeros((), dtype=bool),
+    )
+
+
+def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
+    """The machine at another time, found from where it is."""
+    frames = np.concatenate([np.arange(part.start, part.start + 6) for part in model.slices])
+    n = model.n_velocities
+
+    def of_frames(values: jax.Array) -> jax.Array:
+        return jnp.zeros(n).at[frames].set(values)
+
+    h = time - before.time
+    foreseen = h * before.velocity + h**2 / 2 * before.acceleration
+    configuration, gap, iterations = _closed(
+        model, time, advance(model, before.configuration, foreseen), frames
+    )
+    at_rest = joint_terms(model, time, configuration, jnp.zeros(n))
+    jacobian = at_rest.jacobian[:, frames]
+    velocity = of_frames(jnp.linalg.solve(jacobian, -at_rest.rate))
+    bias = joint_terms(model, time, configuration, velocity).acceleration_bias
+    acceleration = of_frames(jnp.linalg.solve(jacobian, -bias))
+
+    def carried(multipliers: jax.Array) -> jax.Array:
+        terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
+        return jnp.linalg.solve(jacobian.T, -(terms.residual - terms.joint)[frames])
+
+    multipliers, unsettled = carried(jnp.zeros(len(model.active))), jnp.zeros(())
+    if model.reads_reactions:
+        multipliers, last = jax.lax.fori_loop(
+            0, _REACTIONS, lambda _, at: (carried(at[0]), at[0]), (multipliers, multipliers)
+        )
+        unsettled = jnp.linalg.norm(multipliers - last) / (jnp.linalg.norm(multipliers) + 1e-300)
+    scale = jnp.tile(jnp.array([1.0, 1.0, 1.0, model.length, model.length, model.length]), len(model.sizes))
+    sizes = jnp.linalg.svd(jacobian / scale, compute_uv=False)
+    rounding = model.length * position_rounding(model.length, configuration.origins)
+    good = (gap <= rounding) & (sizes[-1] > _DEAD_POINT * sizes[0]) & jnp.all(jnp.isfinite(acceleration))
+    good = good & (unsettled <= _SETTLED)
+    turned = jnp.einsum("bji,bjk->bik", before.configuration.rotations, configuration.rotations)
+    cosine = jnp.clip((jnp.trace(turned, axis1=1, axis2=2) - 1) / 2, -1.0, 1.0)
+    after = Instant(
+        time=time,
+        configuration=configuration,
+        velocity=velocity,
+        acceleration=acceleration,
+        multipliers=multipliers,
+        iterations=before.iterations + iterations,
+        largest_turn=jnp.maximum(before.largest_turn, jnp.max(jnp.arccos(cosine))),
+        failed=jnp.zeros((), dtype=bool),
+    )
+    stay = before._replace(failed=jnp.ones((), dtype=bool))
+    return jax.tree.map(lambda a, b: jnp.where(good & ~before.failed, a, b), after, stay)
+
+
+def _closed(
+    model: Model, time: jax.Array, guess: Configuration, frames: np.ndarray
+) -> tuple[Configuration, jax.Array, jax.Array]:
+    """Newton's method on `g(q, t) = 0`, as closely as arithmetic allows; what is left, and iterations."""
+
+    def gap_of(configuration: Configuration) -> jax.Array:
+        return jnp.max(jnp.abs(constraints(model, time, configuration)), initial=0.0)
+
+    def unfinished(at: tuple[Configuration, jax.Array, jax.Array, jax.Array]) -> jax.Array:
+        configuration, gap, before, iterations = at
+        rounding = model.length * position_rounding(model.length, configuration.origins)
+        settled = (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
+        return ~settled & jnp.isfinite(gap) & (iterations < _MOST_ITERATIONS)
+
+    def corrected(
+        at: tuple[Configuration, jax.Array, jax.Array, jax.Array],
+    ) -> tuple[Configuration, jax.Array, jax.Array, jax.Array]:
+        configuration, gap, _, iterations = at
+        jacobian = constraint_jacobian(model, time, configuration)[:, frames]
+        change = jnp.linalg.solve(jacobian, -constraints(model, time, configuration))
+        moved = advance(model, configuration, jnp.zeros(model.n_velocities).at[frames].set(change))
+        return moved, gap_of(moved), gap, iterations + 1
+
+    start = guess, gap_of(guess), jnp.asarray(jnp.inf), jnp.asarray(0)
+    configuration, gap, _, iterations = jax.lax.while_loop(unfinished, corrected, start)
+    return configuration, gap, iterations
+
+
+def _instants(model: Model, start: Instant, times: jax.Array) -> tuple[Instant, Instant]:
+    """One instant after the other: the last one, and all of them stacked."""
+
+    def one(before: Instant, time: jax.Array) -> tuple[Instant, Instant]:
+        after = _next_instant(model, before, time)
+        return after, after
+
+    return jax.lax.scan(one, jax.tree.map(jnp.asarray, start), times)
+
+
+_march_instants = KeptProgram(_instants, STARTING)

@@ -1,0 +1,130 @@
+"""Modified Newton's iteration within a step: a tangent kept over iterations and steps.
+
+A tangent that does not gain tenfold in an iteration is made anew at its iterate; one whose single correction
+no longer surely reaches the tolerance, in the next step (`kept_tangent`).
+"""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+from supple.equations.balance import Linearization, tangent
+from supple.equations.coordinate_scales import position_scale
+from supple.equations.joint_force import constraint_rows
+from supple.equations.model import Model
+from supple.integrate import StepRule
+from supple.methods.floating.compiled.contraction import Contraction, foretold_to_converge
+from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.iterate import Trial, motion_of
+from supple.methods.floating.compiled.kept_tangent import (
+    SHARE,
+    SLOWEST,
+    KeptTangent,
+    bodies_inverse,
+    foretold_to_suffice,
+    serves,
+    solution_by_parts,
+    used,
+)
+from supple.methods.floating.compiled.newton import Iteration, Judged, Modified
+from supple.methods.floating.compiled.state import State
+
+__all__ = ["modified_pass", "used_in_step"]
+
+_SOON = 2
+"""Evaluations of a step after which the whole tolerance will do: rounding may be in the way of its share."""
+
+
+def modified_pass(
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    old: Iteration,
+    trial: Trial,
+    linearization: Linearization,
+    size: jax.Array,
+    settled: jax.Array,
+) -> Judged:
+    """The correction of an iterate that is not good enough, with the kept tangent where it serves.
+
+    size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
+    """
+    assert old.modified is not None
+    assert start.kept is not None
+    before = old.modified
+    first = old.evaluations == 0
+    rate = jnp.where(first, 0.0, size / old.sizes[1])
+    gains = rate <= SLOWEST
+    share = jnp.where(before.own | (old.evaluations > _SOON), 1.0, SHARE)
+    converged = (trial.converged & (size <= share)) | (settled & (gains | before.own))
+    anew = ~converged & ~jnp.where(first, serves(start.kept, rule.h), gains)
+    change, multiplier_change, inverse = jax.lax.cond(
+        converged,
+        lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers), before.inverse),
+        lambda: _correction(elimination, model, rule, start, trial, linearization, before.inverse, anew),
+    )
+    # By earlier steps alone: what a first correction gains tells little of what a second one will.
+    foretold = jnp.where(
+        anew, foretold_to_converge(start.contraction, size, rule.h), foretold_to_suffice(start.kept, size)
+    )
+    foretold = first & ~converged & foretold
+    return Judged(converged, foretold, change, multiplier_change, Modified(inverse, anew, before.made + anew))
+
+
+def _correction(
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    trial: Trial,
+    linearization: Linearization,
+    kept: jax.Array,
+    anew: jax.Array,
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Changes of accelerations and multipliers, and the inverse that they were found with."""
+    rotations = trial.configuration.rotations
+
+    def made() -> jax.Array:
+        own = tangent(model, motion_of(rule, start, trial), linearization, trial.increments, rule.factors)
+        return bodies_inverse(elimination, model, rotations, own)
+
+    inverse = jax.lax.cond(anew, made, lambda: kept)
+    change, multiplier_change = solution_by_parts(
+        elimination,
+        model,
+        rotations,
+        inverse,
+        constraint_rows(model, linearization.joints),
+        constraint_rows(model, linearization.joints, trial.increments),
+        -trial.residual,
+        -trial.constraint_residual / rule.factors.by_position,
+    )
+    return change, multiplier_change, inverse
+
+
+def used_in_step(
+    model: Model, start: State, step: jax.Array, end: Iteration, contraction: Contraction
+) -> tuple[Contraction, KeptTangent]:
+    """What is known behind an accepted step, of new tangents and of the kept one.
+
+    contraction : what its last correction tells, if it was made with a new tangent
+    """
+    assert end.modified is not None
+    assert start.kept is not None
+    made = end.modified.made
+    of_new = jax.tree.map(
+        lambda own, known: jnp.where(made > 0, own, known), contraction, Contraction(*start.contraction)
+    )
+    kept = used(
+        start.kept._replace(inverse=end.modified.inverse),
+        step,
+        (start.acceleration, end.acceleration),
+        position_scale(model),
+        made,
+        end.sizes,
+        end.corrections,
+        end.converged,
+    )
+    return of_new, kept

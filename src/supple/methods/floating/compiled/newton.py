@@ -1,0 +1,137 @@
+"""Newton's iteration within a step: the exact tangent of every iterate."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.equations.balance import Linearization
+from supple.equations.model import Model
+from supple.integrate import StepRule
+from supple.methods.floating.compiled.contraction import foretold_to_converge, is_foretellable
+from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.in_turn import in_turn
+from supple.methods.floating.compiled.iterate import Place, Trial, motion_of
+from supple.methods.floating.compiled.state import State
+from supple.methods.floating.compiled.step_equations import LinearizedStep, correction
+
+__all__ = ["Iteration", "Judged", "Modified", "newton_pass"]
+
+
+class Iteration(NamedTuple):
+    """Newton's iteration within a step: where it stands, and what it knows of the way there."""
+
+    acceleration: jax.Array
+    multipliers: jax.Array
+    evaluated: Place
+    relative_residual: jax.Array
+    """At the last evaluation"""
+    sizes: jax.Array
+    """(2,) of the residual at the last two evaluations, in parts of the tolerance"""
+    moved: jax.Array
+    """Largest change of a position by the last correction"""
+    evaluations: jax.Array
+    corrections: jax.Array
+    converged: jax.Array
+    foretold: jax.Array
+    """Whether its end was accepted without an evaluation"""
+    modified: Modified | None
+    """None where every iterate has its own tangent"""
+
+
+class Modified(NamedTuple):
+    """What an iteration with a kept tangent knows besides."""
+
+    inverse: jax.Array
+    """As in `KeptTangent`"""
+    own: jax.Array
+    """Whether the last correction was made with a tangent of its own iterate"""
+    made: jax.Array
+    """Tangents in this step"""
+
+
+class Judged(NamedTuple):
+    """What a pass makes of an evaluated iterate."""
+
+    converged: jax.Array
+    foretold: jax.Array
+    """Whether the corrected one surely is"""
+    change: jax.Array
+    """Of the accelerations, (n,); zero of a converged iterate"""
+    multiplier_change: jax.Array
+    modified: Modified | None
+
+
+def newton_pass(
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    old: Iteration,
+    trial: Trial,
+    linearization: Linearization,
+    size: jax.Array,
+    settled: jax.Array,
+) -> Judged:
+    """Newton's correction of an iterate that is not good enough.
+
+    size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
+    """
+    converged = trial.converged | settled
+    trial = trial._replace(converged=converged)
+    correct = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
+    foretold = jnp.zeros((), dtype=bool)
+    if is_foretellable(model):
+        foretold = ~converged & (old.evaluations == 0) & foretold_to_converge(start.contraction, size, rule.h)
+    return Judged(converged, foretold, *correct(elimination, model, rule, start, trial, linearization), None)
+
+
+def _newton_correction(
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    trial: Trial,
+    linearization: Linearization,
+) -> tuple[jax.Array, jax.Array]:
+    motion = motion_of(rule, start, trial)
+    step = LinearizedStep(motion, linearization, trial.increments, rule.factors)
+    change = correction(elimination, model, step, trial.residual, trial.constraint_residual)
+    n = model.n_velocities
+    return change[:n], change[n:]
+
+
+def _correction_where_needed(
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    trial: Trial,
+    linearization: Linearization,
+) -> tuple[jax.Array, jax.Array]:
+    """The next correction; none of a converged trial."""
+    return jax.lax.cond(
+        trial.converged,
+        lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers)),
+        lambda: _newton_correction(elimination, model, rule, start, trial, linearization),
+    )
+
+
+def _correction_in_turn(
+    elimination: Elimination,
+    model: Model,
+    rule: StepRule,
+    start: State,
+    trial: Trial,
+    linearization: Linearization,
+) -> tuple[jax.Array, jax.Array]:
+    """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
+    held = model.loads_at(start.time + rule.h)
+    return in_turn(partial(_correction_where_needed, elimination), held, rule, start, trial, linearization)
+
+
+_FEWEST_IN_TURN = 16
+"""Velocities of a system whose cases of a batch are corrected in turn: below, mapping them costs less."""

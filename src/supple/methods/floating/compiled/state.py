@@ -1,0 +1,54 @@
+"""What a compiled run carries from step to step, and what steers it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from supple.equations.configuration import AnyArray, Configuration, ControlState
+from supple.integrate import Coefficients
+from supple.methods.floating.compiled.contraction import Contraction
+from supple.methods.floating.compiled.kept_tangent import KeptTangent
+
+__all__ = ["Controls", "State"]
+
+
+class Controls(NamedTuple):
+    """Numbers that steer a run; plain floats, so that changing one compiles nothing anew."""
+
+    coefficients: Coefficients
+    first: Any
+    largest: Any
+    smallest: Any
+    error_tolerance: Any
+    residual_tolerance: Any
+    max_iterations: Any
+
+
+class State(NamedTuple):
+    """Everything needed to go on from an instant."""
+
+    time: AnyArray
+    step: AnyArray
+    """Size of the next step to try."""
+    configuration: Configuration
+    velocity: AnyArray
+    acceleration: AnyArray
+    auxiliary: AnyArray
+    """Auxiliary acceleration of the Newmark family."""
+    multipliers: AnyArray
+    steps: AnyArray
+    iterations: AnyArray
+    rejected_steps: AnyArray
+    failed: AnyArray
+    """True when the smallest step did not converge: the state is that before the step."""
+    relative_residual: AnyArray
+    """Relative residual at the last evaluation, by kind: force, moment, deformation, constraint."""
+    contraction: Contraction
+    largest_error: AnyArray
+    """Largest local error of an accepted step so far."""
+    largest_turn: AnyArray
+    """Largest rotation of a body within an accepted step so far, rad."""
+    control: ControlState | None = None
+    """None where there are no controllers"""
+    kept: KeptTangent | None = None
+    """None where every iterate has its own tangent"""

@@ -1,0 +1,161 @@
+"""Machines of rigid and reduced bodies at rest, or turning steadily."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from supple.equations.balance import Balance, balance
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.control_linearization import LinearControl, control_at_rest, unrest
+from supple.equations.coordinate_scales import kinds_of_rows, position_scale
+from supple.equations.joint_force import constraint_rows
+from supple.equations.model import Model
+from supple.equations.static_search import (
+    ROUND_OFF,
+    StaticCorrection,
+    StaticState,
+    Unbalance,
+)
+from supple.equations.steady_motion import (
+    LinearEquations,
+    Turning,
+    in_turning_axes,
+    linear_equations,
+    steady_motion,
+    step_matrix,
+    work_of_turning,
+)
+from supple.methods.floating.compiled.compiled_machine import CompiledMachine
+from supple.methods.floating.compiled.elimination import solve_bordering_column
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["CompiledStatics"]
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledStatics:
+    """A `StaticMachine` whose steps are compiled."""
+
+    machine: CompiledMachine
+    turning: Turning | None = None
+    """None for machines at rest"""
+    held: np.ndarray | float = 0.0
+    """Forces (n,) that are held back"""
+
+    def at_rest(self) -> CompiledStatics:
+        """The machine without its spin."""
+        return replace(self, turning=None)
+
+    def eased(self, share: float, held: np.ndarray) -> CompiledStatics:
+        """The machine at a share of its spin's rate, with forces (n,) held back."""
+        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+
+    def residual(self, state: StaticState, time: float) -> np.ndarray:
+        """What is unbalanced in all freedoms, (n,)."""
+        terms, _ = self.unbalance(state, time).terms
+        return np.asarray(terms.residual)
+
+    def unbalance(self, state: StaticState, time: float) -> Unbalance:
+        """The residuals at rest."""
+        model, motion = self.machine.model, self._motion(state, time)
+        terms, control = balanced(model, motion), control_at_rest(model, motion)
+        terms = terms._replace(applied=terms.applied - self.held)
+        columns = (terms.residual, terms.inertia, terms.internal, terms.applied, terms.joint)
+        works = self.position_scale[:, None] * np.stack(columns, axis=1)
+        norms = np.sqrt(kinds_of_rows(model) @ works**2)
+        scale = norms[:, 1:].max(axis=1)
+        of_turning = 0.0 if self.turning is None else work_of_turning(model, self.turning)
+        scale = np.maximum(scale, ROUND_OFF * max(scale.max(), of_turning))
+        relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
+        gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
+        left = unrest(self.machine.system, control, self.position_scale, motion.velocity, state.control)
+        return Unbalance(relative, gap, (terms, control), left)
+
+    def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
+        """One implicit step of length k."""
+        model, (terms, control) = self.machine.model, unbalance.terms
+        motion, linear = self._motion(state, time), control.linear
+        if self.turning is None:
+            matrix = step_matrix(model, motion, terms, k, 0.0)
+        else:
+            steady = linear_equations(model, self.turning, motion, terms)
+            axes = in_turning_axes(model, state.configuration)
+            matrix = axes @ (steady.mass + k * steady.stiffness) @ axes.T
+            linear = steady.control.along(axes.T)
+        rows = np.asarray(constraint_rows(model, terms.linearization.joints))
+        n, m = len(matrix), len(rows)
+        # Rows of one size: multipliers in parts of what the matrix holds.
+        size = float(np.max(abs(np.diag(matrix))))
+        gap = (size / k * np.asarray(terms.constraint_residual))[:, None]
+        bordered = np.block(
+            [
+                [matrix, size * rows.T, np.asarray(terms.residual)[:, None]],
+                [size * rows, np.zeros((m, m)), gap],
+            ]
+        )
+        bordered, states = _with_states(bordered, linear, control.rates, k, size)
+        change = -np.asarray(_solved(bordered))
+        return StaticCorrection(k * change[:n], size * change[n : n + m], control=states * change[n + m :])
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment (n,)."""
+        return self.machine.moved(configuration, increment)
+
+    def bodies_at(self, configuration: Configuration) -> Configuration:
+        """The same."""
+        return configuration
+
+    def linear_equations(self, state: StaticState, time: float) -> LinearEquations:
+        """The equations of motion, linearised about a state."""
+        model, motion = self.machine.model, self._motion(state, time)
+        return linear_equations(model, self.turning or self._still, motion, balanced(model, motion))
+
+    @property
+    def position_scale(self) -> np.ndarray:
+        """What counts as a large change of each freedom, (n,)."""
+        return np.asarray(position_scale(self.machine.model))
+
+    @property
+    def _still(self) -> Turning:
+        return Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
+
+    def _motion(self, state: StaticState, time: float) -> SystemMotion:
+        motion = self.turning or self._still, time, state.configuration, state.multipliers, state.control
+        return steady_motion(self.machine.model, *motion)
+
+
+def _with_states(
+    bordered: np.ndarray, control: LinearControl, rates: np.ndarray, k: float, size: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """An augmented matrix with the states of controllers behind its unknowns, and the scale of each.
+
+    Rows and columns are made as large as those of the matrix.
+    """
+    if not control.size:
+        return bordered, np.zeros(0)
+    n, known = len(control.forces), len(bordered)
+    own = np.eye(control.size) / np.sqrt(k) - control.by_state
+    by_motion = -k * control.by_position - np.sqrt(k) * control.by_velocity
+    pushing, keeping = np.max(abs(control.forces), axis=0), np.max(abs(own), axis=0)
+    scale = size / np.where(pushing > 0, pushing, np.where(keeping > 0, keeping, 1.0))
+    largest = np.max(abs(np.hstack([by_motion, own * scale])), axis=1)
+    rows = (size / np.where(largest > 0, largest, 1.0))[:, None]
+    whole = np.zeros((known + control.size, known + control.size + 1))
+    whole[:known, :known], whole[:known, -1] = bordered[:, :-1], bordered[:, -1]
+    whole[:n, known:-1] = -control.forces * scale
+    whole[known:, :n] = rows * by_motion
+    whole[known:, known:-1] = rows * own * scale
+    whole[known:, -1] = -rows[:, 0] * rates
+    return whole, scale
+
+
+def _balanced(model: Model, motion: SystemMotion) -> Balance:
+    """The terms of the equations of motion, by a program compiled quickly."""
+    return balance(model, motion)
+
+
+balanced = KeptProgram(_balanced, STARTING)
+_solved = KeptProgram(solve_bordering_column, STARTING)

@@ -1,0 +1,213 @@
+"""One compiled time step, and the march from output time to output time.
+
+Unknown are the new accelerations and multipliers, which Newton's iteration finds (`newton`), or modified
+Newton's (`modified_newton`) where a tangent is kept.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.equations.configuration import Configuration
+from supple.equations.control_force import stepped
+from supple.equations.coordinate_scales import position_scale
+from supple.equations.model import Model
+from supple.equations.step_size import next_step, position_rounding
+from supple.integrate import StepRule
+from supple.methods.floating.compiled.contraction import is_foretellable, measured
+from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.iterate import Place, evaluate, motion_of, place
+from supple.methods.floating.compiled.kept_tangent import predicted
+from supple.methods.floating.compiled.modified_newton import modified_pass, used_in_step
+from supple.methods.floating.compiled.newton import Iteration, Modified, newton_pass
+from supple.methods.floating.compiled.state import Controls, State
+
+__all__ = ["march", "substep"]
+
+
+class _Stepped(NamedTuple):
+    """Where the iteration ended."""
+
+    acceleration: jax.Array
+    multipliers: jax.Array
+    auxiliary: jax.Array
+    configuration: Configuration
+    velocity: jax.Array
+    increments: jax.Array
+    iteration: Iteration
+
+
+def _try_step(
+    elimination: Elimination, model: Model, controls: Controls, start: State, h: jax.Array
+) -> _Stepped:
+    """The iteration for one step of size h, from the acceleration of its start or along a line.
+
+    Each pass evaluates the residual at the iterate left by the pass before and, unless that is good enough,
+    finds the next one; so the code for either stands once in the compiled program. It ends with an iterate
+    that is good, or with one that surely will be.
+    """
+    rule = StepRule(controls.coefficients, h)
+    scale = position_scale(model)
+    judged = newton_pass if start.kept is None else modified_pass
+
+    def unfinished(old: Iteration) -> jax.Array:
+        finite = jnp.all(jnp.isfinite(old.relative_residual))
+        return ~(old.converged | old.foretold) & finite & (old.evaluations <= controls.max_iterations)
+
+    def one_pass(old: Iteration) -> Iteration:
+        tolerance = controls.residual_tolerance
+        trial, linearization = evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
+        # Below rounding error no residual can tell a better answer from a worse one.
+        rounding = position_rounding(model.length, trial.configuration.origins)
+        settled = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
+        size = jnp.max(trial.relative_residual) / tolerance
+        found = judged(elimination, model, rule, start, old, trial, linearization, size, settled)
+        return Iteration(
+            acceleration=old.acceleration + found.change,
+            multipliers=old.multipliers + found.multiplier_change,
+            evaluated=Place(trial.configuration, trial.velocity, trial.increments),
+            relative_residual=trial.relative_residual,
+            sizes=jnp.stack([old.sizes[1], size]),
+            moved=rule.factors.by_position * jnp.max(jnp.abs(found.change) / scale),
+            evaluations=old.evaluations + 1,
+            corrections=old.evaluations + found.foretold,
+            converged=found.converged,
+            foretold=found.foretold,
+            modified=found.modified,
+        )
+
+    none, never = jnp.zeros((), dtype=int), jnp.zeros((), dtype=bool)
+    first, modified = start.acceleration, None
+    if start.kept is not None:
+        first = predicted(start.kept, first, h)
+        modified = Modified(start.kept.inverse, never, none)
+    end = jax.lax.while_loop(
+        unfinished,
+        one_pass,
+        Iteration(
+            acceleration=first,
+            multipliers=start.multipliers,
+            evaluated=Place(start.configuration, start.velocity, jnp.zeros_like(start.velocity)),
+            relative_residual=jnp.zeros(4),
+            sizes=jnp.zeros(2),
+            moved=jnp.zeros(()),
+            evaluations=none,
+            corrections=none,
+            converged=never,
+            foretold=never,
+            modified=modified,
+        ),
+    )
+    last = end.evaluated
+    if is_foretellable(model):
+        last = jax.lax.cond(
+            end.foretold, lambda: place(model, rule, start, end.acceleration), lambda: end.evaluated
+        )
+    auxiliary = rule.auxiliary(end.acceleration, start.acceleration, start.auxiliary)
+    return _Stepped(
+        acceleration=end.acceleration,
+        multipliers=end.multipliers,
+        auxiliary=auxiliary,
+        configuration=last.configuration,
+        velocity=last.velocity,
+        increments=last.increments,
+        iteration=end,
+    )
+
+
+def _local_error(model: Model, rule: StepRule, start: State, trial: _Stepped) -> jax.Array:
+    error = rule.position_error(start.auxiliary, trial.auxiliary) / position_scale(model)
+    return jnp.max(jnp.abs(error))
+
+
+def _turn(model: Model, increments: jax.Array) -> jax.Array:
+    """Largest rotation of a body within a step, rad."""
+    turns = model.frames.take(increments)[:, 3:]
+    return jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))
+
+
+def substep(
+    elimination: Elimination, model: Model, controls: Controls, end: jax.Array, start: State
+) -> State:
+    """Try one step towards `end`: accept it, or cut it."""
+    remaining = end - start.time
+    # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
+    h = remaining / jnp.maximum(jnp.ceil(remaining / start.step * (1 - 1e-9)), 1.0)
+    trial = _try_step(elimination, model, controls, start, h)
+    iteration = trial.iteration
+    error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
+    converged = (iteration.converged | iteration.foretold) & jnp.isfinite(error)
+    accepted = converged & (error <= controls.error_tolerance)
+
+    proposed = next_step(h, start.step, error, controls.error_tolerance, controls.largest)
+    proposed = jnp.where(converged, proposed, h / 2)
+    failed = ~accepted & (proposed < controls.smallest)
+    last = h >= remaining * (1 - 1e-9)
+    contraction = measured(start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged)
+    kept = None
+    if start.kept is not None:
+        contraction, kept = used_in_step(model, start, h, iteration, contraction)
+    after = State(
+        time=jnp.where(last, end, start.time + h),
+        step=proposed,
+        configuration=trial.configuration,
+        velocity=trial.velocity,
+        acceleration=trial.acceleration,
+        auxiliary=trial.auxiliary,
+        multipliers=trial.multipliers,
+        steps=start.steps + 1,
+        iterations=start.iterations + iteration.corrections,
+        rejected_steps=start.rejected_steps,
+        failed=failed,
+        relative_residual=iteration.relative_residual,
+        contraction=contraction,
+        largest_error=jnp.maximum(start.largest_error, error),
+        largest_turn=jnp.maximum(start.largest_turn, _turn(model, trial.increments)),
+        control=stepped(model, motion_of(StepRule(controls.coefficients, h), start, trial)),
+        kept=kept,
+    )
+    before = start._replace(
+        step=proposed,
+        iterations=start.iterations + iteration.corrections,
+        rejected_steps=start.rejected_steps + 1,
+        failed=failed,
+        relative_residual=iteration.relative_residual,
+    )
+    return jax.tree.map(lambda a, b: jnp.where(accepted, a, b), after, before)
+
+
+def march(
+    elimination: Elimination, model: Model, controls: Controls, start: State, stops: jax.Array
+) -> tuple[State, State]:
+    """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
+
+    It ends with the first stop that repeats the one before; the rows behind it are zero. After a failure the
+    state stays where it was: the caller looks at `failed`.
+    """
+    shown = start._replace(kept=None)
+    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
+
+    def unfinished(march: tuple[jax.Array, State, State]) -> jax.Array:
+        row = march[0]
+        return (row < len(stops)) & ((row == 0) | (stops[row] > stops[row - 1]))
+
+    def to_stop(march: tuple[jax.Array, State, State]) -> tuple[jax.Array, State, State]:
+        row, state, states = march
+        state = jax.lax.while_loop(
+            lambda s: (s.time < stops[row]) & ~s.failed,
+            partial(substep, elimination, model, controls, stops[row]),
+            state,
+        )
+        states = jax.tree.map(
+            lambda every, own: jax.lax.dynamic_update_index_in_dim(every, own, row, 0),
+            states,
+            state._replace(kept=None),
+        )
+        return row + 1, state, states
+
+    start = jax.tree.map(jnp.asarray, start)
+    return jax.lax.while_loop(unfinished, to_stop, (jnp.asarray(0), start, rows))[1:]

@@ -1,0 +1,246 @@
+"""The full-order engine: machines with bodies that keep all their finite-element freedoms, as references.
+
+A Python loop over time steps is unavoidable here: each iteration solves with sparse factors.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.equations.checks.start import report_start
+from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.consistent_start import consistent_start
+from supple.equations.control_start import kept_control, resumed_control
+from supple.equations.floating_solution import (
+    failure_message,
+    floating_solution,
+    last_instant,
+)
+from supple.equations.sampling import sampling_of
+from supple.equations.step_size import next_step
+from supple.equations.stops import Stops, stepping_instants
+from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
+from supple.machine import System
+from supple.methods.floating.full.full_state import FullState
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.floating.full.implicit_step import ImplicitStep
+from supple.methods.floating.full.kept_tangent import KeptTangent, numbers_of, tangent_of
+from supple.methods.floating.full.newton import NewtonIteration, modified_newton
+from supple.methods.floating.full.predictor import (
+    Earlier,
+    earlier_numbers,
+    earlier_of,
+    predicted,
+    unknowns_of,
+)
+
+__all__ = ["FullEngine"]
+
+
+class March(NamedTuple):
+    """A state, the size of the next step to try, and the counts so far."""
+
+    state: FullState
+    step: float
+    steps: int = 0
+    iterations: int = 0
+    rejected_steps: int = 0
+    factorizations: int = 0
+    decades: float = 0.0
+    largest_error: float = 0.0
+    largest_turn: float = 0.0
+    earlier: Earlier | None = None
+    """None before the first step"""
+    kept: KeptTangent | None = None
+
+
+class FullEngine:
+    """An `Engine` of sparse bordered Newton steps; `March` is its state."""
+
+    def __init__(self, system: System, run: Run, iteration: NewtonIteration = modified_newton) -> None:
+        self._run = run
+        self._iteration = iteration
+        self._every = FullSystem(system)
+        """With all constraint equations"""
+        self._machine = self._every
+        self._sampling = sampling_of(system, run)
+        instants = stepping_instants([system], run)
+        if self._sampling is not None:
+            instants = np.setdiff1d(np.union1d(instants, self._sampling.every), run.times)
+        self._stops = Stops(run.times, instants)
+
+    @property
+    def machine(self) -> FullSystem:
+        """The equations; those constraints that are active, once it has started."""
+        return self._machine
+
+    def start(self, time: float) -> March:
+        """Consistent positions and velocities on the joints and in the frames, first accelerations."""
+        self._machine, configuration, velocity, change = consistent_start(self._every, time)
+        report_start(change, self._run.validity)
+        self._machine.check_frames(configuration)
+        begun = self._machine.ended(self._machine.state_at(time, configuration, velocity))
+        state = self._machine.accelerated(begun)
+        return March(state, self._run.step_control.first)
+
+    def resumed(self, last: Solution) -> March:
+        """The state at the end of a recorded part.
+
+        Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
+        one, which keeps the order of accuracy but not the last digits.
+        """
+        known = last.engine_state
+        machine = self._every
+        instant = last_instant(machine.system, last)
+        if "active" in known:
+            self._machine = machine = machine.restricted(tuple(int(index) for index in known["active"]))
+        else:
+            self._machine, *_ = consistent_start(machine, self._run.start)
+            machine = self._machine
+        fresh = machine.state_at(instant.time, instant.configuration, instant.velocity)
+        control = resumed_control(machine.system, known)
+        state = fresh._replace(
+            acceleration=instant.acceleration,
+            auxiliary=known.get("auxiliary", instant.acceleration),
+            multipliers=instant.multipliers[list(machine.model.active)],
+            frame_multipliers=tuple(known.get("frame_multipliers", fresh.frame_multipliers)),
+            control=fresh.control and fresh.control._replace(start=control),
+        )
+        return March(
+            state,
+            float(known.get("step", self._run.step_control.first)),
+            earlier=earlier_of(machine, known.get("earlier", np.empty(0))),
+            kept=tangent_of(machine, known.get("kept_tangent", np.empty(0))),
+        )
+
+    def march(self, state: March, times: np.ndarray) -> Leg[March]:
+        """Step by step to each of the output times."""
+        began = clock.perf_counter()
+        reached: list[FullState] = []
+        before, stopped = state, None
+        stops, outputs = self._stops.on_the_way(state.state.time, times)
+        for number, end in enumerate(stops):
+            if end > state.state.time:  # what is due is called when the march goes on
+                state = state._replace(state=self._sampled(state.state))
+            state, residual = self._to_output(state, float(end))
+            if residual is not None:
+                undamped = bool(self._machine.system.joints) and not damps_joint_forces(
+                    self._run.second_order_method
+                )
+                stopped = failure_message(state.state.time, residual, undamped=undamped)
+                break
+            if number in outputs:
+                reached.append(state.state)
+        statistics = Statistics(
+            steps=state.steps - before.steps,
+            iterations=state.iterations - before.iterations,
+            rejected_steps=state.rejected_steps - before.rejected_steps,
+            factorizations=state.factorizations - before.factorizations,
+            decades=state.decades - before.decades,
+            seconds=clock.perf_counter() - began,
+            largest_error=state.largest_error,
+            largest_turn=state.largest_turn,
+        )
+        return Leg((reached, state), len(reached), state, statistics, stopped)
+
+    def _sampled(self, state: FullState) -> FullState:
+        """After calling the sampled controllers that are due, with accelerations that belong to them."""
+        if self._sampling is None or state.control is None:
+            return state
+        machine, step = self._machine, state.control
+        control = self._sampling.called(machine.model, machine.border_motion(state), step.start)
+        if control is None:
+            return state
+        return machine.accelerated(state._replace(control=step._replace(start=control)))
+
+    def _to_output(self, march: March, end: float) -> tuple[March, np.ndarray | None]:
+        """Steps up to an output time; the relative residual instead of None when the smallest step fails."""
+        control, method = self._run.step_control, self._run.second_order_method
+        while march.state.time < end:
+            remaining = end - march.state.time
+            # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
+            h = remaining / max(np.ceil(remaining / march.step * (1 - 1e-9)), 1.0)
+            rule = StepRule(method.coefficients, h)
+            step = ImplicitStep(self._machine, march.state, h, rule, self._run.tolerances)
+            found = self._iteration(step, predicted(march.state, march.earlier, h), march.kept)
+            new, converged = found.state, found.converged
+            error = self._local_error(march.state, new, h) if converged else np.inf
+            proposed = (
+                float(next_step(h, march.step, error, control.tolerance, control.largest))
+                if converged
+                else h / 2
+            )
+            march = march._replace(
+                step=proposed,
+                iterations=march.iterations + found.iterations,
+                factorizations=march.factorizations + found.factorizations,
+                decades=march.decades + found.decades,
+                kept=found.kept,
+            )
+            if converged and error <= control.tolerance:
+                if h >= remaining * (1 - 1e-9):
+                    new = new._replace(time=end)
+                new = self._machine.ended(new)
+                march = march._replace(
+                    earlier=Earlier(unknowns_of(march.state), h),
+                    state=new,
+                    steps=march.steps + 1,
+                    largest_error=max(march.largest_error, float(error)),
+                    largest_turn=max(march.largest_turn, self._turn(march.state, new, h)),
+                )
+            else:
+                march = march._replace(rejected_steps=march.rejected_steps + 1)
+                if march.step < control.least:
+                    return march, found.relative_residual
+        return march, None
+
+    def _local_error(self, start: FullState, end: FullState, h: float) -> float:
+        """Leading local error of the step, relative to the scale of each freedom."""
+        rule = StepRule(self._run.second_order_method.coefficients, h)
+        error = rule.position_error(start.auxiliary, end.auxiliary)
+        return float(np.max(abs(error) / self._machine.position_scale))
+
+    def _turn(self, start: FullState, end: FullState, h: float) -> float:
+        """Largest rotation of a body's frame within the step, rad."""
+        rule = StepRule(self._run.second_order_method.coefficients, h)
+        increments = rule.increment(start.velocity, start.auxiliary, end.auxiliary)
+        turns = [increments[part.start + 3 : part.start + 6] for part in self._machine.slices]
+        return float(np.linalg.norm(turns, axis=1).max())
+
+    def solution(self, leg: Leg[March]) -> Solution:
+        """The motion of a leg."""
+        states, last = leg.states
+        machine = self._machine
+        configuration = Configuration(
+            *(
+                np.array([getattr(state.configuration, name) for state in states])
+                for name in Configuration._fields
+            )
+        )
+        active, control = machine.model.active, states[-1].control
+        motion = SystemMotion(
+            np.array([state.time for state in states]),
+            configuration,
+            np.array([state.velocity for state in states]),
+            np.array([state.acceleration for state in states]),
+            np.array([state.multipliers for state in states]),
+        )
+        return floating_solution(
+            machine.system,
+            machine.slices,
+            active,
+            motion,
+            leg.statistics,
+            engine_state={
+                "active": np.array(active, dtype=float),
+                "auxiliary": states[-1].auxiliary,
+                "step": np.array(last.step),
+                "frame_multipliers": np.array(states[-1].frame_multipliers),
+                "earlier": earlier_numbers(machine, last.earlier),
+                "kept_tangent": numbers_of(machine, last.kept),
+                **kept_control(control.start if control else None),
+            },
+        )

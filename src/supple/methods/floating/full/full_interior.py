@@ -1,0 +1,288 @@
+"""One full body inside a step: its sparse equations, and their coupling to the frame and the interfaces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import numpy as np
+from scipy.sparse import block_array, coo_array, csr_array
+
+from supple.algebra.cross import cross_matrices, cross_matrix
+from supple.algebra.rotation import rotation_right_jacobian
+from supple.body.full_body import FullBody
+from supple.equations.full_inertia import FullInertia, FullMotion
+from supple.equations.nodal_load import (
+    PreparedLoad,
+    forces_by_places,
+    forces_by_rotation,
+    nodal_forces,
+    prepared,
+)
+from supple.fem.strain_operator import StrainOperator, strain_operator
+from supple.integrate import StepFactors
+from supple.machine import NodalLoad
+from supple.methods.floating.full.elimination import Elimination, elimination
+from supple.methods.floating.full.full_damping import FullDamping, full_damping
+from supple.methods.floating.full.full_tangent import Factored, FullTangent, TangentPoint, full_tangent
+
+__all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior", "tangent_point"]
+
+
+_right_jacobian = jax.jit(rotation_right_jacobian)
+_forces = jax.jit(nodal_forces)
+_forces_by_rotation = jax.jit(forces_by_rotation)
+_forces_by_places = jax.jit(forces_by_places)
+
+
+class _LoadOnNodes(NamedTuple):
+    """A nodal load, its numbers where JAX computes: the table of a long run is many megabytes."""
+
+    nodes: np.ndarray
+    prepared: PreparedLoad
+
+
+class _LoadForces(NamedTuple):
+    """Forces of a load on its nodes (k,), body components, and their change as the frame turns."""
+
+    nodes: np.ndarray
+    forces: np.ndarray
+    """(k, 3)"""
+    by_rotation: np.ndarray
+    """(k, 3, 3)"""
+
+
+class InteriorState(NamedTuple):
+    """Motion of one full body: its frame, angular quantities in body components, and its coordinates."""
+
+    rotation: np.ndarray
+    coordinates: np.ndarray
+    rates: np.ndarray
+    accelerations: np.ndarray
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
+    acceleration: np.ndarray
+    """Global acceleration of the frame origin minus gravity."""
+    frame_multipliers: np.ndarray
+    time: float
+
+
+def tangent_point(state: InteriorState, factors: StepFactors) -> TangentPoint:
+    """What the tangent of an interior depends on."""
+    return TangentPoint(state.coordinates, state.angular_velocity, state.angular_acceleration, factors)
+
+
+class InteriorForces(NamedTuple):
+    """The terms in balance, frame part (6,) and coordinates (n,) joined, (6 + n,) each."""
+
+    inertia: np.ndarray
+    internal: np.ndarray
+    applied: np.ndarray
+    joint: np.ndarray
+    """Of the frame conditions alone."""
+    frame_residual: np.ndarray
+    """`D q`, (6,)"""
+
+
+@dataclass(frozen=True, eq=False)
+class FullInterior:
+    """A full body prepared for stepping; built by `prepare_interior`."""
+
+    index: int
+    full: FullBody
+    inertia: FullInertia
+    interface_rows: csr_array
+    """`B`, (6 p, n)"""
+    frame_rows: np.ndarray
+    """`D`, (6, n), scaled rows"""
+    strains: StrainOperator | None
+    """None for a linear body"""
+    damping: FullDamping
+    tangent: FullTangent
+    loads: tuple[_LoadOnNodes, ...]
+
+    def _nodal(self, coordinates: np.ndarray) -> np.ndarray:
+        body = self.full.body
+        return (body.expansion @ coordinates).reshape(len(body.nodes), body.dofs_per_node)
+
+    def _motion(self, state: InteriorState) -> FullMotion:
+        return FullMotion(
+            coordinates=state.coordinates,
+            rates=state.rates,
+            accelerations=state.accelerations,
+            angular_velocity=state.angular_velocity,
+            angular_acceleration=state.angular_acceleration,
+            frame_acceleration=state.rotation.T @ state.acceleration,
+        )
+
+    def _load_forces(self, state: InteriorState, place: np.ndarray) -> list[_LoadForces]:
+        """Of every nodal load, where the nodes are at `place` (N, 3)."""
+        forces = []
+        for load in self.loads:
+            arguments = load.prepared, place[load.nodes], state.rotation, state.time
+            forces.append(
+                _LoadForces(
+                    load.nodes, np.asarray(_forces(*arguments)), np.asarray(_forces_by_rotation(*arguments))
+                )
+            )
+        return forces
+
+    def forces(self, state: InteriorState) -> InteriorForces:
+        """All terms of the body's own equations of motion."""
+        body, rotation = self.full.body, state.rotation
+        terms = self.inertia.terms(self._motion(state))
+        inertia = np.concatenate([rotation @ terms.frame[:3], terms.frame[3:], terms.own])
+        internal = np.concatenate([np.zeros(6), self._internal_force(state.coordinates, state.rates)])
+        moved = self._nodal(state.coordinates)
+        nodal, moment, place = np.zeros_like(moved), np.zeros(3), body.nodes + moved[:, :3]
+        for nodes, values, _ in self._load_forces(state, place):
+            np.add.at(nodal[:, :3], nodes, values)
+            moment += np.cross(place[nodes], values).sum(axis=0)
+        applied = -np.concatenate(
+            [rotation @ nodal[:, :3].sum(axis=0), moment, body.expansion.T @ nodal.ravel()]
+        )
+        joint = np.concatenate([np.zeros(6), self.frame_rows.T @ state.frame_multipliers])
+        return InteriorForces(inertia, internal, applied, joint, self.frame_rows @ state.coordinates)
+
+    def _internal_force(self, coordinates: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Elastic and damping forces, (n,)."""
+        damping = self.damping.force(rates)
+        if self.strains is None:
+            return self.full.body.force.internal_force(coordinates) + damping
+        return self.strains.force(coordinates, rates, self.damping.retardation_time) + damping
+
+    def eliminate(
+        self, state: InteriorState, increment: np.ndarray, factors: StepFactors, factored: Factored
+    ) -> Elimination:
+        """What is left of the interior, with its factored tangent, for whatever acts on it.
+
+        increment : (3,) of the frame's rotation in this step
+        """
+        columns, rows, corner = self._border(self._motion(state), state, increment, factors)
+        p = 6 * len(self.full.interfaces)
+        constant = factored.responses
+        responses = np.hstack([constant[:, :p], -factored.factor.solve(columns), constant[:, p:]])
+        return elimination(factored.factor, responses, self.interface_rows, self.frame_rows, rows, corner)
+
+    def linear_parts(self, state: InteriorState) -> tuple[csr_array, ...]:
+        """`M`, `C` and `K` (6 + n, 6 + n) of a body that turns steadily, all in its own axes."""
+        motion, none = self._motion(state), np.zeros(3)
+        borders = [
+            self._border(motion, state, none, StepFactors(*factors))
+            for factors in ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
+        ]
+        still = borders[0]
+        changes = [still, *(tuple(a - b for a, b in zip(own, still, strict=True)) for own in borders[1:])]
+        following = self._following_loads(state)
+        parts = []
+        for number, ((columns, rows, corner), inner) in enumerate(
+            zip(changes, self.tangent.linear_parts(state.coordinates, state.angular_velocity), strict=True)
+        ):
+            own = csr_array(block_array([[corner, rows], [columns, inner]], format="csr"))
+            parts.append(own + following if number == 2 and following is not None else own)
+        return tuple(parts)
+
+    def _following_loads(self, state: InteriorState) -> csr_array | None:
+        """Change (6 + n, 6 + n) of minus the loads that follow the places of their nodes."""
+        body, d = self.full.body, self.full.body.dofs_per_node
+        place = body.nodes + self._nodal(state.coordinates)[:, :3]
+        entries, rows, columns = [], [], []
+        for load in self.loads:
+            if not load.prepared.follows_nodes:
+                continue
+            nodes = load.nodes[np.asarray(load.prepared.facets)]
+            freedoms = d * nodes[:, :, None] + np.arange(3)
+            change = np.asarray(
+                _forces_by_places(load.prepared, place[load.nodes], state.rotation, state.time)
+            )
+            entries.append(change.ravel())
+            rows.append(np.broadcast_to(freedoms[..., None, None], change.shape).ravel())
+            columns.append(np.broadcast_to(freedoms[:, None, None], change.shape).ravel())
+        if not entries:
+            return None
+        joined = (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns)))
+        by_nodes = csr_array(coo_array(joined, shape=(body.n_nodal, body.n_nodal)))
+        # Forces on nodes as forces and moments on the frame, and on the coordinates.
+        frame = np.zeros((len(body.nodes), d, 6))
+        frame[:, :3, :3] = np.eye(3)
+        frame[:, :3, 3:] = -cross_matrices(place)
+        on_freedoms = csr_array(block_array([[frame.reshape(-1, 6), body.expansion]], format="csr"))
+        seen = csr_array(block_array([[csr_array((body.n_nodal, 6)), body.expansion]], format="csr"))
+        return csr_array(-(on_freedoms.T @ by_nodes @ seen))
+
+    def frame_mass(self, state: InteriorState) -> np.ndarray:
+        """Mass matrix of the body moving rigidly, for its frame's velocities, the first three global."""
+        corner = self.inertia.border(self._motion(state), StepFactors(0.0, 0.0)).corner.copy()
+        corner[:, :3] = corner[:, :3] @ state.rotation.T
+        corner[:3] = state.rotation @ corner[:3]
+        return corner
+
+    def kinetic_energy(self, state: InteriorState, velocity: np.ndarray) -> float:
+        """Kinetic energy; `velocity` (3,) is that of the frame's origin, global."""
+        momenta = self.inertia.momenta(
+            state.coordinates[:, None],
+            state.rates[:, None],
+            state.angular_velocity[:, None],
+            (state.rotation.T @ velocity)[:, None],
+        )
+        return float(momenta.kinetic[0])
+
+    def _border(
+        self,
+        motion: FullMotion,
+        state: InteriorState,
+        increment: np.ndarray,
+        factors: StepFactors,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangents with the frame, whose components are the body's: columns (n, 6), rows (6, n), corner."""
+        columns, rows, corner = self.inertia.border(motion, factors)
+        turn = factors.by_position * np.asarray(_right_jacobian(increment))
+        frame_force = self.inertia.terms(motion).frame[:3]
+        # a = A^T (Rddot - g) changes with the frame's rotation, da = a x dpsi, and so does the force A p.
+        swing = cross_matrix(motion.frame_acceleration) @ turn
+        columns, rows, corner = columns.copy(), rows.copy(), corner.copy()
+        columns[:, 3:] += columns[:, :3] @ swing
+        corner[:, 3:] += corner[:, :3] @ swing
+        corner[:3, 3:] -= cross_matrix(frame_force) @ turn
+
+        body = self.full.body
+        d, place = body.dofs_per_node, body.nodes + self._nodal(state.coordinates)[:, :3]
+        by_node = np.zeros((len(body.nodes), d, 6))
+        row_by_node = np.zeros((6, len(body.nodes), d))
+        for nodes, values, by_rotation in self._load_forces(state, place):
+            # How forces follow the displacements of their own nodes is left to Newton's iteration.
+            crosses = cross_matrices(values)
+            np.add.at(by_node[:, :3, 3:], nodes, -by_rotation @ turn)
+            np.add.at(row_by_node[3:, :, :3].swapaxes(0, 1), nodes, factors.by_position * crosses)
+            corner[:3, 3:] -= (by_rotation - crosses).sum(axis=0) @ turn
+            corner[3:, 3:] -= np.einsum("kij,kjl->il", cross_matrices(place[nodes]), by_rotation) @ turn
+
+        if self.loads:
+            columns += body.expansion.T @ by_node.reshape(-1, 6)
+            rows += (body.expansion.T @ row_by_node.reshape(6, -1).T).T
+        return columns, rows, corner
+
+
+def _unit_rows(rows: np.ndarray) -> np.ndarray:
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+
+
+def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -> FullInterior:
+    """Everything of a full body that does not change from step to step."""
+    body = full.body
+    inertia = FullInertia(body)
+    damping = full_damping(full)
+    interface_rows, frame_rows = full.interface_motions, _unit_rows(full.frame.constraint(body))
+    couplings = np.column_stack([interface_rows.T.toarray(), frame_rows.T])
+    return FullInterior(
+        index=index,
+        full=full,
+        inertia=inertia,
+        interface_rows=interface_rows,
+        frame_rows=frame_rows,
+        strains=None if body.is_linear else strain_operator(body.assembly),
+        damping=damping,
+        tangent=full_tangent(full, inertia, damping, couplings),
+        loads=tuple(_LoadOnNodes(load.nodes, jax.device_put(prepared(load))) for load in loads),
+    )

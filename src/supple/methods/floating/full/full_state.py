@@ -1,0 +1,61 @@
+"""States of machines with full bodies, and what is left of their equations there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.equations.balance import Balance
+from supple.equations.configuration import Configuration, ControlStep, SystemMotion
+from supple.methods.floating.full.full_interior import InteriorState
+
+__all__ = ["Evaluation", "FullState", "Targets"]
+
+
+class FullState(NamedTuple):
+    """State of the system; velocities and accelerations per body are `(frame (6,), coordinates)`, joined."""
+
+    time: float
+    configuration: Configuration
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    auxiliary: np.ndarray
+    multipliers: np.ndarray
+    frame_multipliers: tuple[np.ndarray, ...]
+    control: ControlStep | None = None
+    """Of the step that leads here; of the start of one, without length. None without controllers"""
+
+
+Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
+"""Of the constraint rows, and of the frame conditions of each full body"""
+
+
+class Evaluation(NamedTuple):
+    """Residuals at one iterate."""
+
+    border_motion: SystemMotion
+    border: Balance
+    constraint_residual: np.ndarray
+    interior_states: tuple[InteriorState, ...]
+    interior_residuals: tuple[np.ndarray, ...]
+    """(6 + n,) of each full body, its interface forces included in the last n."""
+    frame_residuals: tuple[np.ndarray, ...]
+    relative_residual: np.ndarray
+    largest_terms: np.ndarray
+    """Of forces, moments and deformation, (3,): what the first residuals are compared with"""
+
+    def closing(self, by_position: float) -> Targets:
+        """What constraint rows and frame conditions must become, in accelerations, to close what is open."""
+        frames = tuple(-residual / by_position for residual in self.frame_residuals)
+        return -self.constraint_residual / by_position, frames
+
+    def left_with(self, border: np.ndarray, interiors: tuple[np.ndarray, ...]) -> Evaluation:
+        """As if nothing but these were left: (n,) of the border, and (6 + n,) of each full body."""
+        none = np.zeros_like(self.border.inertia)
+        return self._replace(
+            border=self.border._replace(inertia=none, internal=none, applied=border, joint=none),
+            constraint_residual=np.zeros_like(self.constraint_residual),
+            interior_residuals=interiors,
+            frame_residuals=tuple(np.zeros_like(each) for each in self.frame_residuals),
+        )

@@ -1,0 +1,485 @@
+"""Full-order simulation: bodies with all their finite-element freedoms, by sparse bordered Newton steps.
+
+The interior of the linear system of a step is each full body's own sparse matrix `S`, factored alone; the
+border, a few dozen unknowns, holds the frames, the reduced and rigid bodies, the joint multipliers and, per
+full body, the six multipliers `mu` of its frame conditions `D q = 0`. What joints and forces see of a full
+body is the motion of its interfaces, `w = B q`, which the compiled equations treat as coordinates of a
+massless body (`build_model`). Eliminating the interior,
+
+    x = - S^-1 ( r + B^T c + F y + D^T dmu ),      w = B x,      D x = - D q / k,
+
+with `c` the generalised interface forces and `y` the frame's accelerations, leaves a small dense system.
+A Python loop over time steps is unavoidable here: each iteration solves with sparse factors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import rotation_exp
+from supple.body import FullBody
+from supple.equations.balance import Linearization, balance, tangent
+from supple.equations.build_model import build_model, is_on_full_nodes
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import Configuration, ControlStep, SystemMotion
+from supple.equations.control_start import control_after, fresh_control
+from supple.equations.inertia import mass_matrix
+from supple.equations.joint_force import constraint_rows
+from supple.equations.model import Model
+from supple.equations.settled_reactions import settled_reactions
+from supple.equations.starting_machine import JointTerms, joint_terms
+from supple.equations.step_size import position_rounding
+from supple.errors import ModelError
+from supple.integrate import StepFactors
+from supple.machine import NodalLoad, System
+from supple.methods.floating.full.bordered_solve import Border, EliminatedInterior, solve_bordered
+from supple.methods.floating.full.elimination import Elimination
+from supple.methods.floating.full.full_interior import (
+    FullInterior,
+    InteriorState,
+    prepare_interior,
+    tangent_point,
+)
+from supple.methods.floating.full.full_state import Evaluation, FullState, Targets
+from supple.methods.floating.full.full_tangent import Factored, FullTangent, TangentPoint
+
+__all__ = ["FullSystem"]
+
+
+_border_terms = jax.jit(balance)
+
+
+@jax.jit
+def _border_matrices(
+    model: Model,
+    motion: SystemMotion,
+    linearization: Linearization,
+    increments: jax.Array,
+    factors: StepFactors,
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    return (
+        tangent(model, motion, linearization, increments, factors),
+        constraint_rows(model, linearization.joints),
+        constraint_rows(model, linearization.joints, increments),
+    )
+
+
+class FullSystem:
+    """A system with at least one full body, ready for stepping. Holds no state of the motion.
+
+    It is also the `StartingMachine` of its engine.
+
+    active : the constraint equations to keep, redundant ones left out; all of them until the start finds out
+    """
+
+    def __init__(self, system: System, active: tuple[int, ...] | None = None) -> None:
+        self.system = system
+        sizes = [placed.body.n_coordinates for placed in system.bodies]
+        self.slices = _slices([6 + r for r in sizes])
+        self.coordinate_slices = _slices(sizes)
+        self.n = self.slices[-1].stop
+        self.interiors = tuple(
+            prepare_interior(system.body_index(name), full, self._nodal_loads(full))
+            for name, full in system.bodies_of(FullBody).items()
+        )
+        self.model = build_model(system, active)
+        self.interior_of = {interior.index: interior for interior in self.interiors}
+
+    def restricted(self, active: tuple[int, ...]) -> FullSystem:
+        """Without some of the constraint equations."""
+        other = copy(self)
+        other.model = replace(self.model, active=active)
+        return other
+
+    def _nodal_loads(self, full: FullBody) -> tuple[NodalLoad, ...]:
+        return tuple(
+            load
+            for load in self.system.loads
+            if isinstance(load, NodalLoad) and load.body == full.name and is_on_full_nodes(self.system, load)
+        )
+
+    def to_border(self, vector: np.ndarray) -> np.ndarray:
+        """Velocities (or the like) of the compiled part: interface motions instead of nodal freedoms."""
+        parts = []
+        for index, part in enumerate(self.slices):
+            own = vector[part]
+            interior = self.interior_of.get(index)
+            parts.append(
+                own if interior is None else np.concatenate([own[:6], interior.interface_rows @ own[6:]])
+            )
+        return np.concatenate(parts)
+
+    def border_configuration(self, configuration: Configuration) -> Configuration:
+        """Configuration of the compiled part."""
+        coordinates = []
+        for index, part in enumerate(self.coordinate_slices):
+            own, interior = configuration.coordinates[part], self.interior_of.get(index)
+            coordinates.append(own if interior is None else interior.interface_rows @ own)
+        return configuration._replace(coordinates=np.concatenate(coordinates))
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment (n,)."""
+        frames = np.array([increment[part.start : part.start + 6] for part in self.slices])
+        turns = np.asarray(_rotations_exp(frames[:, 3:]))
+        return Configuration(
+            origins=configuration.origins + frames[:, :3],
+            rotations=configuration.rotations @ turns,
+            coordinates=configuration.coordinates
+            + np.concatenate([increment[part.start + 6 : part.stop] for part in self.slices]),
+        )
+
+    def border_motion(self, state: FullState) -> SystemMotion:
+        """The motion of the compiled part."""
+        return SystemMotion(
+            np.float64(state.time),
+            self.border_configuration(state.configuration),
+            self.to_border(state.velocity),
+            self.to_border(state.acceleration),
+            np.asarray(state.multipliers),
+            state.control,
+        )
+
+    def ended(self, state: FullState) -> FullState:
+        """The state at the end of a step, its controllers at the start of the next one."""
+        if state.control is None:
+            return state
+        control = control_after(self.model, self.border_motion(state))
+        return state._replace(control=ControlStep(control, np.zeros(())))
+
+    def evaluate(self, state: FullState, by_position: float) -> Evaluation:
+        """All residuals at a state; `by_position`, of the step, scales those of the constraints."""
+        motion = self.border_motion(state)
+        terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
+        states, residuals, gaps = [], [], []
+        # Squared norms by term (inertia, internal, applied, joint) and kind (force, moment, deformation).
+        squares = np.zeros((4, 3))
+        unbalanced = np.zeros(3)
+        own_terms = (terms.inertia, terms.internal, terms.applied, terms.joint)
+        for index, part in enumerate(self.model.slices):
+            interior = self.interior_of.get(index)
+            rows = [term[part] for term in own_terms]
+            if interior is not None:
+                inner = self._interior_state(interior, state)
+                forces = interior.forces(inner)
+                own = (forces.inertia, forces.internal, forces.applied, forces.joint)
+                rows = [
+                    np.concatenate([row[:6], interior.interface_rows.T @ row[6:]]) + mine
+                    for row, mine in zip(rows, own, strict=True)
+                ]
+                states.append(inner)
+                residuals.append(np.sum(rows, axis=0))
+                gaps.append(forces.frame_residual)
+            squares += np.array([_squares_by_kind(row) for row in rows])
+            unbalanced += _squares_by_kind(np.sum(rows, axis=0))
+        scale = np.sqrt(squares.max(axis=0))
+        relative = np.sqrt(unbalanced) / np.where(scale > 0, scale, 1.0)
+        of_joints = terms.constraint_residual
+        constraint = self._relative_constraint(state, np.concatenate([of_joints, *gaps]), by_position)
+        return Evaluation(
+            motion,
+            terms,
+            of_joints,
+            tuple(states),
+            tuple(residuals),
+            tuple(gaps),
+            np.append(relative, constraint),
+            np.where(scale > 0, scale, 1.0),
+        )
+
+    def _relative_constraint(self, state: FullState, residual: np.ndarray, by_position: float) -> float:
+        largest = float(np.max(abs(residual), initial=0.0))
+        floor = self.model.length * float(position_rounding(self.model.length, state.configuration.origins))
+        if largest <= floor or by_position == 0:
+            return 0.0
+        accelerations = self.model.length * np.max(abs(state.acceleration) / self.position_scale)
+        return largest / by_position / (accelerations + floor / by_position)
+
+    @cached_property
+    def position_scale(self) -> np.ndarray:
+        """What counts as a large change of each freedom, (n,)."""
+        length = self.model.length
+        parts = []
+        for index, (placed, part) in enumerate(zip(self.system.bodies, self.slices, strict=True)):
+            r = part.stop - part.start - 6
+            scale = length if index in self.interior_of else length * np.sqrt(placed.body.mass)
+            parts += [np.full(3, length), np.ones(3), np.full(r, scale)]
+        return np.concatenate(parts)
+
+    @cached_property
+    def border_scale(self) -> np.ndarray:
+        """As `position_scale`, of the border: translations and rotations of interfaces."""
+        of_frame = [self.model.length] * 3 + [1.0] * 3
+        parts = [self.position_scale[part] for part in self.slices]
+        for index in self.interior_of:
+            part = self.model.slices[index]
+            parts[index] = np.tile(of_frame, (part.stop - part.start) // 6)
+        return np.concatenate(parts)
+
+    def under(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
+        """As if other forces (n of the border) than those evaluated were unbalanced."""
+        interiors = []
+        for interior in self.interiors:
+            own = -forces[self.model.slices[interior.index]]
+            interiors.append(np.concatenate([own[:6], interior.interface_rows.T @ own[6:]]))
+        return evaluation.left_with(-forces, tuple(interiors))
+
+    def residual_of(self, evaluation: Evaluation) -> np.ndarray:
+        """What is unbalanced in all freedoms (n,); of frames the force is global, the moment in body axes."""
+        parts = [evaluation.border.residual[part] for part in self.model.slices]
+        for interior, own in zip(self.interiors, evaluation.interior_residuals, strict=True):
+            parts[interior.index] = own
+        return np.concatenate(parts)
+
+    def norms(self, residual: np.ndarray) -> np.ndarray:
+        """Of forces, moments and deformation in a residual (n,), (3,)."""
+        return np.sqrt(np.sum([_squares_by_kind(residual[part]) for part in self.slices], axis=0))
+
+    def without(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
+        """As if forces (n,) were held back; its relative residual is left as it was."""
+        border = np.concatenate(
+            [
+                np.zeros(part.stop - part.start) if index in self.interior_of else forces[own]
+                for index, (part, own) in enumerate(zip(self.model.slices, self.slices, strict=True))
+            ]
+        )
+        interiors = tuple(
+            residual - forces[self.slices[interior.index]]
+            for interior, residual in zip(self.interiors, evaluation.interior_residuals, strict=True)
+        )
+        terms = evaluation.border._replace(applied=evaluation.border.applied - border)
+        return evaluation._replace(border=terms, interior_residuals=interiors)
+
+    def _interior_state(self, interior: FullInterior, state: FullState) -> InteriorState:
+        part = self.slices[interior.index]
+        velocity, acceleration = state.velocity[part], state.acceleration[part]
+        return InteriorState(
+            rotation=state.configuration.rotations[interior.index],
+            coordinates=state.configuration.coordinates[self.coordinate_slices[interior.index]],
+            rates=velocity[6:],
+            accelerations=acceleration[6:],
+            angular_velocity=velocity[3:6],
+            angular_acceleration=acceleration[3:6],
+            acceleration=acceleration[:3] - np.asarray(self.model.gravity_at(state.time)),
+            frame_multipliers=state.frame_multipliers[self.interiors.index(interior)],
+            time=state.time,
+        )
+
+    def correction(
+        self,
+        evaluation: Evaluation,
+        targets: Targets,
+        increments: np.ndarray,
+        factors: StepFactors,
+    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+        """Solve the bordered system for the change of accelerations, multipliers and frame multipliers.
+
+        targets : what the constraint rows and the frame conditions of each full body must become
+        """
+        turns = self.turns(increments)
+        eliminations = self.eliminated(evaluation.interior_states, turns, factors, FullTangent.serving)
+        return self.correction_behind(eliminations, evaluation, targets, increments, factors)
+
+    def turns(self, increments: np.ndarray) -> np.ndarray:
+        """Rotations of the full bodies' frames among increments (n,), (b, 3)."""
+        return np.array([increments[self.slices[each.index]][3:6] for each in self.interiors])
+
+    def eliminated(
+        self,
+        states: tuple[InteriorState, ...],
+        turns: np.ndarray,
+        factors: StepFactors,
+        factor: Callable[[FullTangent, TangentPoint], Factored],
+    ) -> tuple[Elimination, ...]:
+        """Every interior eliminated, by the `factor` of its tangent."""
+        return tuple(
+            interior.eliminate(state, turn, factors, factor(interior.tangent, tangent_point(state, factors)))
+            for interior, state, turn in zip(self.interiors, states, turns, strict=True)
+        )
+
+    def correction_behind(
+        self,
+        eliminations: tuple[Elimination, ...],
+        evaluation: Evaluation,
+        targets: Targets,
+        increments: np.ndarray,
+        factors: StepFactors,
+    ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+        """As `correction`, with interiors that are eliminated already."""
+        model = self.model
+        matrix, rows, rows_by_increment = (
+            np.asarray(x)
+            for x in _border_matrices(
+                model,
+                evaluation.border_motion,
+                evaluation.border.linearization,
+                self.to_border(increments),
+                StepFactors(*map(np.float64, factors)),
+            )
+        )
+        joint_targets, frame_targets = targets
+        border = Border(
+            matrix, rows, rows_by_increment, evaluation.border.residual, joint_targets, float(model.mass)
+        )
+        behind = [
+            EliminatedInterior(
+                model.slices[interior.index],
+                elimination.loaded(residual[6:], state.rotation),
+                residual[:6],
+                frame_target,
+            )
+            for interior, elimination, residual, state, frame_target in zip(
+                self.interiors,
+                eliminations,
+                evaluation.interior_residuals,
+                evaluation.interior_states,
+                frame_targets,
+                strict=True,
+            )
+        ]
+        change = solve_bordered(border, behind)
+        parts = [change.border[part] for part in model.slices]
+        for interior, own in zip(self.interiors, change.interiors, strict=True):
+            parts[interior.index] = np.concatenate([parts[interior.index][:6], own])
+        return np.concatenate(parts), change.multipliers, change.frame_multipliers
+
+    def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
+        """Constraints and their derivatives, for the velocities of the compiled part."""
+        border = self.border_configuration(configuration)
+        at = jnp.asarray(float(time))
+        return JointTerms(
+            *map(np.asarray, joint_terms(self.model, at, border, jnp.asarray(self.to_border(velocity))))
+        )
+
+    def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
+        """One: rows are judged by the motions of the interfaces, which here have no mass of their own."""
+        return np.eye(self.model.n_velocities)
+
+    def frame_masses(self, configuration: Configuration) -> np.ndarray:
+        """Of full bodies node by node, of the others from the compiled equations."""
+        border = np.asarray(_mass_matrix(self.model.bodies_alone, self.border_configuration(configuration)))
+        masses = np.array([border[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
+        at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
+        for interior in self.interiors:
+            masses[interior.index] = interior.frame_mass(self._interior_state(interior, at_rest))
+        return masses
+
+    def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
+        """Of full bodies node by node, of the others from the compiled equations."""
+        border = self.to_border(velocity)
+        masses = np.asarray(_mass_matrix(self.model.bodies_alone, self.border_configuration(configuration)))
+        products = border * (masses @ border)
+        energies = np.array([products[part].sum() / 2 for part in self.model.slices])
+        state = self.state_at(0.0, configuration, velocity)
+        for interior in self.interiors:
+            moving = velocity[self.slices[interior.index]][:3]
+            energies[interior.index] = interior.kinetic_energy(self._interior_state(interior, state), moving)
+        return energies
+
+    def least_change(
+        self,
+        configuration: Configuration,
+        velocity: np.ndarray,
+        terms: JointTerms,  # noqa: ARG002 - the border finds them again
+        joint_residual: np.ndarray,
+    ) -> np.ndarray:
+        """`M x + G^T y + D^T z = 0`, `G x = - residual`, `D x = - D velocity` of every full body."""
+        drifts = tuple(
+            -interior.frame_rows @ velocity[self._coordinates(interior)] for interior in self.interiors
+        )
+        ((change, _),) = self._pushed(configuration, [(-joint_residual, drifts)])
+        return change
+
+    def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
+        """The multipliers of `least_change` for a unit of each equation."""
+        none = tuple(np.zeros(6) for _ in self.interiors)
+        units = -np.eye(len(terms.residual))
+        return np.array([own for _, own in self._pushed(configuration, [(unit, none) for unit in units])])
+
+    def _pushed(
+        self, configuration: Configuration, targets: Sequence[Targets]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Motions (n,) that joints alone give to bodies at rest, and their multipliers, for each target."""
+        still = self.evaluate(self.state_at(0.0, configuration, np.zeros(self.n)), 0.0)
+        balanced = still.left_with(
+            np.zeros_like(still.border.inertia), tuple(np.zeros_like(r) for r in still.interior_residuals)
+        )
+        none, factors = np.zeros(self.n), StepFactors(0.0, 0.0)
+        eliminations = self.eliminated(
+            balanced.interior_states, self.turns(none), factors, FullTangent.serving
+        )
+        return [
+            self.correction_behind(eliminations, balanced, target, none, factors)[:2] for target in targets
+        ]
+
+    def _coordinates(self, interior: FullInterior) -> slice:
+        """Where the coordinates of a full body stand in the velocities."""
+        part = self.slices[interior.index]
+        return slice(part.start + 6, part.stop)
+
+    def check_frames(self, configuration: Configuration) -> None:
+        """Raise ModelError for an initial deformation that moves a body's frame."""
+        for interior in self.interiors:
+            moved = interior.frame_rows @ configuration.coordinates[self.coordinate_slices[interior.index]]
+            if np.max(abs(moved)) > 1e-9 * self.model.length:
+                raise ModelError(
+                    f"the initial deformation of body '{interior.full.name}' moves its frame by "
+                    f"{np.max(abs(moved)):.3g}: subtract the rigid motion (frame_projector) first"
+                )
+
+    def state_at(self, time: float, configuration: Configuration, velocity: np.ndarray) -> FullState:
+        """A state without accelerations and multipliers, its controllers as they begin."""
+        none = np.zeros(self.n)
+        control = fresh_control(self.system)
+        return FullState(
+            float(time),
+            configuration,
+            velocity,
+            none,
+            none,
+            np.zeros(len(self.model.active)),
+            tuple(np.zeros(6) for _ in self.interiors),
+            None if control is None else ControlStep(control, np.zeros(())),
+        )
+
+    def accelerated(self, state: FullState) -> FullState:
+        """The state with the accelerations and multipliers that belong to its positions and velocities."""
+        bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
+        none = tuple(np.zeros(6) for _ in self.interiors)
+        still, targets = np.zeros(self.n), (-bias, none)
+
+        def answered(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
+            at = self.evaluate(state._replace(multipliers=carried), 0.0)
+            change, more, frames = self.correction(at, targets, still, StepFactors(0.0, 0.0))
+            return change, carried + more, frames
+
+        acceleration, multipliers, frame_multipliers = found = answered(np.zeros(len(bias)))
+        if self.model.reads_reactions:
+            acceleration, multipliers, frame_multipliers = settled_reactions(answered, found)
+        return state._replace(
+            acceleration=acceleration,
+            auxiliary=acceleration,
+            multipliers=multipliers,
+            frame_multipliers=frame_multipliers,
+        )
+
+
+_mass_matrix = jax.jit(mass_matrix, compiler_options=STARTING)
+_rotations_exp = jax.jit(jax.vmap(rotation_exp))
+
+
+def _slices(sizes: list[int]) -> tuple[slice, ...]:
+    ends = np.cumsum([0, *sizes])
+    return tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
+
+
+def _squares_by_kind(row: np.ndarray) -> np.ndarray:
+    """Squared norms of forces, moments and deformation forces of one body's row (6 + r,)."""
+    return np.array([row[:3] @ row[:3], row[3:6] @ row[3:6], row[6:] @ row[6:]])

@@ -1,0 +1,219 @@
+"""The tangent of a full body's own equations: its entries on one sparse pattern, and its factors.
+
+With the step's factors `b'` by position and `g'` by velocity,
+
+    S = M + g' (C + beta K_mat(q)) + b' K(q) + g' w_i G_i + b' (dw_i E_i + w_i w_j Z_ij)
+
+Mass, stiffness, damping and centrifugal terms are symmetric, the gyroscopic ones `G_i` skew, and the `E_i` of
+the angular acceleration are neither. The symmetric part has an L D L^T factor on an analysis that is made
+once; the whole takes an L U factor, two to three times the work.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from supple.algebra.low_rank_update import LowRankUpdate
+from supple.algebra.sparse_factor import SparseFactor, factorize_general, factorize_symmetric
+from supple.body.full_body import FullBody
+from supple.equations.full_inertia import FullInertia
+from supple.integrate import StepFactors
+from supple.methods.floating.full.full_damping import FullDamping
+
+__all__ = ["LARGEST_TURN", "Factored", "FullTangent", "TangentPoint", "full_tangent"]
+
+LARGEST_TURN = 0.02
+"""Change of angular velocity times step up to which a linear body's factor is kept: Newton's contraction."""
+
+SYMMETRIC = ("mass", "euler", "centrifugal")
+"""Inertia matrices with a symmetric part."""
+
+
+class TangentPoint(NamedTuple):
+    """What the tangent depends on."""
+
+    coordinates: np.ndarray
+    angular_velocity: np.ndarray
+    angular_acceleration: np.ndarray
+    factors: StepFactors
+
+
+class Factored(NamedTuple):
+    """A factored tangent, and its responses to interface forces and multipliers."""
+
+    factor: SparseFactor | LowRankUpdate
+    responses: np.ndarray
+    """(n, 6 p + 6)"""
+
+
+@dataclass(eq=False)
+class _FactorCache:
+    """The last factored tangent of a linear body.
+
+    It changes with the step and the angular velocity alone, so that one factor serves many instants.
+    """
+
+    _point: TangentPoint | None = field(default=None, init=False)
+    _factored: Factored | None = field(default=None, init=False)
+
+    def serving(self, point: TangentPoint) -> Factored | None:
+        """The last factor, where Newton's iteration still converges fast with it."""
+        last = self._point
+        if last is None:
+            return None
+        (position, velocity), (kept_position, kept_velocity) = point.factors, last.factors
+        same_step = np.isclose(velocity, kept_velocity, rtol=1e-9) and np.isclose(
+            position, kept_position, rtol=1e-9, atol=0.0
+        )
+        turned = velocity * np.max(abs(point.angular_velocity - last.angular_velocity))
+        turned += position * np.max(abs(point.angular_acceleration - last.angular_acceleration))
+        return self._factored if same_step and turned <= LARGEST_TURN else None
+
+    def keep(self, point: TangentPoint, factored: Factored) -> None:
+        """Replace the last factor."""
+        self._point, self._factored = point, factored
+
+
+@dataclass(frozen=True, eq=False)
+class FullTangent:
+    """The tangent of one full body; built by `full_tangent`."""
+
+    full: FullBody
+    damping: FullDamping
+    pattern: csc_array
+    """Symmetric."""
+    constant: dict[str, np.ndarray]
+    """Entries on the pattern of the constant matrices: kind to (number, nnz)."""
+    elastic_places: np.ndarray
+    """Where the entries of the nonlinear stiffness stand in the pattern."""
+    couplings: np.ndarray
+    """Loads of interface forces and frame multipliers, `[B^T, D^T]`, (n, 6 p + 6)"""
+    _cache: _FactorCache = field(default_factory=_FactorCache, init=False, repr=False)
+
+    def linear_parts(self, coordinates: np.ndarray, angular_velocity: np.ndarray) -> tuple[csc_array, ...]:
+        """`M`, `C` and `K` of the body in its frame, which turns steadily: no rates, no accelerations."""
+        weights = FullInertia.weights(angular_velocity, np.zeros(3), StepFactors(1.0, 1.0))
+        mass, damping, stiffness = (
+            self.constant[kind][0].copy() for kind in ("mass", "damping", "stiffness")
+        )
+        damping += weights["gyroscopic"] @ self.constant["gyroscopic"]
+        if not self.full.is_linear:
+            material, geometric = self.full.body.assembly.tangent_parts(coordinates)
+            stiffness = np.zeros_like(stiffness)
+            stiffness[self.elastic_places] = material.data + geometric.data
+            damping[self.elastic_places] += self.damping.retardation_time * material.data
+        stiffness += weights["centrifugal"] @ self.constant["centrifugal"]
+        return self._matrix(mass), self._matrix(damping), self._matrix(stiffness)
+
+    def exact(self, point: TangentPoint) -> Factored:
+        """Factor the tangent as it is, unsymmetric."""
+        return self._factored(point, factorize_general(self._matrix(self._data(point, self.constant))))
+
+    def symmetric(self, point: TangentPoint) -> Factored:
+        """Factor its symmetric part, on the analysis that is there."""
+        data = self._data(point, self._symmetric_constant)
+        return self._factored(point, self._analysed.refactorize(self._matrix(data)))
+
+    def serving(self, point: TangentPoint) -> Factored:
+        """As `exact`, but the last factor of a linear body is kept while it serves."""
+        if not self.full.is_linear:
+            return self.exact(point)
+        factored = self._cache.serving(point)
+        if factored is None:
+            factored = self.exact(point)
+            self._cache.keep(point, factored)
+        return factored
+
+    def _factored(self, point: TangentPoint, sparse: SparseFactor) -> Factored:
+        factor = self.damping.with_modes(sparse, point.factors.by_velocity)
+        return Factored(factor, -factor.solve(self.couplings))
+
+    @cached_property
+    def _analysed(self) -> SparseFactor:
+        """A factor of the mass matrix on the pattern, whose symbolic analysis serves every tangent."""
+        return factorize_symmetric(self._matrix(self.constant["mass"][0]))
+
+    @cached_property
+    def _symmetric_constant(self) -> dict[str, np.ndarray]:
+        n = self.pattern.nnz
+        transposed = csc_array(self._matrix(np.arange(n, dtype=float)).T)
+        transposed.sort_indices()
+        order = transposed.data.astype(np.int64)
+        kept = {kind: self.constant[kind] for kind in (*SYMMETRIC, "stiffness", "damping")}
+        return {kind: (entries + entries[:, order]) / 2 for kind, entries in kept.items()}
+
+    def _data(self, point: TangentPoint, constant: dict[str, np.ndarray]) -> np.ndarray:
+        factors = point.factors
+        data = factors.by_velocity * constant["damping"][0]
+        if factors.by_position:
+            self._add_elastic(data, point, constant)
+        weights = FullInertia.weights(point.angular_velocity, point.angular_acceleration, factors)
+        for kind, weight in weights.items():
+            if kind in constant:
+                data += weight @ constant[kind]
+        return data
+
+    def _add_elastic(self, data: np.ndarray, point: TangentPoint, constant: dict[str, np.ndarray]) -> None:
+        """Add the internal force's and the damping's by strain rate, without the change of D(q) with q."""
+        position, velocity = point.factors
+        if self.full.is_linear:
+            data += position * constant["stiffness"][0]
+            return
+        material = 1 + self.damping.retardation_time * velocity / position
+        elastic = self.full.body.assembly.tangent(point.coordinates, material=material).data
+        data[self.elastic_places] += position * elastic
+
+    def _matrix(self, data: np.ndarray) -> csc_array:
+        return csc_array((data, self.pattern.indices, self.pattern.indptr), shape=self.pattern.shape)
+
+
+def full_tangent(
+    full: FullBody, inertia: FullInertia, damping: FullDamping, couplings: np.ndarray
+) -> FullTangent:
+    """Everything of a full body's tangent that does not change from step to step."""
+    body = full.body
+    matrices: dict[str, list[Any]] = {
+        **inertia.matrices,
+        "stiffness": [csc_array(body.stiffness)],
+        "damping": [damping.constant],
+    }
+    elastic = csc_array(body.mass.shape)
+    if not body.is_linear:
+        assembly = body.assembly
+        ones = np.ones(len(assembly.indices))
+        elastic = csc_array((ones, assembly.indices, assembly.indptr), shape=body.mass.shape)
+    # Added as ones, so that entries that happen to vanish at rest keep their place.
+    one_way = sum((abs(matrix) for group in matrices.values() for matrix in group), start=elastic)
+    pattern = csc_array(one_way + one_way.T)
+    pattern.sort_indices()
+    columns = np.repeat(np.arange(body.n), np.diff(elastic.indptr))
+    return FullTangent(
+        full=full,
+        damping=damping,
+        pattern=pattern,
+        constant={
+            kind: np.array([_on_pattern(pattern, matrix) for matrix in group])
+            for kind, group in matrices.items()
+        },
+        elastic_places=_places(pattern, elastic.indices, columns),
+        couplings=couplings,
+    )
+
+
+def _on_pattern(pattern: csc_array, matrix: csc_array) -> np.ndarray:
+    """Entries of a matrix in the places of a pattern that contains it."""
+    data = np.zeros(pattern.nnz)
+    coo = matrix.tocoo()
+    np.add.at(data, _places(pattern, coo.row, coo.col), coo.data)
+    return data
+
+
+def _places(pattern: csc_array, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    n = len(pattern.indptr) - 1
+    of_pattern = np.repeat(np.arange(n, dtype=np.int64), np.diff(pattern.indptr)) * n + pattern.indices
+    return np.searchsorted(of_pattern, columns.astype(np.int64) * n + rows)

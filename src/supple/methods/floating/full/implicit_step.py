@@ -1,0 +1,131 @@
+"""The equations of one implicit step of the full engine: evaluated at an iterate, and solved once."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.equations.step_size import position_rounding
+from supple.integrate import StepRule, Tolerances
+from supple.methods.floating.full.full_state import Evaluation, FullState
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.floating.full.full_tangent import FullTangent
+from supple.methods.floating.full.kept_tangent import KeptTangent, kept_tangent
+from supple.methods.floating.full.predictor import Unknowns
+
+__all__ = ["ImplicitStep", "Iterate", "Stepped"]
+
+
+class Stepped(NamedTuple):
+    """The end of a step, and what it cost."""
+
+    state: FullState
+    relative_residual: np.ndarray
+    converged: bool
+    iterations: int
+    factorizations: int
+    decades: float
+    """Of the residual, gained by all iterations together"""
+    kept: KeptTangent | None
+    """For the next step; None where it shall make its own"""
+
+
+class Iterate(NamedTuple):
+    """Unknowns, and the exact equations there."""
+
+    unknowns: Unknowns
+    state: FullState
+    increments: np.ndarray
+    evaluation: Evaluation
+    reached: bool
+    """Whether the stated tolerance is"""
+    converged: bool
+    """Whether the step's share of it is"""
+    distance: float
+    """Largest relative residual in parts of that share"""
+    moved: float
+    """By the last correction, in parts of the machine; infinite at the first iterate"""
+
+
+class ImplicitStep(NamedTuple):
+    """The equations of one step, and how to solve them once."""
+
+    machine: FullSystem
+    start: FullState
+    h: float
+    rule: StepRule
+    tolerances: Tolerances
+    share: float = 1.0
+    """Of the tolerance, to iterate to"""
+
+    def at(self, unknowns: Unknowns, moved: float = np.inf, *, trusted: bool = False) -> Iterate:
+        """The exact equations at an iterate, which a correction has moved so far.
+
+        trusted : whether what is left to move is no more than that
+        """
+        machine, start, rule = self.machine, self.start, self.rule
+        auxiliary = rule.auxiliary(unknowns.acceleration, start.acceleration, start.auxiliary)
+        increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
+        state = FullState(
+            start.time + self.h,
+            machine.moved(start.configuration, increments),
+            rule.new_velocity(start.velocity, start.auxiliary, auxiliary),
+            unknowns.acceleration,
+            auxiliary,
+            unknowns.multipliers,
+            unknowns.frame_multipliers,
+            start.control and start.control._replace(size=np.asarray(self.h)),
+        )
+        evaluation = machine.evaluate(state, rule.factors.by_position)
+        relative = evaluation.relative_residual
+        rounding = position_rounding(machine.model.length, state.configuration.origins)
+        settled = trusted and moved <= rounding and relative[3] <= 1e-6
+        reached = bool(np.all(relative <= self.tolerances.residual) or settled)
+        distance = float(np.max(relative)) / (self.share * self.tolerances.residual)
+        converged = reached and (distance <= 1 or settled)
+        return Iterate(unknowns, state, increments, evaluation, reached, converged, distance, moved)
+
+    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, trusted: bool) -> Iterate:
+        """The next iterate, by a kept tangent or, where that is None, the exact one of this iterate.
+
+        trusted : as of `at`
+        """
+        machine, by_position = self.machine, self.rule.factors.by_position
+        evaluation, increments = iterate.evaluation, iterate.increments
+        if tangent is None:
+            eliminations = machine.eliminated(
+                evaluation.interior_states, machine.turns(increments), self.rule.factors, FullTangent.exact
+            )
+        else:
+            eliminations = tangent.eliminations
+        change, joint_change, frame_change = machine.correction_behind(
+            eliminations, evaluation, evaluation.closing(by_position), increments, self.rule.factors
+        )
+        old = iterate.unknowns
+        frames = zip(old.frame_multipliers, frame_change, strict=True)
+        unknowns = Unknowns(
+            old.acceleration + change,
+            old.multipliers + joint_change,
+            tuple(before + new for before, new in frames),
+        )
+        moved = float(by_position * np.max(abs(change) / machine.position_scale))
+        return self.at(unknowns, moved, trusted=trusted)
+
+    def tangent(self, iterate: Iterate, *, symmetric: bool) -> KeptTangent:
+        """A tangent at an iterate, factored, to be kept."""
+        turns, states = self.machine.turns(iterate.increments), iterate.evaluation.interior_states
+        return kept_tangent(self.machine, states, turns, self.rule.factors, symmetric=symmetric)
+
+    def ended(self, at: Iterate, began: float, iterations: int, factorizations: int) -> Stepped:
+        """The outcome of an iteration that began at a distance."""
+        known = at.reached and at.distance > 0
+        return Stepped(
+            at.state,
+            at.evaluation.relative_residual,
+            at.reached,
+            iterations,
+            factorizations,
+            float(np.log10(began / at.distance)) if known else 0.0,
+            None,
+        )

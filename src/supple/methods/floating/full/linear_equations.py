@@ -1,0 +1,128 @@
+"""Machines with full bodies, linearised about a steady motion: sparse matrices of all freedoms.
+
+The equations of the border come compiled, `w = B q` for the interfaces of a full body; those of its interior
+stand beside them, coordinate by coordinate, with the six conditions `D q = 0` of its frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
+
+from supple.algebra.cross import cross_matrix
+from supple.equations.control_linearization import LinearControl
+from supple.equations.steady_motion import Turning, linear_equations
+from supple.methods.floating.full.full_interior import FullInterior, InteriorState
+from supple.methods.floating.full.full_state import Evaluation
+from supple.methods.floating.full.full_system import FullSystem
+
+__all__ = ["SparseEquations", "frame_conditions", "full_linear_equations", "to_border"]
+
+
+class SparseEquations(NamedTuple):
+    """`M p'' + (C + W S W^T) p' + K p + A^T l = H z`, `A p = 0`, in axes that turn with the bodies."""
+
+    mass: Any
+    """Sparse (n, n), regular on the motions that the constraints leave free"""
+    damping: Any
+    """Sparse (n, n), with the gyroscopic terms"""
+    damping_columns: np.ndarray
+    """`W` (n, w), of damped modes and of interfaces that damping by mass acts against"""
+    damping_signs: np.ndarray
+    """Diagonal of `S`, (w,), each 1 or -1"""
+    stiffness: Any
+    """Sparse (n, n), with the centrifugal terms and those of the forces that are carried"""
+    constraint: Any
+    """Sparse (m, n): of the joints, and of the frames of full bodies"""
+    interior: np.ndarray
+    """Numbers of the freedoms of full bodies against their frames, but for six that hold each body"""
+    control: LinearControl
+    """States z of controllers"""
+
+    def damped(self, motions: np.ndarray) -> np.ndarray:
+        """`(C + W S W^T) p` of motions (n, k)."""
+        along = self.damping_signs[:, None] * (self.damping_columns.T @ motions)
+        return self.damping @ motions + self.damping_columns @ along
+
+
+def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluation) -> SparseEquations:
+    """The equations of motion, linearised about a state in which every body turns steadily."""
+    border = linear_equations(machine.model, turning, terms.border_motion, terms.border)
+    seen = to_border(machine)
+    states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
+    inner = {each.index: _turning_parts(each, states[each.index]) for each in machine.interiors}
+    mass, damping, stiffness = (
+        csr_array(seen.T @ csr_array(of_border) @ seen)
+        + _by_body(machine, {index: parts[number] for index, parts in inner.items()})
+        for number, of_border in enumerate((border.mass, border.damping, border.stiffness))
+    )
+    columns = {each.index: _behind_frame(each.damping.columns.T).T for each in machine.interiors}
+    signs = {each.index: each.damping.signs for each in machine.interiors}
+    return SparseEquations(
+        mass=csr_array((mass + mass.T) / 2),
+        damping=damping,
+        damping_columns=_by_body(machine, columns, square=False).toarray(),
+        damping_signs=np.concatenate([signs[index] for index in sorted(signs)]),
+        stiffness=stiffness,
+        constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, frame_conditions(machine)])),
+        interior=np.concatenate([_interior(machine, each) for each in machine.interiors]),
+        control=border.control.along(seen),
+    )
+
+
+def _turning_parts(interior: FullInterior, state: InteriorState) -> tuple[Any, Any, Any]:
+    """`M`, `C` and `K` (6 + n, 6 + n) of one full body, seen in its axes, which turn along."""
+    mass, damping, stiffness = interior.linear_parts(state)
+    if not state.angular_velocity.any():
+        return mass, damping, stiffness
+    spin, n = cross_matrix(state.angular_velocity), 6 + interior.full.n_coordinates
+    frame = csr_array(block_diag([spin, spin, csr_array((n - 6, n - 6))]))
+    translation = csr_array(block_diag([spin, csr_array((n - 3, n - 3))]))
+    return (
+        mass,
+        damping + mass @ (frame + translation),
+        stiffness + damping @ frame + mass @ translation @ frame,
+    )
+
+
+def to_border(machine: FullSystem) -> csr_array:
+    """From all freedoms to those of the border: interfaces move with the coordinates of their bodies."""
+    interfaces = {
+        each.index: csr_array(block_diag([eye_array(6), each.interface_rows])) for each in machine.interiors
+    }
+    return csr_array(
+        block_diag(
+            [
+                interfaces.get(index, eye_array(part.stop - part.start))
+                for index, part in enumerate(machine.slices)
+            ]
+        )
+    )
+
+
+def frame_conditions(machine: FullSystem) -> csr_array:
+    """`D` of all full bodies, (6 b, n)."""
+    rows = {each.index: _behind_frame(each.frame_rows).T for each in machine.interiors}
+    return csr_array(_by_body(machine, rows, square=False).T)
+
+
+def _behind_frame(rows: np.ndarray) -> csr_array:
+    """Rows for the coordinates of a full body, (k, 6 + n)."""
+    return csr_array(hstack([csr_array((len(rows), 6)), csr_array(rows)]))
+
+
+def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = True) -> csr_array:
+    """Matrices of some bodies where their freedoms stand, zero elsewhere."""
+    sizes = [part.stop - part.start for part in machine.slices]
+    blocks = [parts.get(i, csr_array((size, size if square else 0))) for i, size in enumerate(sizes)]
+    return csr_array(block_diag(blocks))
+
+
+def _interior(machine: FullSystem, interior: FullInterior) -> np.ndarray:
+    """Numbers of a full body's coordinates among all freedoms, without those that hold its rigid motion."""
+    start = machine.slices[interior.index].start + 6
+    body = interior.full.body
+    return start + np.setdiff1d(np.arange(body.n), body.grounded_stiffness.springs)

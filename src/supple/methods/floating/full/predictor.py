@@ -1,0 +1,67 @@
+"""Where the iteration of a step starts: accelerations and multipliers, extrapolated along a line."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.methods.floating.full.full_state import FullState
+from supple.methods.floating.full.full_system import FullSystem
+
+__all__ = ["Earlier", "Unknowns", "earlier_numbers", "earlier_of", "predicted", "unknowns_of"]
+
+
+class Unknowns(NamedTuple):
+    """What the iteration looks for."""
+
+    acceleration: np.ndarray
+    multipliers: np.ndarray
+    frame_multipliers: tuple[np.ndarray, ...]
+
+
+class Earlier(NamedTuple):
+    """Unknowns at the start of the last step, and its size."""
+
+    unknowns: Unknowns
+    step: float
+
+
+def unknowns_of(state: FullState) -> Unknowns:
+    """Those of a state."""
+    return Unknowns(state.acceleration, state.multipliers, state.frame_multipliers)
+
+
+def predicted(state: FullState, earlier: Earlier | None, h: float) -> Unknowns:
+    """Unknowns at the end of a step of size h: `x_1 + (h / h_0) (x_1 - x_0)`, or those of its start."""
+    now = unknowns_of(state)
+    if earlier is None:
+        return now
+    before, ratio = earlier.unknowns, h / earlier.step
+    frames = zip(now.frame_multipliers, before.frame_multipliers, strict=True)
+    return Unknowns(
+        now.acceleration + ratio * (now.acceleration - before.acceleration),
+        now.multipliers + ratio * (now.multipliers - before.multipliers),
+        tuple(own + ratio * (own - old) for own, old in frames),
+    )
+
+
+def earlier_numbers(machine: FullSystem, earlier: Earlier | None) -> np.ndarray:
+    """`Earlier` as one row of numbers; NaN where there is none."""
+    if earlier is None:
+        return np.full(_size(machine), np.nan)
+    acceleration, multipliers, frames = earlier.unknowns
+    return np.concatenate([[earlier.step], acceleration, multipliers, *frames])
+
+
+def earlier_of(machine: FullSystem, numbers: np.ndarray) -> Earlier | None:
+    """What `earlier_numbers` describes."""
+    if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
+        return None
+    m = len(machine.model.active)
+    acceleration, multipliers, frames = np.split(numbers[1:], [machine.n, machine.n + m])
+    return Earlier(Unknowns(acceleration, multipliers, tuple(frames.reshape(-1, 6))), float(numbers[0]))
+
+
+def _size(machine: FullSystem) -> int:
+    return 1 + machine.n + len(machine.model.active) + 6 * len(machine.interiors)

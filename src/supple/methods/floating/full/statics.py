@@ -1,0 +1,201 @@
+"""Machines with full bodies at rest, or turning steadily."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from supple.algebra.bordered_factor import BorderedFactor, bordered_factor
+from supple.equations.configuration import Configuration
+from supple.equations.control_force import resting_control
+from supple.equations.control_linearization import control_at_rest, unrest
+from supple.equations.joint_force import constraint_rows
+from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
+from supple.equations.steady_motion import Turning, turning_velocities, work_of_turning
+from supple.methods.floating.full.full_state import Evaluation, FullState
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.floating.full.linear_equations import (
+    SparseEquations,
+    frame_conditions,
+    full_linear_equations,
+    to_border,
+)
+
+__all__ = ["FullStatics"]
+
+
+@dataclass(frozen=True, eq=False)
+class FullStatics:
+    """A `StaticMachine` by sparse bordered steps.
+
+    Their tangent is that of `full_linear_equations`: frames change their velocities with their places,
+    without which a machine that turns faster than it vibrates would not be found.
+    """
+
+    machine: FullSystem
+    turning: Turning | None = None
+    """None for machines at rest"""
+    held: np.ndarray | None = None
+    """Forces (n,) that are held back"""
+
+    def at_rest(self) -> FullStatics:
+        """The machine without its spin."""
+        return replace(self, turning=None)
+
+    def eased(self, share: float, held: np.ndarray) -> FullStatics:
+        """The machine at a share of its spin's rate, with forces (n,) held back."""
+        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+
+    def residual(self, state: StaticState, time: float) -> np.ndarray:
+        """What is unbalanced in all freedoms, (n,)."""
+        terms, _ = self.unbalance(state, time).terms
+        return self.machine.residual_of(terms)
+
+    def unbalance(self, state: StaticState, time: float) -> Unbalance:
+        """The residuals at rest."""
+        terms = self.machine.evaluate(self._still(state, time), 0.0)
+        if self.held is not None:
+            terms = self.machine.without(terms, self.held)
+        gaps = [terms.constraint_residual, *terms.frame_residuals]
+        gap = float(np.max(abs(np.concatenate(gaps)), initial=0.0)) / float(self.machine.model.length)
+        length = float(self.machine.model.length)
+        works = np.array([length, 1.0, length])
+        largest, left = (
+            works * terms.largest_terms,
+            works * self.machine.norms(self.machine.residual_of(terms)),
+        )
+        relative = left / np.maximum(largest, ROUND_OFF * largest.max())
+        model, motion = self.machine.model, terms.border_motion
+        control = control_at_rest(model, motion)
+        scale = self.machine.border_scale
+        restless = unrest(self.machine.system, control, scale, motion.velocity, state.control)
+        return Unbalance(relative, gap, (terms, control), restless)
+
+    def linear_equations(self, state: StaticState, time: float) -> SparseEquations:
+        """The equations of motion, linearised about a state."""
+        terms, _ = self.unbalance(state, time).terms
+        return self._linear(terms)
+
+    def correction(
+        self,
+        state: StaticState,  # noqa: ARG002 - the terms say all
+        time: float,  # noqa: ARG002
+        unbalance: Unbalance,
+        k: float,
+    ) -> StaticCorrection:
+        """One implicit step of length k."""
+        return self.tangent(unbalance, k).correction(unbalance)
+
+    def tangent(self, unbalance: Unbalance, k: float) -> StaticTangent:
+        """The factored tangent of an implicit step of length k.
+
+        Raises AccuracyError where it is singular.
+        """
+        equations = self._linear(unbalance.terms[0])
+        matrix = equations.stiffness + equations.mass / k
+        factor = bordered_factor(matrix, equations.constraint, equations.interior)
+        pushed = equations.control.forces
+        none = np.zeros((equations.constraint.shape[0], pushed.shape[1]))
+        motions, forces = factor.solve_with_multipliers(pushed, none)
+        return StaticTangent(self.machine, equations, factor, motions, forces, k)
+
+    def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
+        """The configuration after an increment (n,)."""
+        return self.machine.moved(configuration, increment)
+
+    def bodies_at(self, configuration: Configuration) -> Configuration:
+        """The same."""
+        return configuration
+
+    @property
+    def position_scale(self) -> np.ndarray:
+        """What counts as a large change of each freedom, (n,)."""
+        return self.machine.position_scale
+
+    def _linear(self, terms: Evaluation) -> SparseEquations:
+        still = Turning(np.zeros((len(self.machine.slices), 3)), np.zeros(3))
+        return full_linear_equations(self.machine, self.turning or still, terms)
+
+    def _still(self, state: StaticState, time: float) -> FullState:
+        velocity = acceleration = np.zeros(self.machine.n)
+        if self.turning is not None:
+            starts = [part.start for part in self.machine.slices]
+            velocity, acceleration = turning_velocities(
+                self.turning, state.configuration, starts, self.machine.n
+            )
+        multipliers = state.multipliers, state.frame_multipliers
+        control = resting_control(self.machine.model, state.control)
+        return FullState(
+            time, state.configuration, velocity, acceleration, acceleration, *multipliers, control
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class StaticTangent:
+    """`K + M / k` bordered by the joints, factored at one state, for corrections there and nearby.
+
+    motions, forces : (n, c), (m, c)    what each state of a controller causes
+    """
+
+    machine: FullSystem
+    equations: SparseEquations
+    factor: BorderedFactor
+    motions: np.ndarray
+    forces: np.ndarray
+    k: float
+
+    def correction(self, unbalance: Unbalance) -> StaticCorrection:
+        """What balances a state, as far as the tangent goes."""
+        machine, linear, (terms, control) = self.machine, self.equations.control, unbalance.terms
+        rotations = terms.border_motion.configuration.rotations
+        loads = _turned(machine, -machine.residual_of(terms), np.swapaxes(rotations, 1, 2))
+        gaps = -np.concatenate([terms.constraint_residual, *terms.frame_residuals])
+        motion, forces = (
+            part[:, 0] for part in self.factor.solve_with_multipliers(loads[:, None], gaps[:, None])
+        )
+        moved = np.zeros(0)
+        if linear.size:
+            # What the machine answers to each state closes the equations of the states.
+            by_motion = linear.by_position + linear.by_velocity / np.sqrt(self.k)
+            own = np.eye(linear.size) / np.sqrt(self.k) - linear.by_state - by_motion @ self.motions
+            moved = np.linalg.solve(own, control.rates + by_motion @ motion)
+            motion, forces = motion + self.motions @ moved, forces + self.forces @ moved
+        joints, frames = np.split(forces, [len(terms.constraint_residual)])
+        increment = _turned(machine, motion, rotations)
+        climbs = self.factor.negative > self.equations.constraint.shape[0]
+        return StaticCorrection(increment, joints, tuple(frames.reshape(-1, 6)), moved, climbs)
+
+
+def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> np.ndarray:
+    """A vector (n,) with the translations of its frames multiplied by rotations (b, 3, 3)."""
+    turned = vector.copy()
+    for part, rotation in zip(machine.slices, rotations, strict=True):
+        turned[part.start : part.start + 3] = rotation @ vector[part.start : part.start + 3]
+    return turned
+
+
+def carried_state(
+    machine: FullSystem, turning: Turning, time: float, state: StaticState
+) -> tuple[StaticState, float]:
+    """A configuration with multipliers that carry what is unbalanced in it; and what part they cannot."""
+    none = state._replace(
+        multipliers=np.zeros(len(machine.model.active)),
+        frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
+    )
+    found = FullStatics(machine, turning).unbalance(none, time)
+    terms, _ = found.terms
+    weights = machine.position_scale
+    unbalanced = weights * machine.residual_of(terms)
+    joints: Any = csr_array(np.asarray(constraint_rows(machine.model, terms.border.linearization.joints)))
+    rows = vstack([joints @ to_border(machine), frame_conditions(machine)])
+    carried = weights[:, None] * rows.T.toarray()
+    multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
+    size = max(work_of_turning(machine.model, turning), float(np.linalg.norm(unbalanced))) or 1.0
+    left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / size
+    of_joints, of_frames = np.split(multipliers, [joints.shape[0]])
+    frames = tuple(of_frames.reshape(-1, 6))
+    left = max(left, *found.unrest.values(), 0.0)
+    return none._replace(multipliers=of_joints, frame_multipliers=frames), left

@@ -1,0 +1,93 @@
+"""From a body of finite elements to its intrinsic modes, by stations along its load paths."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+
+from supple.arguments import checked_arguments
+from supple.body import Damping, FlexibleBody
+from supple.errors import ModelError
+from supple.methods.intrinsic.condensed_line import condensed_line
+from supple.methods.intrinsic.expansion import hung_on_stations
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
+from supple.methods.intrinsic.intrinsic_modes import intrinsic_modes
+from supple.methods.intrinsic.load_path import StationPlan
+from supple.methods.intrinsic.load_path_tree import load_path_tree
+from supple.methods.intrinsic.lumped_inertia import lumped_inertia
+from supple.methods.intrinsic.root_support import CLAMPED, RootSupport
+
+__all__ = ["condense"]
+
+Array = NDArray[np.float64]
+
+
+@checked_arguments
+def condense(
+    body: FlexibleBody,
+    path: StationPlan,
+    *,
+    support: RootSupport = CLAMPED,
+    n_modes: int | None = None,
+    damping: Damping | None = None,
+) -> IntrinsicBody:
+    """A slender body in its intrinsic modes: any rotation, from the linear model alone.
+
+    Its elements are condensed statically on the stations (Guyan), from one sparse factor; its inertia is
+    lumped there, with mass, first and second moments exact; the modes of the two, on the support of the root,
+    are what it moves in.
+
+        K Psi + B^T mu = 0,   B Psi = 1,   K_a = Psi^T K Psi
+
+    Parameters
+    ----------
+    body : FlexibleBody     shells, solids or beams
+    path : LoadPath("root", "tip", n_stations=40), LoadPaths of several, or NodeSetPath
+    support : RootSupport   CLAMPED, also where a joint prescribes the motion of the root; FREE, BALL,
+                            hinged(axis), sliding(axis): what the joint of the machine leaves to the root
+    n_modes : int           lowest elastic ones, to which second-order modes are added; all when omitted
+    damping : ModalDamping | RayleighDamping | None
+
+    Raises
+    ------
+    ModelError      no elements; stations that no mesh carries; and as `intrinsic_modes`
+    Source: [Wang2015] section 3; [Guyan1965].
+    """
+    if body.model is None:
+        raise ModelError(
+            f"body '{body.name}' is made of matrices, which do not say where its mass is: give "
+            "condensed_line the matrices of its stations instead"
+        )
+    interfaces, parents = path.stations(body)
+    points = np.array([interface.position for interface in interfaces])
+    tree = load_path_tree(points, parents)
+    rows = sparse.csr_array(sparse.vstack([interface.motion for interface in interfaces]))
+    shapes, stiffness = _statics(body, rows)
+    line = condensed_line(
+        body.name,
+        points,
+        stiffness,
+        linalg.block_diag(*lumped_inertia(tree, body.model)),
+        parents=parents,
+    )
+    modes = intrinsic_modes(line, support)
+    elastic = modes.velocities[..., modes.n_rigid :]
+    nodal = body.expansion @ (shapes @ elastic.reshape(6 * line.n, -1))
+    expansion = hung_on_stations(
+        tree, body.nodes, nodal.reshape(len(body.nodes), body.dofs_per_node, -1), elastic
+    )
+    names = {interface.name: number for number, interface in enumerate(interfaces)}
+    names |= {f"station {number}": number for number in range(line.n)}
+    whole = IntrinsicBody(modes, expansion, names, damping)
+    return whole if n_modes is None else whole.truncated(n_modes)
+
+
+def _statics(body: FlexibleBody, rows: sparse.csr_array) -> tuple[Array, Array]:
+    """Static shapes Psi (n, 6 s) of unit motions of the stations, and their stiffness."""
+    unit = np.eye(rows.indptr.size - 1)
+    if len(unit) == body.n:  # stations that hold every freedom leave nothing to statics
+        shapes = np.linalg.solve(rows.toarray(), unit)
+        return shapes, shapes.T @ (body.stiffness @ shapes)
+    shapes, forces = body.constrained(rows).solve_with_multipliers(values=unit)
+    return shapes, -0.5 * (forces + forces.T)

@@ -1,0 +1,201 @@
+"""The engine of intrinsic bodies: their modes marched by an explicit, a residual or an implicit rule."""
+
+from __future__ import annotations
+
+import time as clock
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.errors import ModelError
+from supple.integrate import (
+    FixedStep,
+    GeneralizedAlpha,
+    Leg,
+    ResidualRungeKutta4,
+    Run,
+    RungeKutta4,
+    Solution,
+    Statistics,
+    leg_size,
+)
+from supple.machine import System
+from supple.methods.intrinsic.chosen_step import with_chosen_step
+from supple.methods.intrinsic.full_leg import full_leg
+from supple.methods.intrinsic.joined_engine import ITERATED, JoinedEngine
+from supple.methods.intrinsic.line_march import LineRule, MarchState, first_march_state, march_lines
+from supple.methods.intrinsic.line_model import LineState
+from supple.methods.intrinsic.line_system import LineSystem
+from supple.methods.intrinsic.machine_of_lines import MachineOfLines, machine_of_lines
+from supple.methods.intrinsic.root_reaction import reactions
+from supple.methods.intrinsic.stable_step import check_stable
+from supple.methods.intrinsic.supported_root import is_joined
+
+__all__ = ["IntrinsicEngine", "intrinsic_engine"]
+
+
+def intrinsic_engine(system: System, run: Run) -> IntrinsicEngine | JoinedEngine:
+    """The engine of a machine with intrinsic bodies; the joined one unless the ground alone holds roots."""
+    return JoinedEngine(system, run) if is_joined(system) else IntrinsicEngine(system, run)
+
+
+def line_rule(run: Run) -> LineRule:
+    """The step rule of a run; ModelError for one that intrinsic bodies do not take."""
+    if isinstance(run.method, RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha):
+        return run.method
+    raise ModelError(
+        f"intrinsic bodies do not take {type(run.method).__name__}: give RungeKutta4(), "
+        "ResidualRungeKutta4(n_kept) or GeneralizedAlpha(rho_inf), which keeps the energy with rho_inf = 1"
+    )
+
+
+_NAMES = ("q1", "q2", "quaternion", "position")
+"""Parts of a line's state that are kept to go on from."""
+
+
+class IntrinsicEngine:
+    """An `Engine` of machines whose bodies are intrinsic; `MarchState` is its state."""
+
+    def __init__(self, system: System, run: Run) -> None:
+        self._system = system
+        self.rule = line_rule(run)
+        self._run = run = with_chosen_step(system, run)
+        if not isinstance(run.step_control, FixedStep):
+            raise ModelError(
+                "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
+            )
+        self._machine: MachineOfLines = machine_of_lines(system, run.start)
+        step = float(run.times[1] - run.times[0])
+        self.n_steps = max(1, int(np.ceil(step / run.step_control.size * (1 - 1e-9))))
+        check_stable(self._machine, self.rule, step / self.n_steps)
+        self._length = leg_size(len(run.times))
+
+    @property
+    def lines(self) -> LineSystem:
+        """The machine as compiled code takes it."""
+        return self._machine.lines
+
+    @property
+    def tolerance(self) -> float:
+        """To which implicit steps are solved."""
+        return ITERATED * self._run.tolerances.residual
+
+    def start(self, time: float) -> MarchState:
+        """The bodies as they are placed; residual modes where they rest."""
+        begun = first_march_state(self._machine.lines, self.rule, time, self._machine.start)
+        # Of NumPy's types as all later states: JAX would compile once more for numbers of Python's.
+        return jax.tree.map(np.asarray, begun)
+
+    def resumed(self, last: Solution) -> MarchState:
+        """The state at the end of a recorded part, exact."""
+        known = last.engine_state
+        states = tuple(
+            LineState(*(jnp.asarray(known[f"{number} {name}"]) for name in _NAMES))
+            for number in range(len(self._machine.start))
+        )
+        return MarchState(
+            jnp.asarray(float(last.times[-1])),
+            states,
+            jnp.asarray(known["rates"]),
+            jnp.asarray(float(known["worst"])),
+            jnp.asarray(int(known["iterations"])),
+        )
+
+    def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
+        """To each of the output times, in one call of the compiled program."""
+        began = clock.perf_counter()
+        # A short leg repeats its end, where steps have no length.
+        reached = march_lines(
+            self.lines,
+            state,
+            full_leg(times, self._length),
+            rule=self.rule,
+            n_steps=self.n_steps,
+            tolerance=self.tolerance,
+            max_iterations=self._run.tolerances.max_iterations,
+        )
+        return self.leg(state, jax.device_get(reached), times, clock.perf_counter() - began)
+
+    def leg(
+        self, state: MarchState, reached: MarchState, times: np.ndarray, seconds: float
+    ) -> Leg[MarchState]:
+        """What a march from a state reached (leading axis: time), judged; it may go on beyond the times."""
+        good = self._good(reached)[: len(times)]
+        n_reached = len(times) if good.all() else int(np.argmin(good))
+        stopped = None if good.all() else self._why(reached, n_reached)
+        last = jax.tree.map(lambda leaf: jnp.asarray(leaf[max(n_reached, 1) - 1]), reached)
+        moving = int(np.count_nonzero(np.diff(times, prepend=float(state.time))))
+        return Leg(
+            states=jax.tree.map(lambda leaf: leaf[:n_reached], reached),
+            n_reached=n_reached,
+            last=last,
+            statistics=Statistics(
+                steps=moving * self.n_steps,
+                iterations=int(last.iterations - state.iterations),
+                seconds=seconds,
+            ),
+            stopped=stopped,
+        )
+
+    def _limit(self) -> float:
+        match self.rule:
+            case ResidualRungeKutta4():
+                return self.rule.largest_contraction
+            case GeneralizedAlpha():
+                return 10 * self._run.tolerances.residual
+            case _:
+                return np.inf
+
+    def _good(self, reached: MarchState) -> np.ndarray:
+        sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(reached.states)]
+        return np.isfinite(np.sum(sizes, axis=0)) & (np.asarray(reached.worst) <= self._limit())
+
+    def _why(self, reached: MarchState, number: int) -> str:
+        when = f"before t = {float(reached.time[number]):.6g}"
+        worst = float(reached.worst[number])
+        match self.rule:
+            case ResidualRungeKutta4(n_kept=n):
+                return (
+                    f"the residual modes were not found {when}: their search contracts by {worst:.3g} a "
+                    f"sweep (at most {self.rule.largest_contraction:g}). Keep more modes than {n} (n_kept)"
+                )
+            case GeneralizedAlpha():
+                return (
+                    f"a step did not converge {when}: relative residual {worst:.2g}. Take shorter steps than "
+                    f"{self._run.step_control.first:g}, or allow more iterations (Tolerances)"
+                )
+            case _:
+                return (
+                    f"the motion grew beyond all numbers {when}: take shorter steps than "
+                    f"{self._run.step_control.first:g}, for large strains raise the frequencies, or "
+                    "GeneralizedAlpha, which is stable at any step"
+                )
+
+    def solution(self, leg: Leg[MarchState]) -> Solution:
+        """The motion of a leg, and the forces of the joints from the balance of their bodies."""
+        states: MarchState = leg.states
+        times = np.asarray(states.time)
+        filled = full_leg((times, states.states), self._length)
+        found, rates = jax.device_get(reactions(self._machine.lines, *filled))
+        rates = [rate[: len(times)] for rate in rates]
+        motions = self._machine.motions(times, states.states, rates)
+        last = leg.last
+        kept = {
+            f"{number} {name}": np.asarray(getattr(state, name))
+            for number, state in enumerate(last.states)
+            for name in _NAMES
+        }
+        return Solution(
+            times=times,
+            bodies=motions,
+            joint_forces=self._machine.joint_forces(found[: len(times)], motions),
+            statistics=leg.statistics,
+            engine_state=kept
+            | {
+                "rates": np.asarray(last.rates),
+                "worst": np.asarray(float(last.worst)),
+                "iterations": np.asarray(float(last.iterations)),
+            },
+            multipliers={joint.name: np.zeros((len(times), 0)) for joint in self._system.joints},
+        )

@@ -1,0 +1,92 @@
+"""Expansion: the nodes of a body carried by the stations of its line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra import read_only
+from supple.methods.intrinsic.load_path_tree import LoadPathTree
+
+__all__ = ["Expansion", "expansion_of_stations", "hung_on_stations", "shares_of_stations"]
+
+Array = NDArray[np.float64]
+
+AT_ONCE = 2**22
+"""Numbers of distances held at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Expansion:
+    """How N nodes move with n stations: rigidly with two of them by shares, and bent between by the strains.
+
+        r_a = sum_i w_ai (r_i + R_i (X_a - X_i + D_a gamma))
+
+    D gamma is what the static shapes of the condensation add to rigid motion: sections that warp, the curve
+    of a coarse segment.
+
+    nodes : (N, 3)              at rest, m
+    stations, weights : (N, 2)  by which each is carried; weights add up to one
+    modes : (N, d, e)           displacement of the nodal freedoms by elastic amplitude, d = 3 or 6; the first
+                                three components minus the rigid part are D
+    warping : (N, 3, e)         D
+    """
+
+    nodes: Array
+    stations: NDArray[np.intp] = field(repr=False)
+    weights: Array = field(repr=False)
+    modes: Array = field(repr=False)
+    warping: Array = field(repr=False)
+
+    def arms(self, tree: LoadPathTree) -> Array:
+        """(N, 2, 3) from the stations to the nodes at rest."""
+        return self.nodes[:, None] - tree.points[self.stations]
+
+
+def expansion_of_stations(tree: LoadPathTree, velocities: Array) -> Expansion:
+    """The stations themselves as nodes; velocities (n, 6, e) are those of the elastic modes."""
+    own = np.repeat(np.arange(tree.n)[:, None], 2, axis=1)
+    weights = np.tile([1.0, 0.0], (tree.n, 1))
+    return Expansion(tree.points, own, weights, velocities, np.zeros((tree.n, 3, velocities.shape[2])))
+
+
+def hung_on_stations(tree: LoadPathTree, nodes: Array, nodal_modes: Array, station_modes: Array) -> Expansion:
+    """Nodes carried by the two stations of the nearest segment, by where along it they lie.
+
+    nodal_modes : (N, d, e)     linear displacement of the nodes in elastic modes
+    station_modes : (n, 6, e)   of the stations in the same modes
+    """
+    stations, weights = shares_of_stations(tree, nodes)
+    arms = nodes[:, None] - tree.points[stations]
+    rigid = np.zeros((len(nodes), 3, station_modes.shape[2]))
+    for end in range(2):  # one end at a time: large meshes
+        moved = station_modes[stations[:, end]]
+        shift = moved[:, :3] + np.cross(moved[:, 3:], arms[:, end, :, None], axis=1)
+        rigid += weights[:, end, None, None] * shift
+    return Expansion(
+        read_only(nodes),
+        stations,
+        read_only(weights),
+        read_only(nodal_modes),
+        read_only(nodal_modes[:, :3] - rigid),
+    )
+
+
+def shares_of_stations(tree: LoadPathTree, points: Array) -> tuple[NDArray[np.intp], Array]:
+    """The two stations (N, 2) beside each point, its shares (N, 2): linear along a segment."""
+    if tree.n == 1:
+        return np.zeros((len(points), 2), dtype=np.intp), np.tile([1.0, 0.0], (len(points), 1))
+    start, direction, length = tree.points[tree.inner], tree.directions, tree.lengths
+    nearest = np.empty(len(points), dtype=np.intp)
+    size = max(1, AT_ONCE // (3 * len(length)))
+    for first in range(0, len(points), size):
+        arms = points[first : first + size, None] - start
+        along = np.clip(np.einsum("psi,si->ps", arms, direction), 0, length)
+        off = arms - along[..., None] * direction
+        nearest[first : first + size] = np.einsum("psi,psi->ps", off, off).argmin(axis=1)
+    along = np.einsum("pi,pi->p", points - start[nearest], direction[nearest])
+    share = np.clip(along / length[nearest], 0, 1)
+    stations = np.column_stack([tree.inner[nearest], nearest + 1])
+    return stations, np.column_stack([1 - share, share])

@@ -1,0 +1,158 @@
+"""A condensed line from files of another program: Nastran's analysis set (ASET), or any labelled matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.arguments import checked_arguments
+from supple.body.labelled_superelement import NodalMatrices, nodal_matrices
+from supple.errors import ModelError
+from supple.importers import (
+    LabelledMatrix,
+    MatrixRole,
+    NodeTable,
+    freedom_name,
+    numbers_of,
+    read_labelled_matrix,
+    read_nodes,
+)
+from supple.methods.intrinsic.condensed_line import CondensedLine, clamped_line, condensed_line
+from supple.methods.intrinsic.load_path_tree import ROOT
+
+__all__ = ["read_condensed_line"]
+
+IntArray = NDArray[np.int64]
+
+COMPONENTS = np.arange(1, 7)
+
+
+@checked_arguments
+def read_condensed_line(
+    name: str,
+    *,
+    nodes: str | Path,
+    stiffness: str | Path,
+    mass: str | Path,
+    paths: Sequence[Sequence[int]] | None = None,
+    stiffness_name: str | None = None,
+    mass_name: str | None = None,
+    root_mass: ArrayLike | None = None,
+) -> CondensedLine:
+    """The line of a condensation that another program made, its grids being the stations.
+
+    Nastran condenses on the ASET and writes the result by EXTSEOUT, as DMIG (KAAX, MAAX), or by OUTPUT4 (KAA,
+    MAA). Displacements along the grids' own systems (CD) are turned to the global axes.
+
+    Parameters
+    ----------
+    nodes : bulk data file with GRID and ASET (.bdf ..), Abaqus .inp, or HDF5
+    stiffness, mass : DMIG .pch, OUTPUT4 .op4, HDF5, Abaqus .mtx, CalculiX .sti and .mas
+    paths : grid ids from the root outwards; each path after the first begins at a grid of one before. None:
+        all grids of the matrices in the order of their cards, one hanging on the other
+    stiffness_name, mass_name : where a file holds several matrices (DMIG, OUTPUT4)
+    root_mass : (6, 6)  of a first grid that the matrices lack, because it was clamped; zero if omitted
+
+    Raises
+    ------
+    ImportFormatError   files that cannot be read, matrices that are not symmetric
+    ModelError          grids of the matrices that are on no path, and the reverse; fewer than six freedoms of
+                        a grid; paths that do not hang together; whatever `condensed_line` refuses
+    Source: [Wang2015] (20); [Guyan1965].
+    """
+    table = read_nodes(nodes)
+    K = read_labelled_matrix(stiffness, MatrixRole.STIFFNESS, table, name=stiffness_name)
+    M = read_labelled_matrix(mass, MatrixRole.MASS, table, name=mass_name)
+    _check_freedoms(name, K, M)
+    matrices = nodal_matrices(table, K, M)
+    stations, parents = _tree(name, [matrices.node_ids.tolist()] if paths is None else paths)
+    points = _points(name, table, stations)
+    held = int(stations[0]) not in matrices.node_ids
+    rows = _rows(name, matrices, stations[1:] if held else stations)
+    stiff, inert = (each.toarray()[np.ix_(rows, rows)] for each in (matrices.stiffness, matrices.mass))
+    try:
+        if held:
+            return clamped_line(name, points, stiff, inert, parents=parents, root_mass=root_mass)
+        if root_mass is not None:
+            raise ModelError(
+                f"line '{name}': the matrices hold grid {stations[0]}, its root, and so its mass: leave "
+                "root_mass out"
+            )
+        return condensed_line(name, points, stiff, inert, parents=parents)
+    except ModelError as error:
+        clamped = "" if held else "; where the root was clamped, begin paths at its grid, which no matrix has"
+        raise ModelError(f"{error} (read from {K.source}{clamped})") from error
+
+
+def _check_freedoms(name: str, stiffness: LabelledMatrix, mass: LabelledMatrix) -> None:
+    """ModelError unless both matrices have all six freedoms of the same grids, a massless one excepted."""
+    grids = np.unique(stiffness.freedoms[:, 0])
+    known = np.isin(COMPONENTS + 10 * grids[:, None], stiffness.freedoms @ [10, 1])
+    short = np.flatnonzero(~known.all(axis=1))
+    if short.size:
+        has = "".join(map(str, COMPONENTS[known[short[0]]]))
+        raise ModelError(
+            f"line '{name}': grid {grids[short[0]]} has freedoms {has} in {stiffness.source}; a station has "
+            "all six: put components 123456 of every station into the ASET, and give rotations stiffness"
+        )
+    strange = ~np.isin(mass.freedoms[:, 0], grids)
+    if strange.any():
+        place = freedom_name(*mass.freedoms[strange][0])
+        raise ModelError(
+            f"line '{name}': {mass.source} has a mass for {place}, which {stiffness.source} does not know: "
+            "export both from one condensation"
+        )
+
+
+def _tree(name: str, paths: Sequence[Sequence[int]]) -> tuple[IntArray, IntArray]:
+    """Grid ids of the stations, the root first, and the number of the station that each hangs on."""
+    number: dict[int, int] = {}
+    parents: list[int] = []
+    for rank, path in enumerate(paths):
+        if len(path) < 2:
+            raise ModelError(f"line '{name}': a load path has two grids at least, not {path}")
+        if rank and path[0] not in number:
+            raise ModelError(
+                f"line '{name}': a load path begins at grid {path[0]}, which no path before it reaches: "
+                "begin it where it branches off"
+            )
+        for before, grid in zip([None, *path], path, strict=False):
+            if before is None and rank:
+                continue
+            if grid in number:
+                raise ModelError(
+                    f"line '{name}': grid {grid} is reached twice: load paths form a tree; cut the loop"
+                )
+            parents.append(ROOT if before is None else number[before])
+            number[grid] = len(number)
+    return np.array(list(number), dtype=np.int64), np.array(parents)
+
+
+def _points(name: str, table: NodeTable, stations: IntArray) -> NDArray[np.float64]:
+    number, known = numbers_of(table.ids, stations)
+    if not known.all():
+        raise ModelError(
+            f"line '{name}': its path names grid {stations[~known][0]}, which {table.source} does not define"
+        )
+    return table.positions[number]
+
+
+def _rows(name: str, matrices: NodalMatrices, stations: IntArray) -> IntArray:
+    """Rows of the stations' freedoms in the matrices."""
+    missing = stations[~np.isin(stations, matrices.node_ids)]
+    if missing.size:
+        raise ModelError(
+            f"line '{name}': grid {missing[0]} of its path is in no matrix of {matrices.source}: put it into "
+            "the ASET; the root alone may be missing, where it was clamped"
+        )
+    beside = matrices.node_ids[~np.isin(matrices.node_ids, stations)]
+    if beside.size:
+        raise ModelError(
+            f"line '{name}': grid {beside[0]} of {matrices.source} is on no load path ({beside.size} such in "
+            "all): add it to a path, or leave it out of the ASET, so that it is condensed"
+        )
+    number, _ = numbers_of(matrices.node_ids, stations)
+    return (6 * number[:, None] + np.arange(6)).ravel()

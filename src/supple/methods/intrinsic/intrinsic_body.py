@@ -1,0 +1,347 @@
+"""A slender body in its intrinsic modes, as a machine holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.algebra import read_only
+from supple.body import Damping
+from supple.body.floating_kinematics import node_numbers
+from supple.body.form_defaults import FormDefaults
+from supple.body.interface import UntiedInterface, interface_named
+from supple.body.mass_properties import centre_of_gram
+from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
+from supple.errors import ModelError
+from supple.machine import Placed
+from supple.methods.intrinsic.condensed_line import CondensedLine
+from supple.methods.intrinsic.expansion import Expansion, expansion_of_stations
+from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, intrinsic_modes
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.line_equations import section_forces, section_strains
+from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
+from supple.methods.intrinsic.line_model import LineModel, line_model
+from supple.methods.intrinsic.root_support import RootSupport
+from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
+from supple.methods.intrinsic.station_motion import StationMotion, station_motion
+from supple.methods.intrinsic.strain_integration import Places, station_places
+
+__all__ = ["IntrinsicBody", "intrinsic_body"]
+
+Array = NDArray[np.float64]
+
+ROOM = 2**22
+"""Numbers of positions computed at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Station(UntiedInterface):
+    """An interface at a station.
+
+    position : (3,)     in the body's axes
+    motion : (6, e)     of the elastic modes, linear
+    number : int        of the station
+    """
+
+    name: str
+    position: Array
+    motion: Array
+    number: int
+
+
+@dataclass(frozen=True, eq=False)
+class IntrinsicBody(FormDefaults):
+    """A slender body that turns and bends by any angle, from its linear modes; build it with `intrinsic_body`
+    or `condense`.
+
+    modes : IntrinsicModes          on the support of its root
+    expansion : Expansion           its nodes
+    stations : name -> number       interfaces
+    damping : Damping | None        ModalDamping or RayleighDamping
+    complete : IntrinsicBody | None     the same body with all its modes; None where this is it
+    supported : IntrinsicBody | None    of a released body: the same modes on the support of its root
+    """
+
+    modes: IntrinsicModes
+    expansion: Expansion = field(repr=False)
+    stations: Mapping[str, int] = field(repr=False)
+    damping: Damping | None = None
+    complete: IntrinsicBody | None = field(default=None, repr=False)
+    supported: IntrinsicBody | None = field(default=None, repr=False)
+
+    @property
+    def name(self) -> str:
+        """Name of the body."""
+        return self.line.name
+
+    @property
+    def kind(self) -> Literal["intrinsic"]:
+        """Intrinsic."""
+        return "intrinsic"
+
+    @property
+    def line(self) -> CondensedLine:
+        """Its stiffness and mass on stations."""
+        return self.modes.line
+
+    @property
+    def support(self) -> RootSupport:
+        """What its root may do."""
+        return self.modes.support
+
+    @property
+    def mass(self) -> float:
+        """Of the whole body, kg."""
+        return self.line.total_mass
+
+    @property
+    def centre_of_mass(self) -> Array:
+        """(3,) undeformed, in the mesh axes, m."""
+        rigid = self.line.twists
+        return self.line.tree.points[0] + centre_of_gram(rigid.T @ self.line.mass @ rigid)
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of elastic modes, those of second order included."""
+        return self.modes.n_elastic
+
+    @property
+    def nodes(self) -> Array:
+        """(N, 3) rest positions: those of the mesh, or the stations."""
+        return self.expansion.nodes
+
+    @property
+    def interfaces(self) -> tuple[Station, ...]:
+        """Its named stations."""
+        points = self.line.tree.points
+        motions = self.modes.velocities[..., self.modes.n_rigid :]
+        return tuple(Station(name, points[i], motions[i], i) for name, i in self.stations.items())
+
+    def interface(self, name: str) -> Station:
+        """The station of that name; ModelError names the nearest, or those there are."""
+        return interface_named(self.name, name, self.interfaces)
+
+    @cached_property
+    def model(self) -> LineModel:
+        """The arrays of its equations."""
+        return line_model(self.modes, self.damping)
+
+    @property
+    def dofs_per_node(self) -> int:
+        """Freedoms of a node."""
+        return self.expansion.modes.shape[1]
+
+    @property
+    def has_linear_strains(self) -> bool:
+        """True: stress is that of the static shapes that carry its section loads."""
+        return True
+
+    def nodal_fields(
+        self, coordinates: Array, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[Array, None]:
+        """Linear displacements (N d, t) of elastic amplitudes (t, e), into which strains alone enter."""
+        return self.expansion.modes.reshape(-1, self.n_coordinates)[freedoms] @ coordinates.T, None
+
+    def truncated(self, n_modes: int) -> IntrinsicBody:
+        """The same body with its lowest elastic modes, and the second-order modes that belong to them.
+
+        Raises ModelError for more than there are.
+        """
+        whole = self.complete or self
+        if not 0 < n_modes <= whole.n_coordinates:
+            raise ModelError(
+                f"body '{self.name}': {n_modes} elastic modes asked for; it has "
+                f"{whole.n_coordinates} with mass"
+            )
+        shapes = second_order_shapes(whole.modes, n_modes)
+        if shapes.shape[1] == whole.n_coordinates:
+            return whole
+        expansion = replace(
+            whole.expansion,
+            modes=read_only(whole.expansion.modes @ shapes),
+            warping=read_only(whole.expansion.warping @ shapes),
+        )
+        modes = completed_modes(whole.modes, shapes, n_modes)
+        return replace(whole, modes=modes, expansion=expansion, complete=whole)
+
+    def forces_of(self, coordinates: ArrayLike) -> Array:
+        """Amplitudes q_2 (..., e) of the internal forces of elastic amplitudes (..., e)."""
+        return -np.asarray(coordinates) * self.modes.omega[self.modes.n_rigid :]
+
+    def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> Array:
+        """Linear displacements (..., k, 3) of elastic amplitudes (..., e), the root as it is supported."""
+        return np.einsum("nie,...e->...ni", self.expansion.modes[nodes, :3], np.asarray(coordinates))
+
+    def expand_rates(
+        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
+    ) -> Array:
+        """Their rates (..., k, 3)."""
+        return self.expand(rates, nodes)
+
+    def places(self, motion: IntrinsicMotion) -> tuple[Array, Array]:
+        """Rotations (t, n, 3, 3) and positions (t, n, 3) of the stations in space."""
+        root = motion.position + np.einsum("tij,j->ti", motion.rotation, self.line.tree.points[0])
+        found = _places(self.model, self.forces_of(motion.coordinates), motion.rotation, root)
+        return np.asarray(found.rotations), np.asarray(found.positions)
+
+    def positions(self, motion: IntrinsicMotion, nodes: ArrayLike | slice = slice(None)) -> Array:
+        """Positions (t, k, 3) in space of some nodes, or all, by `Expansion`."""
+        given = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
+        chosen = np.arange(len(self.nodes))[given]
+        arms, own = self.expansion.arms(self.line.tree)[chosen], self.expansion.stations[chosen]
+        weights, warping = self.expansion.weights[chosen], self.expansion.warping[chosen]
+        rotations, positions = self.places(motion)
+        rows = max(1, ROOM // (18 * max(len(chosen), 1)))
+        result = np.empty((len(positions), len(chosen), 3))
+        for first in range(0, len(positions), rows):
+            part = slice(first, first + rows)
+            bent = np.einsum("nie,te->tni", warping, motion.coordinates[part])
+            moved = positions[part][:, own] + np.einsum(
+                "tnwij,tnwj->tnwi", rotations[part][:, own], arms + bent[:, :, None]
+            )
+            result[part] = np.einsum("nw,tnwi->tni", weights, moved)
+        return result
+
+    def station_motion(self, motion: IntrinsicMotion) -> StationMotion:
+        """Places, velocities and accelerations of the stations in space."""
+        return station_motion(
+            self.model, self.line.tree.points[0], self.forces_of(motion.coordinates), motion
+        )
+
+    def node_motion(self, motion: IntrinsicMotion, nodes: ArrayLike) -> NodeMotion:
+        """Positions, velocities and accelerations (t, k, 3) of some nodes in space, by `Expansion`.
+
+        Accelerations are nan where the motion does not have them.
+        """
+        chosen = node_numbers(nodes, len(self.nodes))
+        own, weights = self.expansion.stations[chosen], self.expansion.weights[chosen]
+        warping, arms = self.expansion.warping[chosen], self.expansion.arms(self.line.tree)[chosen]
+        known = self.station_motion(motion)
+        omega = self.modes.omega[self.modes.n_rigid :]
+        place, rate, second = (
+            np.einsum("nie,te->tni", warping, q)[:, :, None]
+            for q in (motion.coordinates, -known.strain_rates / omega, -known.strain_accelerations / omega)
+        )
+        place = place + arms
+
+        def carried(places: Places, *terms: tuple[Places, Array]) -> Array:
+            moved = places.positions[:, own]
+            for by, local in terms:
+                moved = moved + np.einsum("tnwij,tnwj->tnwi", by.rotations[:, own], local)
+            return np.einsum("nw,tnwi->tni", weights, moved)
+
+        A, dA, ddA = known.places, known.velocities, known.accelerations
+        return NodeMotion(
+            self.positions(motion, chosen),
+            carried(dA, (dA, place), (A, rate)),
+            carried(ddA, (ddA, place), (dA, 2 * rate), (A, second)),
+        )
+
+    def interface_motion(self, motion: IntrinsicMotion, name: str) -> InterfaceMotion:
+        """Pose, velocities and acceleration (t, ...) of a named station in space."""
+        number = self.interface(name).number
+        known = self.station_motion(motion)
+
+        def there(places: Places) -> tuple[Array, Array]:
+            return np.asarray(places.positions[:, number]), np.asarray(places.rotations[:, number])
+
+        (position, rotation), (velocity, turning) = there(known.places), there(known.velocities)
+        spin = turning @ rotation.transpose(0, 2, 1)
+        angular = np.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], axis=1)
+        return InterfaceMotion(position, rotation, velocity, there(known.accelerations)[0], angular)
+
+    def freedoms(self, q2: Array) -> LineFreedoms:
+        """Its small motions with strains q_2 (e,)."""
+        return line_freedoms(self.model, self.support, self.line.tree.points[0], q2)
+
+    def motion_near(
+        self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
+    ) -> IntrinsicMotion:
+        """Instants displaced by p (t, 6 + e), at rates p' (t, 6 + e) as at p = 0."""
+        frames = frames_near(position, rotation, displacement, rates)
+        amplitudes = self.freedoms(self.forces_of(coordinates)).amplitudes(rates)
+        still = np.zeros_like(frames[2]), np.zeros_like(frames[2]), np.zeros_like(amplitudes)
+        return IntrinsicMotion(
+            *frames[:2], coordinates + displacement[:, 6:], *frames[2:], amplitudes, *still
+        )
+
+    def section_loads(self, motion: IntrinsicMotion) -> Array:
+        """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
+
+        Where there is RayleighDamping, the elastic part.
+        """
+        q2 = self.forces_of(motion.coordinates)
+        return np.asarray(jax.vmap(lambda q: section_forces(self.model, q))(jnp.asarray(q2)))
+
+    def section_strains(self, motion: IntrinsicMotion) -> Array:
+        """Strains and curvatures (t, n - 1, 6) of the segments, along material axes."""
+        q2 = self.forces_of(motion.coordinates)
+        return np.asarray(jax.vmap(lambda q: section_strains(self.model, q))(jnp.asarray(q2)))
+
+    @property
+    def is_linear(self) -> bool:
+        """False: its equations are quadratic."""
+        return False
+
+    @property
+    def rotation_limit(self) -> float:
+        """None: any rotation."""
+        return np.inf
+
+    def lowest_frequency(self) -> float:
+        """Of the elastic modes on its support, rad/s; infinite where nothing deforms."""
+        return float(self.modes.frequencies.min(initial=np.inf))
+
+
+def body_of(placed: Placed) -> IntrinsicBody:
+    """The intrinsic body that is placed; ModelError for another form."""
+    body = placed.body
+    if not isinstance(body, IntrinsicBody):
+        raise ModelError(
+            f"body '{body.name}' is {body.kind}, and only intrinsic bodies are looked at without a march: "
+            "simulate, which takes bodies of both kinds, with damping where rest is wanted"
+        )
+    return body
+
+
+@jax.jit
+def _places(model: LineModel, q2: Any, rotations: Any, positions: Any) -> Any:
+    return jax.vmap(lambda *now: station_places(model, *now))(q2, rotations, positions)
+
+
+def intrinsic_body(
+    line: CondensedLine,
+    support: RootSupport,
+    n_modes: int | None = None,
+    *,
+    stations: Mapping[str, int] | None = None,
+    damping: Damping | None = None,
+) -> IntrinsicBody:
+    """A body whose nodes are the stations of a line.
+
+    Parameters
+    ----------
+    n_modes : int       lowest elastic ones, to which second-order modes are added; all when omitted
+    stations : name -> number   interfaces; "root", and "tip" of a line without branches, are always there
+
+    Raises ModelError for a station that there is not, and as `intrinsic_modes`.
+    """
+    modes = intrinsic_modes(line, support)
+    ends = {"root": 0} | ({"tip": line.n - 1} if line.tree.is_chain and line.n > 1 else {})
+    named = ends | dict(stations or {})
+    for name, number in named.items():
+        if not 0 <= number < line.n:
+            raise ModelError(
+                f"body '{line.name}': interface '{name}' is at station {number}; stations are 0 to "
+                f"{line.n - 1}"
+            )
+    expansion = expansion_of_stations(line.tree, read_only(modes.velocities[..., modes.n_rigid :]))
+    whole = IntrinsicBody(modes, expansion, named, damping)
+    return whole if n_modes is None else whole.truncated(n_modes)

@@ -1,0 +1,244 @@
+"""Linear modes of a condensed line as functions along it: velocities, momenta, internal forces, strains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.algebra import read_only
+from supple.errors import AccuracyError, ModelError
+from supple.methods.intrinsic.condensed_line import CondensedLine
+from supple.methods.intrinsic.load_path_tree import LoadPathTree
+from supple.methods.intrinsic.root_support import RootSupport
+from supple.methods.intrinsic.station_mass import mass_factor
+
+__all__ = ["IntrinsicModes", "intrinsic_modes"]
+
+Array = NDArray[np.float64]
+
+LARGEST_DEFECT = 1e-8
+"""Of orthonormality: more is not round-off."""
+
+
+@dataclass(frozen=True, eq=False)
+class IntrinsicModes:
+    """The modes that a line moves in: k rigid ones, which have no strain, then e elastic ones.
+
+    All components are along axes that turn with the material and are the global ones at rest; so the line has
+    no initial curvature, and its tangents t_i differ from segment to segment. With mass-normal modes Phi_a of
+    (K_a - w_j^2 M_a) Phi_a = 0, whose root moves as the support allows,
+
+        Phi_1 = Phi_a at stations,           M Phi_1
+        Phi_2 = -1/w_j sum over the stations outboard of [F_k; M_k + (r_k - r_i+1/2) x F_k],
+                [F; M] = w_j^2 M_a Phi_a
+        C Phi_2 = 1/w_j (-Delta Phi_1 / Delta s + E^T mean Phi_1),    E^T [v; w] = [-t x w; 0]
+
+    at the middles of segments. Rigid modes have w = 0 and no Phi_2. Grams are the identity on the grid:
+    Phi_1^T M Phi_1 = 1, Phi_2^T (C Phi_2) ds = 1.
+
+    line : CondensedLine
+    support : RootSupport
+    omega : (k + e,)            rad/s, ascending; exactly zero for rigid modes
+    velocities : (n, 6, k + e)  Phi_1
+    momenta : (n, 6, k + e)     M Phi_1
+    forces : (n - 1, 6, e)      Phi_2
+    strains : (n - 1, 6, e)     C Phi_2
+    n_second_order : int        of the elastic ones, the last: Ritz vectors of second-order motion
+    """
+
+    line: CondensedLine
+    support: RootSupport
+    omega: Array
+    velocities: Array = field(repr=False)
+    momenta: Array = field(repr=False)
+    forces: Array = field(repr=False)
+    strains: Array = field(repr=False)
+    n_second_order: int = 0
+
+    @property
+    def n_modes(self) -> int:
+        """All modes, k + e."""
+        return len(self.omega)
+
+    @property
+    def n_rigid(self) -> int:
+        """Rigid modes, k."""
+        return self.n_modes - self.forces.shape[2]
+
+    @property
+    def n_elastic(self) -> int:
+        """Elastic modes, e."""
+        return self.forces.shape[2]
+
+    @property
+    def frequencies(self) -> Array:
+        """Elastic eigenfrequencies of the line on its support, rad/s: without the second-order modes'."""
+        return self.omega[self.n_rigid : self.n_modes - self.n_second_order]
+
+    @cached_property
+    def orthonormality(self) -> tuple[float, float]:
+        """Largest defects of the Gram matrices of Phi_1 and of Phi_2."""
+        m, e = self.n_modes, self.n_elastic
+        first = self.velocities.reshape(-1, m).T @ self.momenta.reshape(-1, m)
+        weighted = self.forces * self.line.tree.lengths[:, None, None]
+        second = weighted.reshape(-1, e).T @ self.strains.reshape(-1, e)
+        return _defect(first), _defect(second)
+
+    def truncated(self, n_modes: int) -> IntrinsicModes:
+        """The lowest modes alone; ModelError for fewer than the rigid ones, or more than there are."""
+        if not self.n_rigid <= n_modes <= self.n_modes or n_modes == 0:
+            raise ModelError(
+                f"line '{self.line.name}': {n_modes} modes asked for; it has {self.n_modes}, of which "
+                f"{self.n_rigid} are rigid and cannot be left out"
+            )
+        e = n_modes - self.n_rigid
+        return IntrinsicModes(
+            self.line,
+            self.support,
+            self.omega[:n_modes],
+            self.velocities[..., :n_modes],
+            self.momenta[..., :n_modes],
+            self.forces[..., :e],
+            self.strains[..., :e],
+        )
+
+
+def intrinsic_modes(line: CondensedLine, support: RootSupport, n_modes: int | None = None) -> IntrinsicModes:
+    """The lowest modes of a line on a support.
+
+    Rigid motion comes from geometry, so that no frequency is compared with zero. The elastic modes are those
+    of the flexibility in the scale of the masses, F^T K^-1 F with M = F F^T: freedoms without mass follow,
+    and the lowest modes are the most accurate ones.
+
+    Parameters
+    ----------
+    n_modes : int       rigid and elastic ones together; all that have mass when omitted
+
+    Raises
+    ------
+    ModelError      more modes than freedoms with mass; a root that is free but moves no mass
+    AccuracyError   modes that are not orthonormal to 1e-8: what to look for
+    Source: [Wang2015] (26)-(35), with the sign of (35) and the scale of the modes corrected.
+    """
+    R, Phi, omega = _normal_modes(line, support)
+    if n_modes is not None:
+        available = R.shape[1] + Phi.shape[1]
+        if not max(R.shape[1], 1) <= n_modes <= available:
+            raise ModelError(
+                f"line '{line.name}': {n_modes} modes asked for; it has {available} with mass, of which "
+                f"{R.shape[1]} are rigid and cannot be left out"
+            )
+        Phi, omega = Phi[:, : n_modes - R.shape[1]], omega[: n_modes - R.shape[1]]
+    all_modes = np.hstack([R, Phi])
+    momenta = line.mass @ all_modes
+    e = Phi.shape[1]
+    forces, strains = _section_modes(
+        line.tree, Phi.reshape(line.n, 6, e), momenta[:, R.shape[1] :].reshape(line.n, 6, e), omega
+    )
+    return checked_modes(
+        IntrinsicModes(
+            line=line,
+            support=support,
+            omega=read_only(np.append(np.zeros(R.shape[1]), omega)),
+            velocities=read_only(all_modes.reshape(line.n, 6, -1)),
+            momenta=read_only(momenta.reshape(line.n, 6, -1)),
+            forces=read_only(forces),
+            strains=read_only(strains),
+        )
+    )
+
+
+def checked_modes(modes: IntrinsicModes) -> IntrinsicModes:
+    """The same modes; AccuracyError where they are not orthonormal to 1e-8: what to look for."""
+    first, second = modes.orthonormality
+    if not max(first, second) < LARGEST_DEFECT:
+        omega = modes.omega[modes.n_rigid :]
+        raise AccuracyError(
+            f"line '{modes.line.name}': its modes are orthonormal to {first:.1e} (velocities) and "
+            f"{second:.1e} (forces) only, over frequencies from {omega.min(initial=np.inf):.3g} to "
+            f"{omega.max(initial=0):.3g} rad/s: ask for fewer modes (n_modes), or mend masses that are "
+            "tiny beside the others"
+        )
+    return modes
+
+
+def _normal_modes(line: CondensedLine, support: RootSupport) -> tuple[Array, Array, Array]:
+    """Rigid modes (6 n, k), elastic ones (6 n, e), mass-normal, and their frequencies (e,)."""
+    k = support.free.shape[1]
+    length = float(line.tree.lengths.mean()) if line.n > 1 else 1.0
+    # The root moves along its free twists alone: x = T z.
+    T = np.asarray(linalg.block_diag(support.free, np.eye(6 * line.n - 6)))
+    K, M = T.T @ line.stiffness @ T, T.T @ line.mass @ T
+    F = T.T @ mass_factor(line.mass, length)
+    R = np.vstack([np.eye(k), (line.twists @ support.free)[6:]])
+    if k:
+        gram = R.T @ M @ R
+        scale = np.sqrt(np.diag(gram))
+        if not np.all(scale > 0) or np.linalg.cond(gram / np.outer(scale, scale)) > 1e12:
+            raise ModelError(
+                f"line '{line.name}': its root is free to move in a way in which no mass moves: give the "
+                "stations their inertia"
+            )
+        R = linalg.solve_triangular(np.linalg.cholesky(gram), R.T, lower=True).T
+    # Rigid motion gets a stiffness, of the size of the elastic one, so that K has an inverse.
+    momentum = M @ R
+    square = np.sum(momentum**2, axis=0)
+    shift = np.trace(K) / max(len(K), 1) / np.where(square > 0, square, 1.0)
+    K_held = K + (momentum * shift) @ momentum.T
+    D = 1 / np.sqrt(np.diag(K_held))
+    try:
+        factor = linalg.cho_factor(K_held * np.outer(D, D), lower=True)
+    except linalg.LinAlgError as error:
+        raise ModelError(
+            f"line '{line.name}': its stiffness leaves more than the motions of its root free ({error}): a "
+            "station hangs loose, or turns without resistance"
+        ) from error
+    flexible = D[:, None] * np.asarray(linalg.cho_solve(factor, D[:, None] * F))
+    rigid_part = np.linalg.qr(F.T @ R)[0] if k else np.zeros((F.shape[1], 0))
+    G = F.T @ flexible
+    G = G - rigid_part @ (rigid_part.T @ G)
+    G = G - (G @ rigid_part) @ rigid_part.T
+    values, y = np.linalg.eigh(0.5 * (G + G.T))
+    e = np.linalg.matrix_rank(F) - k
+    y = y[:, ::-1][:, :e]
+    values = values[::-1][:e]
+    Phi = flexible @ y / values
+    Phi = _mass_orthonormal(np.hstack([R, Phi]), M)[:, k:]
+    omega = np.sqrt(np.einsum("ij,ij->j", Phi, K @ Phi))
+    order = np.argsort(omega, kind="stable")
+    Phi, omega = Phi[:, order], omega[order]
+    largest = np.abs(Phi).argmax(axis=0)
+    Phi = Phi * np.sign(Phi[largest, np.arange(e)])  # one sign, whatever the solver's
+    return T @ R, T @ Phi, omega
+
+
+def _mass_orthonormal(columns: Array, M: Array) -> Array:
+    """The same spans of leading columns, mass-orthonormal: Cholesky's QR, three times for round-off."""
+    for _ in range(3):
+        L = np.linalg.cholesky(columns.T @ M @ columns)
+        columns = np.asarray(linalg.solve_triangular(L, columns.T, lower=True)).T
+    return columns
+
+
+def _section_modes(tree: LoadPathTree, Phi: Array, momenta: Array, omega: Array) -> tuple[Array, Array]:
+    """Phi_2 and C Phi_2 at the middles of the segments, (n - 1, 6, e) each."""
+    e = Phi.shape[2]
+    force = -omega * momenta
+    about_origin = force.copy()
+    about_origin[:, 3:] += np.cross(tree.points[:, :, None], force[:, :3], axis=1)
+    outboard = tree.outboard_sums(about_origin.reshape(tree.n, -1)).reshape(tree.n, 6, e)[1:]
+    forces = outboard.copy()
+    forces[:, 3:] -= np.cross(tree.middles[:, :, None], outboard[:, :3], axis=1)
+
+    outer, inner = Phi[1:], Phi[tree.inner]
+    strains = -(outer - inner) / tree.lengths[:, None, None]
+    strains[:, :3] -= np.cross(tree.directions[:, :, None], 0.5 * (outer + inner)[:, 3:], axis=1)
+    return forces, strains / np.where(omega > 0, omega, 1.0)
+
+
+def _defect(gram: Array) -> float:
+    return float(np.abs(gram - np.eye(len(gram))).max(initial=0.0))

@@ -1,0 +1,222 @@
+"""The engine of machines in which joints connect intrinsic bodies with each other and with others."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import replace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.checks.start import report_start
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import ControlState, SystemMotion
+from supple.equations.control_start import first_control, fresh_control
+from supple.equations.sampling import sampling_of
+from supple.errors import ModelError
+from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
+from supple.machine import System
+from supple.methods.intrinsic.chosen_step import with_chosen_step
+from supple.methods.intrinsic.full_leg import full_leg
+from supple.methods.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
+from supple.methods.intrinsic.joined_equations import Instant, Motion, all_velocities
+from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
+from supple.methods.intrinsic.joined_solution import joined_solution
+from supple.methods.intrinsic.joined_start import instant_rates, joined_start
+from supple.methods.intrinsic.joined_step import JoinedState, joined_step
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["ITERATED", "JoinedEngine"]
+
+ITERATED = 1e-4
+"""Of the run's tolerance: to what implicit steps are solved, so that the energy shows the rule alone."""
+
+
+class JoinedEngine:
+    """An `Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state."""
+
+    def __init__(self, system: System, run: Run) -> None:
+        run = with_chosen_step(system, run)
+        if not isinstance(run.method, GeneralizedAlpha):
+            raise ModelError(
+                f"joints that connect intrinsic bodies do not take {type(run.method).__name__}: give "
+                "GeneralizedAlpha(rho_inf); explicit rules step bodies whose roots the ground holds"
+            )
+        if not isinstance(run.step_control, FixedStep):
+            raise ModelError(
+                "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
+            )
+        self._run = run
+        self._machine: JoinedMachine = joined_machine(system, run.start)
+        self._arrays = self._machine.arrays
+        self._coefficients = first_order_coefficients(run.method.rho_inf)
+        self._interval = float(run.times[1] - run.times[0])
+        self._step = run.step_control.size
+        self._sampling = sampling_of(self._machine.seen, run)
+        self._length = leg_size(len(run.times)) if self._sampling is None else 1
+
+    def start(self, time: float) -> JoinedState:
+        """Velocities on the joints, consistent rates and joint forces."""
+        self._arrays, begun, change = joined_start(self._machine, time)
+        report_start(change, self._run.validity)
+        # Of NumPy's types as all later instants: JAX would compile once more for numbers of Python's.
+        now = jax.tree.map(np.asarray, begun)
+        control = fresh_control(self._machine.seen)
+        _, rates, forces = self._at(now, control)
+        if control is not None:
+            control = first_control(self._machine.seen, self._arrays.model, self._motion(now, control))
+            _, rates, forces = self._at(now, control)
+        return JoinedState(now, rates, forces, control, jnp.zeros(()), jnp.zeros((), dtype=int))
+
+    def resumed(self, last: Solution) -> JoinedState:
+        """The state at the end of a recorded part, exact."""
+        leaves, structure = jax.tree.flatten(self.start(self._run.start))
+        known = [last.engine_state[f"leaf {number}"] for number in range(len(leaves))]
+        return structure.unflatten(
+            [
+                jnp.asarray(own, dtype=leaf.dtype).reshape(leaf.shape)
+                for own, leaf in zip(known, leaves, strict=True)
+            ]
+        )
+
+    def march(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
+        """To each of the output times, in one call of the compiled program."""
+        if self._sampling is None:
+            return self._leg(state, times)
+        legs: list[Leg[JoinedState]] = []
+        reached: list[JoinedState] = []
+        instants = self._sampling.every
+        between = instants[(instants > float(state.now.time)) & (instants < times[-1])]
+        for stop in np.union1d(between, times):
+            # Called where the march goes on, not in the leg that the start is.
+            goes_on = stop > float(state.now.time)
+            legs.append(self._leg(self._sampled(state) if goes_on else state, np.array([stop])))
+            state = legs[-1].last
+            if legs[-1].stopped is not None:
+                break
+            if stop in times:
+                reached.append(legs[-1].states)
+        known = reached or [legs[-1].states]
+        return replace(
+            legs[-1],
+            states=jax.tree.map(lambda *leaves: np.concatenate(leaves), *known),
+            n_reached=len(reached),
+            statistics=sum((leg.statistics for leg in legs), Statistics()),
+        )
+
+    def _sampled(self, state: JoinedState) -> JoinedState:
+        """After calling the sampled controllers that are due, with rates that belong to them."""
+        assert self._sampling is not None
+        now = jax.tree.map(np.asarray, state.now)
+        control = self._sampling.called(self._arrays.model, self._motion(now, state.control), state.control)
+        if control is None:
+            return state
+        _, rates, forces = self._at(now, control)
+        return state._replace(rates=rates, multipliers=forces, control=control)
+
+    def _leg(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
+        began = clock.perf_counter()
+        # A short leg repeats its end, where steps have no length.
+        tolerances = self._run.tolerances
+        interval = self._interval if self._sampling is None else float(times[0] - state.now.time)
+        n_steps = max(1, int(np.ceil(interval / self._step * (1 - 1e-9))))
+        reached = _march(
+            self._arrays,
+            state,
+            full_leg(times, self._length),
+            self._coefficients,
+            ITERATED * tolerances.residual,
+            n_steps,
+            tolerances.max_iterations,
+        )
+        reached = jax.device_get(reached)
+        good = self._good(reached)[: len(times)]
+        n_reached = len(times) if good.all() else int(np.argmin(good))
+        moving = int(np.count_nonzero(np.diff(times, prepend=float(state.now.time))))
+        last = jax.tree.map(lambda leaf: jnp.asarray(leaf[max(n_reached, 1) - 1]), reached)
+        return Leg(
+            states=jax.tree.map(lambda leaf: leaf[:n_reached], reached),
+            n_reached=n_reached,
+            last=last,
+            statistics=Statistics(
+                steps=moving * n_steps,
+                iterations=int(last.iterations - state.iterations),
+                seconds=clock.perf_counter() - began,
+            ),
+            stopped=None if good.all() else self._why(reached, n_reached),
+        )
+
+    def _good(self, reached: JoinedState) -> np.ndarray:
+        sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(reached.now)]
+        return np.isfinite(np.sum(sizes, axis=0)) & (reached.worst <= 10 * self._run.tolerances.residual)
+
+    def _why(self, reached: JoinedState, number: int) -> str:
+        return (
+            f"a step did not converge before t = {float(reached.now.time[number]):.6g}: relative residual "
+            f"{float(reached.worst[number]):.2g}. Take shorter steps than {self._run.step_control.first:g}, "
+            "allow more iterations (Tolerances), or look for a singular position of the joints"
+        )
+
+    def _outputs(self, now: Instant, control: ControlState | None) -> tuple[Any, Motion, Any]:
+        """Velocities of the model's bodies, rates and multipliers at instants."""
+        n = len(now.time)
+        both = full_leg((now, control), max(self._length, n))
+        return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
+
+    def _at(self, now: Instant, control: ControlState | None) -> tuple[Any, Motion, Any]:
+        """The same at one instant."""
+        found = self._outputs(*jax.tree.map(lambda leaf: np.asarray(leaf)[None], (now, control)))
+        return jax.tree.map(lambda leaf: leaf[0], found)
+
+    def _motion(self, now: Instant, control: ControlState) -> SystemMotion:
+        """What controllers see."""
+        velocities, *_ = self._at(now, control)
+        still = np.zeros_like(np.asarray(velocities)), np.zeros(len(self._arrays.model.active))
+        return SystemMotion(now.time, now.floating, velocities, *still)
+
+    def solution(self, leg: Leg[JoinedState]) -> Solution:
+        """The motion of a leg; forces of joints and accelerations are those of its very instants."""
+        now: Instant = leg.states.now
+        velocities, rates, multipliers = jax.device_get(self._outputs(now, leg.states.control))
+        state = {
+            f"leaf {number}": np.asarray(leaf, dtype=float)
+            for number, leaf in enumerate(jax.tree.leaves(leg.last))
+        }
+        machine = self._machine._replace(arrays=self._arrays)
+        return joined_solution(machine, now, velocities, rates, multipliers, leg.statistics, state)
+
+
+def _march_joined(
+    arrays: JoinedArrays,
+    start: JoinedState,
+    times: jax.Array,
+    coefficients: FirstOrderCoefficients,
+    tolerance: Any,
+    n_steps: Any,
+    most: Any,
+) -> JoinedState:
+    def to_output(state: JoinedState, end: jax.Array) -> tuple[JoinedState, JoinedState]:
+        h = (end - state.now.time) / n_steps
+
+        last = jax.lax.fori_loop(
+            0, n_steps, lambda _, now: joined_step(arrays, coefficients, tolerance, most, now, h), state
+        )
+        last = last._replace(now=last.now._replace(time=end))
+        return last, last
+
+    return jax.lax.scan(to_output, start, times)[1]
+
+
+def _rates_at(
+    arrays: JoinedArrays, states: Instant, controls: ControlState | None
+) -> tuple[jax.Array, Motion, jax.Array]:
+    def at(now: Instant, control: ControlState | None) -> tuple[jax.Array, Motion, jax.Array]:
+        return all_velocities(arrays, now), *instant_rates(arrays, now, control)
+
+    return jax.vmap(at)(states, controls)
+
+
+_march = KeptProgram(_march_joined, STARTING)
+_outputs = KeptProgram(_rates_at, STARTING)

@@ -1,0 +1,193 @@
+"""The equations of lines and floating bodies that joints connect.
+
+The velocities of a station are those of its place, which strains and root say where it is; they are linear
+in the line's amplitudes q_1, V_s = T(q) q_1, and T^T brings the forces of joints and forces back to these:
+
+    line            q_1' = .. + T^T (Q - G^T lambda),     (q_2, root)' = S(q) (q_1 + T^T G^T mu)
+    floating body   M V' + c + f - Q + G^T lambda = 0,    q' = V + M^-1 G^T mu
+    joints          g(t, q) = 0,     G V + dg/dt = 0
+
+As joints do no work on velocities that they allow, and T belongs to the very places whose joints are closed,
+energy is conserved however few modes or stations there are. mu vanishes with the step: it keeps positions and
+velocities on the joints at once.
+Source: C. W. Gear, B. Leimkuhler, G. K. Gupta, "Automatic integration of Euler-Lagrange equations with
+constraints", J. Comput. Appl. Math. 12-13 (1985) 77-90, for mu.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.equations import joint_force
+from supple.equations.balance import balance
+from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
+from supple.equations.joint_force import constraints
+from supple.equations.places import assembled_vector
+from supple.methods.intrinsic.joined_machine import JoinedArrays, held_places, with_stations
+from supple.methods.intrinsic.line_equations import (
+    force_rates,
+    line_rates,
+    section_strains,
+    station_velocities,
+)
+from supple.methods.intrinsic.line_model import LineModel, LineState
+from supple.methods.intrinsic.line_system import States, root_rates, system_wrenches
+
+__all__ = [
+    "Instant",
+    "Motion",
+    "all_velocities",
+    "held_forces",
+    "held_wrenches",
+    "joint_equations",
+    "joint_rates",
+    "motion_residuals",
+    "moved",
+    "seen_motion",
+    "shape_rates",
+    "station_twists",
+]
+
+
+class Instant(NamedTuple):
+    """Where the machine is, and how it moves.
+
+    floating : Configuration    of all bodies of the model
+    velocity : (n,)             of the floating bodies
+    """
+
+    time: Any
+    lines: States
+    floating: Configuration
+    velocity: Any
+
+
+class Motion(NamedTuple):
+    """Rates of an instant.
+
+    lines : q_1', q_2' and the root's rates, of each line
+    acceleration : (n,)     of the floating bodies
+    frames : (n,)           their velocities as the configuration has them, M^-1 G^T mu besides
+    """
+
+    lines: States
+    acceleration: Any
+    frames: Any
+
+
+def shape_rates(model: LineModel, state: LineState, q1: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Rates of q_2, and of the root's quaternion and position, linear in amplitudes of velocities."""
+    x1 = station_velocities(model, q1)
+    forces = force_rates(model, x1, q1, section_strains(model, state.q2))
+    return forces, *root_rates(model, q1, state.quaternion)
+
+
+def station_twists(arrays: JoinedArrays, states: States, amplitudes: tuple[jax.Array, ...]) -> jax.Array:
+    """Velocity (global) and angular velocity (own axes) of the stations that are held, (6 s,)."""
+    still = tuple(jax.tree.map(jnp.zeros_like, states))
+    rates = tuple(
+        LineState(none.q1, *shape_rates(model, state, q1))
+        for model, state, none, q1 in zip(arrays.lines, states, still, amplitudes, strict=True)
+    )
+    (_, rotations), (velocities, turning) = jax.jvp(lambda at: held_places(arrays, at), (states,), (rates,))
+    skew = (rotations[:, :, :, None] * turning[:, :, None, :]).sum(axis=1)
+    spin = jnp.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+    return jnp.concatenate([velocities, spin], axis=1).reshape(-1)
+
+
+def held_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tuple[jax.Array, ...]:
+    """T^T f, of forces and moments f (6 s,) on the stations that are held: on the amplitudes of each line."""
+    amplitudes = tuple(state.q1 for state in states)
+    return jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)[1](wrenches)[0]
+
+
+def held_wrenches(arrays: JoinedArrays, now: Instant, multipliers: jax.Array) -> jax.Array:
+    """Forces (global) and moments (own axes) of joints and forces on the stations that are held, (6 s,).
+
+    now : with its stations in place,  multipliers : (m,) of the active equations
+    """
+    still = jnp.zeros(arrays.model.n_velocities)
+    seen = SystemMotion(now.time, now.floating, all_velocities(arrays, now), still, multipliers)
+    return -balance(arrays.model, seen).residual[arrays.n_floating :]
+
+
+def all_velocities(arrays: JoinedArrays, now: Instant) -> jax.Array:
+    """Velocities (N,) of the model's bodies: floating ones, then stations."""
+    twists = station_twists(arrays, now.lines, tuple(state.q1 for state in now.lines))
+    return jnp.concatenate([now.velocity, twists])
+
+
+def joint_rates(arrays: JoinedArrays, now: Instant) -> jax.Array:
+    """G V + dg/dt of the active equations, (m,)."""
+    return joint_equations(arrays, now)[1]
+
+
+def joint_equations(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.Array]:
+    """G and G V + dg/dt of the active equations, (m,) each, at an instant whose stations are in place."""
+    model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
+    joints = joint_force.linearized(model, time, at)
+    rates = joint_force.constraint_rows(model, joints) @ all_velocities(arrays, now)
+    if any(group.law is not None for group in model.joints):
+        rates = rates + jax.jvp(lambda t: constraints(model, t, at), (time,), (jnp.ones_like(time),))[1]
+    return joint_force.residuals(model, joints), rates
+
+
+def moved(arrays: JoinedArrays, now: Instant, change: Motion, time: Any) -> Instant:
+    """The instant a time later, moved by a change of the kind rate * time."""
+    increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_held)])
+    lines = jax.tree.map(jnp.add, now.lines, change.lines)
+    floating = advance(arrays.model, now.floating, increment)
+    return Instant(
+        now.time + time, lines, with_stations(arrays, floating, lines), now.velocity + change.acceleration
+    )
+
+
+def seen_motion(
+    arrays: JoinedArrays, now: Instant, rates: Motion, multipliers: Any, control: ControlStep | None = None
+) -> SystemMotion:
+    """Floating bodies and stations as joints, forces and controllers see them."""
+    accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)])
+    velocities = all_velocities(arrays, now)
+    return SystemMotion(now.time, now.floating, velocities, accelerations, multipliers, control)
+
+
+def motion_residuals(
+    arrays: JoinedArrays,
+    now: Instant,
+    rates: Motion,
+    multipliers: jax.Array,
+    closing: jax.Array,
+    softness: Callable[[jax.Array], jax.Array],
+    control: ControlStep | None = None,
+) -> Motion:
+    """What rates (of an instant) miss of the equations of motion.
+
+    multipliers : (m,) lambda,  closing : (m,) mu
+    softness : M^-1, on forces (n,) of the floating bodies
+    control : of the machine's controllers, if it has any
+    """
+    model, n = arrays.model, arrays.n_floating
+    balanced = balance(model, seen_motion(arrays, now, rates, multipliers, control))
+    left = balanced.residual
+    push = assembled_vector(
+        model.n_velocities, joint_force.force(model, balanced.linearization.joints, closing)
+    )
+    amplitudes = tuple(state.q1 for state in now.lines)
+    _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
+    (held,), (pushed,) = back(-left[n:]), back(push[n:])
+    system = arrays.line_system
+    roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
+    wrenches = system_wrenches(system, now.lines, now.time, roots)
+    lines = []
+    for model_, state, rate, wrench, root, force, shift in zip(
+        arrays.lines, now.lines, rates.lines, wrenches, roots, held, pushed, strict=True
+    ):
+        first, _ = line_rates(model_, state.q1, state.q2, wrench, root)
+        shape = shape_rates(model_, state, state.q1 + shift)
+        found = LineState(first + force, *shape)
+        lines.append(jax.tree.map(jnp.subtract, rate, found))
+    return Motion(tuple(lines), left[:n], rates.frames - now.velocity - softness(push[:n]))

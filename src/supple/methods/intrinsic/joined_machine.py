@@ -1,0 +1,279 @@
+"""A machine of intrinsic, rigid and reduced bodies with any joints, as compiled code takes it.
+
+Joints and forces take hold of an intrinsic body at its stations. To them each station is a rigid body
+without mass: the equations of joints and forces are those of floating frames, and their forces come back to
+the amplitudes of the line through the velocities of its stations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.body import FullBody, RigidBody
+from supple.equations.build_model import build_model
+from supple.equations.configuration import Configuration
+from supple.equations.model import BodyGroup, Model
+from supple.errors import ModelError
+from supple.machine import (
+    GROUND,
+    At,
+    BaseAcceleration,
+    Controller,
+    EndReading,
+    ForceElement,
+    Joint,
+    JointFriction,
+    NodalLoad,
+    Placed,
+    SampledController,
+    System,
+)
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
+from supple.methods.intrinsic.line_model import LineModel
+from supple.methods.intrinsic.line_system import LineSystem, States
+from supple.methods.intrinsic.machine_loads import machine_loads
+from supple.methods.intrinsic.machine_of_lines import line_start, machine_of_lines
+from supple.methods.intrinsic.root_drive import RootDrive
+from supple.methods.intrinsic.station_loads import StationLoad
+from supple.methods.intrinsic.strain_integration import rotation_of, station_places
+
+__all__ = [
+    "JoinedArrays",
+    "JoinedMachine",
+    "held_places",
+    "joined_machine",
+    "seen_model",
+    "supported_machine",
+    "with_stations",
+]
+
+STATIC = {"static": True}
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class JoinedArrays:
+    """The machine's numbers.
+
+    lines : their equations, one per intrinsic body
+    drives : prescribed motions of their roots, or None
+    loads : on their stations; those of force elements too where the ground alone holds the lines
+    model : floating bodies, joints and forces; the stations that these take hold of are bodies without mass
+    held : station numbers, line by line
+    """
+
+    lines: tuple[LineModel, ...]
+    drives: tuple[RootDrive | None, ...]
+    loads: tuple[StationLoad, ...]
+    model: Model
+    held: tuple[tuple[int, ...], ...] = field(metadata=STATIC)
+
+    @property
+    def n_held(self) -> int:
+        """Number of stations that joints or forces hold."""
+        return sum(map(len, self.held))
+
+    @property
+    def n_floating(self) -> int:
+        """Number of velocities of floating bodies, which come first in the model."""
+        return self.model.n_velocities - 6 * self.n_held
+
+    @property
+    def line_system(self) -> LineSystem:
+        """The lines with their drives and loads."""
+        return LineSystem(self.lines, self.drives, self.loads)
+
+
+class JoinedMachine(NamedTuple):
+    """A machine made ready.
+
+    seen : System       floating bodies, and a body for every station that is held
+    lines : the placed intrinsic bodies
+    states : of the lines, as they are placed
+    """
+
+    system: System
+    seen: System
+    lines: tuple[Placed, ...]
+    arrays: JoinedArrays
+    states: States
+
+
+def joined_machine(system: System, time: float) -> JoinedMachine:
+    """The arrays of a machine; ModelError for bodies that cannot take part, with the remedy."""
+    lines = tuple(placed for placed in system.bodies if isinstance(placed.body, IntrinsicBody))
+    others = tuple(placed for placed in system.bodies if placed not in lines)
+    _check_bodies(lines, others)
+    forces = [load for load in system.loads if isinstance(load, ForceElement)]
+    held = tuple(_held(placed, _ends(system, forces)) for placed in lines)
+    joints = {joint.name: _seen_ends(system, joint) for joint in system.joints}
+    bases = [load for load in system.loads if isinstance(load, BaseAcceleration)]
+    nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
+    names = {placed.body.name for placed in lines}
+    seen = System(
+        [*others, *(_station(p, n) for p, own in zip(lines, held, strict=True) for n in own)],
+        list(joints.values()),
+        [
+            *(
+                replace(load, joint=joints[load.joint.name])
+                if isinstance(load, JointFriction)
+                else _seen_ends(system, load)
+                for load in forces
+            ),
+            *(load for load in nodal if load.body not in names),
+            *bases,
+        ],
+        gravity=system.gravity,
+        controllers=[_seen_controller(system, controller) for controller in system.controllers],
+    )
+    own_loads = [load for load in nodal if load.body in names]
+    on_lines = System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
+    arrays = JoinedArrays(
+        lines=tuple(body_of(placed).model for placed in lines),
+        drives=(None,) * len(lines),
+        loads=machine_loads(on_lines),
+        model=seen_model(seen, len(others), None),
+        held=held,
+    )
+    return JoinedMachine(
+        system, seen, lines, arrays, tuple(line_start(placed, None, time) for placed in lines)
+    )
+
+
+def supported_machine(system: System, time: float) -> JoinedMachine:
+    """The arrays of a machine of intrinsic bodies whose roots the ground alone holds, by their supports.
+
+    Its joints are in the modes and the drives, and its forces among the loads of the lines: no station is
+    seen but one, for a model without any body does not exist.
+    """
+    made = machine_of_lines(system, time)
+    first, *others = system.bodies
+    seen = System([_station(first, 0)])
+    arrays = JoinedArrays(
+        lines=made.lines.lines,
+        drives=made.lines.drives,
+        loads=made.lines.loads,
+        model=seen_model(seen, 0, None),
+        held=((0,), *((),) * len(others)),
+    )
+    return JoinedMachine(system, seen, tuple(system.bodies), arrays, made.start)
+
+
+def seen_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:
+    """The model of floating bodies and of stations, whose mass and inertia are taken away."""
+    model = build_model(seen, active)
+    return replace(model, groups=tuple(_weightless(group, n_floating) for group in model.groups))
+
+
+def _weightless(group: BodyGroup, n_floating: int) -> BodyGroup:
+    kept = np.array([float(member < n_floating) for member in group.members])
+    if kept.all():
+        return group
+    gram, inertia = jax.tree.map(
+        lambda array: np.asarray(array) * kept.reshape(-1, *[1] * (np.ndim(array) - 1)),
+        (group.gram, group.inertia),
+    )
+    return replace(group, gram=gram, inertia=inertia)
+
+
+def _check_bodies(lines: tuple[Placed, ...], others: tuple[Placed, ...]) -> None:
+    for placed in others:
+        if isinstance(placed.body, FullBody):
+            raise ModelError(
+                f"body '{placed.body.name}' keeps every freedom, in a machine with intrinsic bodies: reduce "
+                "it, or condense it on stations"
+            )
+    for placed in lines:
+        if body_of(placed).support.free.shape[1] < 6:
+            raise ModelError(
+                f"intrinsic body '{placed.body.name}': its modes hold its root, where joints do: place "
+                "released(body), which has rigid motion besides"
+            )
+
+
+def _ends(system: System, forces: list[ForceElement]) -> list[At]:
+    """Where joints, forces and controllers take hold of bodies, or look at them."""
+    elements: list[Any] = [*system.joints, *forces]
+    read = []
+    for controller in system.controllers:
+        elements += controller.drives.values()
+        read += [each.at for each in controller.reads.values() if isinstance(each, EndReading)]
+    return read + [end for element in elements for end in (element.first, element.second)]
+
+
+def _held(placed: Placed, ends: list[At]) -> tuple[int, ...]:
+    """Stations of a body among these."""
+    return tuple(sorted({_number(placed, end) for end in ends if end.body == placed.body.name}))
+
+
+def _number(placed: Placed, end: At) -> int:
+    return body_of(placed).interface(end.interface).number
+
+
+def _label(placed: Placed, number: int) -> str:
+    return f"{placed.body.name}, station {number}"
+
+
+def _station(placed: Placed, number: int) -> Placed:
+    """A rigid body in the place of a station, undeformed."""
+    position, rotation = placed.assembly
+    point = position + rotation @ body_of(placed).line.tree.points[number]
+    body = RigidBody(_label(placed, number), 1.0, np.zeros(3), np.eye(3), {"station": np.zeros(3)})
+    return Placed(body, point, rotation)
+
+
+def _seen_ends(system: System, element: Joint | ForceElement) -> Any:
+    """A joint or force between floating bodies and stations."""
+    return replace(element, first=_seen(system, element.first), second=_seen(system, element.second))
+
+
+def _seen(system: System, end: At) -> At:
+    """An end, or the station that it is."""
+    if end == GROUND:
+        return end
+    placed = system.bodies[system.body_index(end.body)]
+    if not isinstance(placed.body, IntrinsicBody):
+        return end
+    return At(_label(placed, _number(placed, end)), "station")
+
+
+def _seen_controller(system: System, controller: Controller | SampledController) -> Any:
+    """A controller that reads and drives floating bodies and stations."""
+    reads = {
+        name: EndReading(_seen(system, each.at)) if isinstance(each, EndReading) else each
+        for name, each in controller.reads.items()
+    }
+    drives = {name: _seen_ends(system, element) for name, element in controller.drives.items()}
+    return replace(controller, reads=reads, drives=drives)
+
+
+def held_places(arrays: JoinedArrays, states: States) -> tuple[jax.Array, jax.Array]:
+    """Positions (s, 3) and rotations (s, 3, 3) of the stations that are held, from the strains."""
+    positions, rotations = [jnp.zeros((0, 3))], [jnp.zeros((0, 3, 3))]
+    for model, state, held in zip(arrays.lines, states, arrays.held, strict=True):
+        root = rotation_of(state.quaternion)
+        if held == (0,):
+            positions.append(state.position[None])
+            rotations.append(root[None])
+        if not any(held):
+            continue
+        places = station_places(model, state.q2, root, state.position)
+        positions.append(places.positions[np.array(held)])
+        rotations.append(places.rotations[np.array(held)])
+    return jnp.concatenate(positions), jnp.concatenate(rotations)
+
+
+def with_stations(arrays: JoinedArrays, floating: Configuration, states: States) -> Configuration:
+    """The configuration of all bodies of the model: floating ones as given, stations where strains say."""
+    n = len(arrays.model.sizes) - arrays.n_held
+    positions, rotations = held_places(arrays, states)
+    return Configuration(
+        jnp.concatenate([floating.origins[:n], positions]),
+        jnp.concatenate([floating.rotations[:n], rotations]),
+        floating.coordinates,
+    )

@@ -1,0 +1,287 @@
+"""A consistent start of joined lines and floating bodies: velocities on the joints, rates, joint forces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.flatten_util import ravel_pytree
+from scipy.linalg import block_diag
+
+from supple.equations.build_model import row_scales
+from supple.equations.compiler_options import STARTING
+from supple.equations.configuration import ControlState, ControlStep
+from supple.equations.consistent_start import (
+    check_friction_known,
+    independent_constraints,
+    placed_configuration,
+    placed_velocity,
+)
+from supple.equations.inertia import mass_matrix
+from supple.equations.joint_force import constraints
+from supple.equations.start_change import StartChange, StartEnergies
+from supple.equations.start_velocity import given_parts, levels_of_body, rigid_fit
+from supple.errors import ModelError
+from supple.machine import System
+from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.joined_equations import (
+    Instant,
+    Motion,
+    joint_rates,
+    motion_residuals,
+    moved,
+    shape_rates,
+)
+from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, seen_model, with_stations
+from supple.methods.intrinsic.line_model import LineState
+from supple.methods.intrinsic.machine_of_lines import frame_to_root
+from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = [
+    "ClosedMachine",
+    "JoinedStart",
+    "closed_machine",
+    "instant_rates",
+    "joined_start",
+    "velocity_metric",
+]
+
+OPEN = 1e-6
+"""Of the machine's size, and rad."""
+MOST_REACTIONS, SETTLED = 100, 1e-12
+"""Iterations for joint forces under friction, and their change over the largest in the last."""
+
+
+class JoinedStart(NamedTuple):
+    """The machine without redundant equations, and where and how it begins, on its joints."""
+
+    arrays: JoinedArrays
+    now: Instant
+    change: StartChange
+
+
+def joined_start(machine: JoinedMachine, time: float) -> JoinedStart:
+    """Velocities are changed as those of floating bodies are: rigid motions first (`start_velocity`).
+
+    Raises ModelError for a joint that is open. Warns RedundantConstraintWarning of joints that hold what
+    others hold.
+    """
+    closed = closed_machine(machine, time)
+    now, change = _on_joints(machine, closed)
+    return JoinedStart(closed.arrays, now, change)
+
+
+class ClosedMachine(NamedTuple):
+    """A machine without redundant equations, as it is placed; rows and rates are of all equations.
+
+    active : equations that are kept
+    metric : mass matrix of all velocities
+    """
+
+    arrays: JoinedArrays
+    now: Instant
+    active: np.ndarray
+    rows: np.ndarray
+    rates: np.ndarray
+    metric: np.ndarray
+
+
+def closed_machine(
+    machine: JoinedMachine, time: float, known: tuple[int, ...] | None = None
+) -> ClosedMachine:
+    """The machine as its bodies are placed; raises and warns as `joined_start`.
+
+    known : equations that are independent, where that is known
+    """
+    arrays, seen = machine.arrays, machine.seen
+    placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
+    given = Instant(
+        jnp.asarray(float(time)),
+        machine.states,
+        placed,
+        jnp.asarray(placed_velocity(seen)[: arrays.n_floating]),
+    )
+    now, *found = _BEGUN(arrays, given)
+    gaps, rows, rates, metric = map(np.asarray, found)
+    _check_closed(machine, gaps)
+    active = np.array(independent_constraints(seen, rows, metric) if known is None else known, dtype=int)
+    if len(active) < len(gaps):
+        n_floating = len(arrays.model.sizes) - arrays.n_held
+        arrays = replace(arrays, model=seen_model(seen, n_floating, tuple(active.tolist())))
+        check_friction_known(seen, tuple(active.tolist()))
+    return ClosedMachine(arrays, now, active, rows, rates, metric)
+
+
+def _begun(
+    arrays: JoinedArrays, given: Instant
+) -> tuple[Instant, jax.Array, jax.Array, jax.Array, jax.Array]:
+    """The instant with its stations in place, and of its joints the gaps, rows and rates; the metric."""
+    now = given._replace(floating=with_stations(arrays, given.floating, given.lines))
+    gaps = constraints(arrays.model, now.time, now.floating)
+    return now, gaps, *_rows(arrays, now), velocity_metric(arrays, now)
+
+
+def _check_closed(machine: JoinedMachine, gaps: np.ndarray) -> None:
+    labels = [(joint.name, row) for joint in machine.system.joints for row in joint.rows]
+    relative = np.abs(gaps) / row_scales(machine.seen)
+    if relative.max(initial=0.0) > OPEN:
+        worst = int(np.argmax(relative))
+        joint, row = labels[worst]
+        raise ModelError(
+            f"joint '{joint}' is open in the initial configuration: {row} is off by {gaps[worst]:.3g}. Place "
+            "the bodies so that both ends meet; an intrinsic body is as bent as its coordinates say"
+        )
+
+
+def _velocities(now: Instant) -> tuple[Any, Any]:
+    return now.velocity, tuple(state.q1 for state in now.lines)
+
+
+def _with_velocities(now: Instant, velocities: tuple[Any, Any]) -> Instant:
+    floating, amplitudes = velocities
+    lines = tuple(replace(state, q1=q1) for state, q1 in zip(now.lines, amplitudes, strict=True))
+    return now._replace(velocity=floating, lines=lines)
+
+
+def _rows(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.Array]:
+    """Derivative (m, z) of the rates of the joints' equations for all velocities, and these rates."""
+    flat, unravel = ravel_pytree(_velocities(now))
+
+    def rates(velocities: jax.Array) -> jax.Array:
+        return joint_rates(arrays, _with_velocities(now, unravel(velocities)))
+
+    return jax.jacfwd(rates)(flat), rates(flat)
+
+
+def velocity_metric(arrays: JoinedArrays, now: Instant) -> jax.Array:
+    """Mass matrix of all velocities: modes are mass-normal."""
+    n = arrays.n_floating
+    lines = sum(len(state.q1) for state in now.lines)
+    metric = jnp.eye(n + lines)
+    return metric.at[:n, :n].set(mass_matrix(arrays.model, now.floating)[:n, :n])
+
+
+def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[Instant, StartChange]:
+    """The instant with velocities that its joints allow, and by what they differ from those given."""
+    _, now, active, all_rows, all_rates, metric = closed
+    flat, unravel = ravel_pytree(_velocities(now))
+    rows, rates = all_rows[active], all_rates[active]
+    soft = np.linalg.solve(metric, rows.T)
+    compliance = rows @ soft
+    parts, motions = _rigid_motions(machine)
+    by_body = [
+        [motion @ own for own in levels_of_body(given, motion.T @ metric[part, part] @ motion)]
+        for part, motion, given in zip(parts, motions, given_parts(_ordered(machine)), strict=True)
+    ]
+    fit = rigid_fit(
+        [np.asarray(block_diag(*own)) for own in zip(*by_body, strict=True)],
+        rows,
+        rates,
+        row_scales(machine.seen)[active],
+        lambda: np.linalg.inv(compliance),
+    )
+    deforming = -soft @ np.linalg.solve(compliance, fit.left)
+    before = np.asarray(flat)
+    after = before + np.sum(fit.by_level, axis=0) + deforming
+    unmet = np.zeros(len(all_rates))
+    unmet[active] = fit.unmet
+
+    def energies(velocity: np.ndarray) -> np.ndarray:
+        products = velocity * (metric @ velocity)
+        return np.array([products[part].sum() / 2 for part in parts])
+
+    def frames(velocity: np.ndarray) -> np.ndarray:
+        fitted = zip(parts, motions, strict=True)
+        return np.array([np.linalg.lstsq(own, velocity[part], rcond=None)[0] for part, own in fitted])
+
+    change = StartChange.of_positions_and_velocities(
+        _ordered(machine),
+        residual=np.zeros(len(all_rates)),
+        closed=placed_configuration(machine.system),
+        rates=all_rates,
+        unmet=unmet,
+        largest_rate=fit.largest,
+        velocities=(frames(before), frames(after)),
+        energies=StartEnergies(*map(energies, (before, after, fit.by_level[-1], deforming))),
+    )
+    return _with_velocities(now, unravel(after)), change
+
+
+def _ordered(machine: JoinedMachine) -> System:
+    """The machine, floating bodies first, as its velocities are."""
+    others = [placed for placed in machine.system.bodies if placed not in machine.lines]
+    return replace(machine.system, bodies=(*others, *machine.lines))
+
+
+def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray]]:
+    """Where the velocities of each body stand, and what they are (n, 6) when its frame moves."""
+    n_others = len(machine.arrays.model.sizes) - machine.arrays.n_held
+    parts = list(machine.arrays.model.slices[:n_others])
+    motions = [np.eye(part.stop - part.start, 6) for part in parts]
+    for placed, state in zip(machine.lines, machine.states, strict=True):
+        body = body_of(placed)
+        motion = rigid_motion(body, np.asarray(state.q2)) @ frame_to_root(placed)
+        motions.append(amplitudes_of(body, motion))
+        first = parts[-1].stop if parts else 0
+        parts.append(slice(first, first + len(motions[-1])))
+    return parts, motions
+
+
+def instant_rates(
+    arrays: JoinedArrays, now: Instant, control: ControlState | None = None
+) -> tuple[Motion, jax.Array]:
+    """Rates of an instant on its joints, and the multipliers of these.
+
+    Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. Where
+    friction in b depends on lambda, by iteration.
+    """
+    m, n = len(arrays.model.active), arrays.n_floating
+    lines = tuple(
+        LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, state.q1))
+        for model, state in zip(arrays.lines, now.lines, strict=True)
+    )
+    steady = Motion(lines, jnp.zeros(n), now.velocity)
+    none = jnp.zeros(m)
+    held = control and ControlStep(control, jnp.zeros(()))
+
+    def unbalanced(multipliers: jax.Array) -> Any:
+        left = motion_residuals(arrays, now, steady, multipliers, none, jnp.zeros_like, held)
+        return left.acceleration, tuple(line.q1 for line in left.lines)
+
+    flat, unravel = ravel_pytree(unbalanced(none))
+    if not m:
+        found, multipliers = -jnp.linalg.solve(velocity_metric(arrays, now), flat), none
+    else:
+
+        def later(s: jax.Array) -> jax.Array:
+            return joint_rates(arrays, moved(arrays, now, jax.tree.map(lambda r: s * r, steady), s))
+
+        _, bias = jax.jvp(later, (jnp.zeros(()),), (jnp.ones(()),))
+        rows, _ = _rows(arrays, now)
+        matrix = jnp.block([[velocity_metric(arrays, now), rows.T], [rows, jnp.zeros((m, m))]])
+        solved = -jnp.linalg.solve(matrix, jnp.concatenate([flat, bias]))
+        if arrays.model.reads_reactions:
+            inverse, size = jnp.linalg.inv(matrix), len(flat)
+
+            def again(carry: tuple[jax.Array, Any, Any]) -> tuple[jax.Array, Any, Any]:
+                known, _, count = carry
+                left = ravel_pytree(unbalanced(known[size:]))[0] - rows.T @ known[size:]
+                after = -inverse @ jnp.concatenate([left, bias])
+                return after, jnp.max(jnp.abs(after - known)), count + 1
+
+            def goes_on(carry: tuple[jax.Array, Any, Any]) -> jax.Array:
+                known, change, count = carry
+                return (count < MOST_REACTIONS) & (change > SETTLED * jnp.max(jnp.abs(known)))
+
+            solved, *_ = jax.lax.while_loop(goes_on, again, (solved, jnp.asarray(jnp.inf), 0))
+        found, multipliers = solved[: len(flat)], solved[len(flat) :]
+    acceleration, firsts = unravel(found)
+    moving = tuple(replace(line, q1=first) for line, first in zip(lines, firsts, strict=True))
+    return Motion(moving, acceleration, now.velocity), multipliers
+
+
+_BEGUN = KeptProgram(_begun, STARTING)

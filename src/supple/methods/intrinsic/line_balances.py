@@ -1,0 +1,48 @@
+"""Energies and momenta of an intrinsic body over time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.equations.checks.energy import Balances, body_balances
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.station_motion import station_twists
+
+__all__ = ["line_balances"]
+
+Array = NDArray[np.float64]
+
+
+@body_balances.register
+def line_balances(body: IntrinsicBody, motion: IntrinsicMotion, gravity: Array) -> Balances:
+    """Energies and momenta (t, ...) of a line whose stations move with twists x_1 and momenta p = M x_1:
+
+        T = p.x_1 / 2,   U = q_2.q_2 / 2,   P = sum R_i p_v,i,   L = sum r_i x R_i p_v,i + R_i p_w,i
+
+    The potential is -g.sum(m_i r_i + R_i s_i) with the masses and first moments of the stations.
+    Source: [Wang2015] (12)-(14): the modes are normal to mass and flexibility.
+    """
+    n = body.line.n
+    rotations, positions = body.places(motion)
+    twists = station_twists(body.model, body.line.tree.points[0], motion)
+    momenta = (twists.reshape(-1, 6 * n) @ body.line.mass).reshape(twists.shape)
+    linear, own = (np.einsum("tnij,tnj->tni", rotations, momenta[..., part]) for part in _HALVES)
+    q2 = body.forces_of(motion.coordinates)
+    masses = body.line.mass.reshape(n, 6, n, 6).sum(axis=2)[:, :, :3]
+    # A station's block is [m 1; s x], and s x is antisymmetric.
+    moments = np.stack([masses[:, 5, 1], masses[:, 3, 2], masses[:, 4, 0]], axis=1)
+    centres = np.einsum("nij,tnj->ti", masses[:, :3], positions) + np.einsum(
+        "tnij,nj->ti", rotations, moments
+    )
+    return Balances(
+        kinetic=0.5 * np.einsum("tni,tni->t", momenta, twists),
+        strain=0.5 * np.einsum("te,te->t", q2, q2),
+        potential=-centres @ gravity,
+        momentum=linear.sum(axis=1),
+        angular_momentum=(own + np.cross(positions, linear)).sum(axis=1),
+    )
+
+
+_HALVES = slice(0, 3), slice(3, 6)

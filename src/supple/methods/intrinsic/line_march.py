@@ -1,0 +1,153 @@
+"""Lines marched through output times by one compiled program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
+
+from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4, RungeKutta4
+from supple.methods.intrinsic.implicit_step import (
+    Tangent,
+    first_order_coefficients,
+    implicit_step,
+    no_tangent,
+)
+from supple.methods.intrinsic.line_slope import system_slope
+from supple.methods.intrinsic.line_system import LineSystem, States, system_rates
+from supple.methods.intrinsic.residual_modes import at_rest_rates, inverse_of_high, slaved
+from supple.methods.intrinsic.runge_kutta import runge_kutta_step
+
+__all__ = ["LineRule", "MarchState", "first_march_state", "march_lines"]
+
+LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
+"""Step rules that lines take; GeneralizedAlpha(1.0) keeps the energy."""
+
+
+class MarchState(NamedTuple):
+    """Where a march is.
+
+    rates : (N,)        of all states in one vector, that the implicit rule remembers; empty for the others
+    worst : ()          the largest contraction of residual modes, or residual of an implicit step, so far
+    iterations : ()     of implicit steps, so far
+    """
+
+    time: Any
+    states: States
+    rates: Any
+    worst: Any
+    iterations: Any
+
+
+def first_march_state(system: LineSystem, rule: LineRule, time: float, states: States) -> MarchState:
+    """The state in which a march begins."""
+    none, count = jnp.zeros(()), jnp.zeros((), dtype=int)
+    if isinstance(rule, GeneralizedAlpha):
+        rates = ravel_pytree(jax.jit(system_rates)(system, time, states))[0]
+        return MarchState(jnp.asarray(float(time)), states, rates, none, count)
+    if isinstance(rule, ResidualRungeKutta4):
+        states, _ = slaved(system, _kept(system, rule), time, states, 3 * rule.sweeps)
+    return MarchState(jnp.asarray(float(time)), states, jnp.zeros(0), none, count)
+
+
+@partial(jax.jit, static_argnames=("rule", "n_steps", "max_iterations"))
+def march_lines(
+    system: LineSystem,
+    start: MarchState,
+    times: jax.Array,
+    *,
+    rule: LineRule,
+    n_steps: int,
+    tolerance: Any = 1e-10,
+    max_iterations: int = 12,
+) -> MarchState:
+    """The states at output times (t,), each reached in `n_steps` equal steps; leaves have a leading axis.
+
+    It can be mapped over cases (`jax.vmap`) and differentiated in either direction.
+    """
+    step = _step_of(system, rule, tolerance, max_iterations)
+    tangent = no_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None
+
+    def to_output(carry: tuple[MarchState, Any], end: jax.Array) -> tuple[tuple[MarchState, Any], MarchState]:
+        state, known = carry
+        h = (end - state.time) / n_steps
+        begin = state.time
+
+        def one(now: tuple[MarchState, Any], number: jax.Array) -> tuple[tuple[MarchState, Any], None]:
+            return step(now[0]._replace(time=begin + number * h), now[1], h), None
+
+        (last, known), _ = jax.lax.scan(one, (state, known), jnp.arange(n_steps))
+        last = last._replace(time=end)
+        return (last, known), last
+
+    return jax.lax.scan(to_output, (start, tangent), times)[1]
+
+
+Step = Callable[[MarchState, Any, Any], tuple[MarchState, Any]]
+"""From a state, and a tangent where the rule keeps one, by a step h."""
+
+
+def _step_of(system: LineSystem, rule: LineRule, tolerance: Any, max_iterations: int) -> Step:
+    match rule:
+        case RungeKutta4():
+            rates = partial(system_rates, system)
+            return lambda now, kept, h: (
+                now._replace(states=runge_kutta_step(rates, now.time, now.states, h)),
+                kept,
+            )
+        case ResidualRungeKutta4():
+            return lambda now, kept, h: (_residual_step(system, rule, now, h), kept)
+        case GeneralizedAlpha():
+            return partial(_implicit, system, rule, tolerance, max_iterations)
+
+
+def _kept(system: LineSystem, rule: ResidualRungeKutta4) -> tuple[int, ...]:
+    return tuple(min(rule.n_kept, model.velocities.shape[1]) for model in system.lines)
+
+
+def _residual_step(system: LineSystem, rule: ResidualRungeKutta4, now: MarchState, h: Any) -> MarchState:
+    kept = _kept(system, rule)
+    inverse = inverse_of_high(system, kept, now.time, now.states)
+
+    def rates(time: Any, states: States) -> States:
+        following, _ = slaved(system, kept, time, states, rule.sweeps, inverse)
+        return at_rest_rates(kept, system, system_rates(system, time, following))
+
+    moved = runge_kutta_step(rates, now.time, now.states, h)
+    states, contraction = slaved(system, kept, now.time + h, moved, rule.sweeps, inverse)
+    return now._replace(states=states, worst=jnp.maximum(now.worst, contraction))
+
+
+def _implicit(
+    system: LineSystem,
+    rule: GeneralizedAlpha,
+    tolerance: Any,
+    most: int,
+    now: MarchState,
+    tangent: Tangent,
+    h: Any,
+) -> tuple[MarchState, Tangent]:
+    flat, unravel = ravel_pytree(now.states)
+
+    def rates(time: Any, y: jax.Array) -> jax.Array:
+        return ravel_pytree(system_rates(system, time, unravel(y)))[0]
+
+    def slope(time: Any, y: jax.Array) -> jax.Array:
+        return system_slope(system, time, unravel(y))
+
+    coefficients = first_order_coefficients(rule.rho_inf)
+    done = implicit_step(
+        rates, slope, coefficients, now.time, flat, now.rates, h, tangent, tolerance=tolerance, most=most
+    )
+    reached = MarchState(
+        now.time,
+        unravel(done.state),
+        done.rates,
+        jnp.maximum(now.worst, done.residual),
+        now.iterations + done.iterations,
+    )
+    return reached, done.tangent

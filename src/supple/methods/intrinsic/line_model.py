@@ -1,0 +1,146 @@
+"""The arrays of a line's equations of motion, as compiled code takes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import supple.algebra.jax_settings  # noqa: F401 - 64-bit floats, before the first array
+from supple.body import Damping, ModalDamping, RayleighDamping
+from supple.body.damping import refuse_held
+from supple.errors import ModelError
+from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
+
+__all__ = ["LineModel", "LineState", "line_model", "rest_state"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class LineModel:
+    """A line of n stations and n - 1 segments with k rigid and e elastic modes, m = k + e.
+
+    Numbers are data, so that lines of the same sizes share a compiled program and gradients reach them.
+    """
+
+    omega: Any
+    """(e,) of the elastic modes, rad/s"""
+    velocities: Any
+    """(6 n, m) Phi_1"""
+    station_masses: Any
+    """(n, 6, 6), or None where stations share mass"""
+    momenta: Any
+    """(6 n, m) M Phi_1 where stations share mass, or None"""
+    forces: Any
+    """(6 (n - 1), e) Phi_2"""
+    strains: Any
+    """(6 (n - 1), e) C Phi_2"""
+    twists: Any
+    """(6 n, 6) rigid motion by the twist of the root"""
+    twist_momenta: Any
+    """(6 n, 6) M times it"""
+    lengths: Any
+    """(n - 1,)"""
+    directions: Any
+    """(n - 1, 3)"""
+    inner: Any
+    """(n - 1,) station at which a segment begins"""
+    ancestors: Any
+    """(levels, n) stations 1, 2, 4, .. segments nearer the root"""
+    decay: Any
+    """(m,) of velocities, alpha of Rayleigh damping, 1/s"""
+    retardation: Any
+    """(e,) viscous over elastic section force of the same strain in one second, s"""
+    is_chain: bool = field(metadata={"static": True})
+
+    @property
+    def n(self) -> int:
+        """Number of stations."""
+        return self.twists.shape[0] // 6
+
+    @property
+    def n_rigid(self) -> int:
+        """Number of rigid modes."""
+        return self.velocities.shape[1] - self.omega.shape[0]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class LineState:
+    """What a line is and does at an instant.
+
+    q1 : (m,)           amplitudes of the velocities
+    q2 : (e,)           of the internal forces and strains
+    quaternion : (4,)   of the root's rotation, material to global; its length means nothing
+    position : (3,)     of the root, global
+    """
+
+    q1: Any
+    q2: Any
+    quaternion: Any
+    position: Any
+
+
+def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineModel:
+    """The arrays of some modes of a line.
+
+    damping : None, ModalDamping of the elastic modes, or RayleighDamping; the ratios and beta resist the rate
+        of strain, whatever the rotation, alpha the elastic modes' velocities
+    Raises ModelError for a damping that belongs to a floating frame.
+    """
+    line, m = modes.line, modes.n_modes
+    tree = line.tree
+    masses = line.station_masses
+    twists = line.twists
+    decay, retardation = _damping(damping, modes)
+    return LineModel(
+        omega=modes.omega[modes.n_rigid :],
+        velocities=modes.velocities.reshape(-1, m),
+        station_masses=masses,
+        momenta=None if masses is not None else modes.momenta.reshape(-1, m),
+        forces=modes.forces.reshape(-1, modes.n_elastic),
+        strains=modes.strains.reshape(-1, modes.n_elastic),
+        twists=twists,
+        twist_momenta=line.mass @ twists,
+        lengths=tree.lengths,
+        directions=tree.directions,
+        inner=np.asarray(tree.inner),
+        ancestors=np.array(tree.ancestors, dtype=np.intp).reshape(-1, tree.n),
+        decay=decay,
+        retardation=retardation,
+        is_chain=tree.is_chain,
+    )
+
+
+def rest_state(model: LineModel) -> LineState:
+    """Undeformed and still, the root at the origin."""
+    m, e = model.velocities.shape[1], model.omega.shape[0]
+    return LineState(jnp.zeros(m), jnp.zeros(e), jnp.array([1.0, 0, 0, 0]), jnp.zeros(3))
+
+
+def _damping(damping: Damping | None, modes: IntrinsicModes) -> tuple[np.ndarray, np.ndarray]:
+    decay, retardation = np.zeros(modes.n_modes), np.zeros(modes.n_elastic)
+    elastic = slice(modes.n_rigid, None)
+    refuse_held(damping, f"line '{modes.line.name}'")
+    match damping:
+        case None:
+            pass
+        case ModalDamping():
+            given = np.asarray(damping.ratios)
+            ratios = given[np.minimum(np.arange(modes.n_elastic), given.size - 1)]
+            ratios[modes.n_elastic if damping.n_modes is None else damping.n_modes :] = 0.0
+            # In the rate of strain: against velocities it would resist motion that strains nothing.
+            retardation[:] = 2 * ratios / modes.omega[elastic]
+        case RayleighDamping():
+            decay[elastic] = damping.alpha
+            retardation[:] = damping.beta
+        case _:
+            raise ModelError(
+                f"line '{modes.line.name}': {type(damping).__name__} is of the stiffness in a floating "
+                "frame, which this body has not: give RayleighDamping, whose beta acts on strains, or "
+                "ModalDamping"
+            )
+    return decay, retardation

@@ -1,0 +1,88 @@
+"""The slope of a machine's equations by its states, from products of its modes: the equations are quadratic.
+
+Each product of two fields at stations gives two terms, in which the modes take the place of one field: the
+same functions as those of the equations, whose amplitudes then have a last axis of all modes. That is four
+products of matrices, where differentiation makes one product of a matrix and a vector for each mode.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
+from jax.scipy.linalg import block_diag
+
+from supple.methods.intrinsic.line_equations import (
+    RootTwist,
+    force_rates,
+    l1,
+    l2,
+    momenta,
+    on_ends,
+    section_forces,
+    section_strains,
+    station_velocities,
+)
+from supple.methods.intrinsic.line_model import LineModel
+from supple.methods.intrinsic.line_system import LineSystem, States, root_rates, system_wrenches
+
+__all__ = ["line_slope", "system_slope"]
+
+
+def line_slope(model: LineModel, q1: jax.Array, q2: jax.Array, root: RootTwist | None = None) -> jax.Array:
+    """Derivatives (m + e, m + e) of `line_rates` by q_1 and q_2, without loads."""
+    m, e = q1.shape[0], q2.shape[0]
+    x1, strains = station_velocities(model, q1, root), section_strains(model, q2)
+    Phi = model.velocities.reshape(-1, 6, m)
+    C = model.strains.reshape(-1, 6, e)
+    by_q1 = force_rates(model, Phi, jnp.eye(m), strains[..., None])
+    by_q2 = force_rates(model, x1[..., None], jnp.zeros((m, e)), C)
+    stress = q2 + model.retardation * force_rates(model, x1, q1, strains)
+    stress_by_q1 = model.retardation[:, None] * by_q1
+    stress_by_q2 = jnp.eye(e) + model.retardation[:, None] * by_q2
+
+    p = momenta(model, x1, q1, root)
+    turning = l1(Phi, p[..., None]) + l1(x1[..., None], momenta(model, Phi, jnp.eye(m), None))
+    half = 0.5 * model.lengths[:, None, None]
+    first = on_ends(model, turning, half * l2(section_forces(model, stress_by_q1), strains[..., None]))
+    bent = l2(section_forces(model, stress_by_q2), strains[..., None])
+    bent = bent + l2(section_forces(model, stress)[..., None], C)
+    second = on_ends(model, jnp.zeros((*x1.shape, e)), half * bent)
+    inertial = jnp.concatenate([first, second], axis=2).reshape(-1, m + e)
+    top = -(model.velocities.T @ inertial)
+    top = top.at[:, :m].add(-jnp.diag(model.decay))
+    elastic = model.omega[:, None] * jnp.concatenate([stress_by_q1, stress_by_q2], axis=1)
+    top = top.at[model.n_rigid :].add(elastic)
+    return jnp.concatenate([top, jnp.concatenate([by_q1, by_q2], axis=1)])
+
+
+def system_slope(system: LineSystem, time: Any, states: States) -> jax.Array:
+    """Derivatives (N, N) of `system_rates` by all states, both in one vector as `ravel_pytree` makes it."""
+    roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
+    blocks = []
+    for model, state, root in zip(system.lines, states, roots, strict=True):
+        amplitudes = line_slope(model, state.q1, state.q2, root)
+        m, e = state.q1.shape[0], state.q2.shape[0]
+        by_q1, by_turn = jax.jacrev(lambda q, z, own=model: jnp.concatenate(root_rates(own, q, z)), (0, 1))(
+            state.q1, state.quaternion
+        )
+        below = jnp.concatenate([by_q1, jnp.zeros((7, e)), by_turn, jnp.zeros((7, 3))], axis=1)
+        blocks.append(jnp.concatenate([jnp.pad(amplitudes, ((0, 0), (0, 7))), below]))
+        assert blocks[-1].shape == (m + e + 7, m + e + 7)
+    slope = block_diag(*blocks)
+    if not any(load.needs_places for load in system.loads):
+        return slope
+    flat, unravel = ravel_pytree(states)
+
+    def wrenches(y: jax.Array) -> list[jax.Array | None]:
+        return system_wrenches(system, unravel(y), time, roots)
+
+    row = 0
+    for model, state, pushed in zip(system.lines, states, jax.jacfwd(wrenches)(flat), strict=True):
+        m = state.q1.shape[0]
+        if pushed is not None:
+            slope = slope.at[row : row + m].add(model.velocities.T @ pushed.reshape(-1, flat.size))
+        row += m + state.q2.shape[0] + 7
+    return slope

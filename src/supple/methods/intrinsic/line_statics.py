@@ -1,0 +1,331 @@
+"""Machines with intrinsic bodies at rest, or turning steadily."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import jax
+import numpy as np
+from scipy.linalg import block_diag
+
+from supple.algebra.rotation import euler_parameters
+from supple.equations.build_model import system_length
+from supple.equations.configuration import Configuration
+from supple.equations.control_linearization import LinearControl
+from supple.equations.coordinate_scales import kinds_of_rows, position_scale
+from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
+from supple.equations.steady_motion import LinearEquations, Turning
+from supple.errors import AccuracyError, ModelError
+from supple.integrate import Solution, Statistics
+from supple.machine import Placed, System
+from supple.machine.laws.constant_rate import ConstantRate
+from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.joined_equations import Instant
+from supple.methods.intrinsic.joined_machine import (
+    JoinedArrays,
+    JoinedMachine,
+    joined_machine,
+    supported_machine,
+)
+from supple.methods.intrinsic.joined_solution import joined_solution
+from supple.methods.intrinsic.joined_start import closed_machine
+from supple.methods.intrinsic.line_model import LineState
+from supple.methods.intrinsic.line_steady import SmallMotions, moved_by, small_motions, steady, unbalanced_at
+from supple.methods.intrinsic.machine_of_lines import MachineOfLines
+from supple.methods.intrinsic.root_drive import RootDrive
+from supple.methods.intrinsic.root_reaction import reactions
+from supple.methods.intrinsic.strain_integration import rotation_of
+from supple.methods.intrinsic.supported_root import held_root, is_joined
+
+__all__ = ["LineStatics", "line_statics"]
+
+SAME_AXIS = 1e-9
+"""Of the twist of a root: what its support does not let it make is round-off."""
+
+
+@dataclass(frozen=True, eq=False)
+class LineStatics:
+    """A `StaticMachine` of intrinsic bodies, by what the march's residuals and their derivatives are at rest.
+
+    Vectors (N,) are of floating bodies, then of the lines' amplitudes of velocities.
+
+    machine : JoinedMachine     its equations independent
+    begin : Instant             as its bodies are placed
+    turning : Turning | None    of its bodies in their order; None at rest
+    held : (N,)                 forces that are held back
+    """
+
+    machine: JoinedMachine
+    begin: Instant
+    turning: Turning | None = None
+    held: np.ndarray | float = 0.0
+
+    def at_rest(self) -> LineStatics:
+        """The machine without its spin."""
+        return replace(self, turning=None)
+
+    def eased(self, share: float, held: np.ndarray) -> LineStatics:
+        """The machine at a share of its spin's rate, with forces (N,) held back."""
+        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+
+    @property
+    def start(self) -> StaticState:
+        """As the bodies are placed, without any force in the joints."""
+        return StaticState(self.begin, np.zeros(len(self.machine.arrays.model.active)))
+
+    def residual(self, state: StaticState, time: float) -> np.ndarray:
+        """What is unbalanced in all freedoms, (N,)."""
+        return self.unbalance(state, time).terms
+
+    def unbalance(self, state: StaticState, time: float) -> Unbalance:  # noqa: ARG002 - drives stand
+        """The residuals at rest."""
+        found = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers))
+        residual = found.residual - self.held
+        works = self.position_scale[:, None] * np.column_stack([residual, found.terms])
+        norms = np.sqrt(self._kinds @ works**2)
+        scale = norms[:, 1:].max(axis=1)
+        scale = np.maximum(scale, ROUND_OFF * max(scale.max(), self._work_of_turning))
+        relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
+        gap = float(np.max(abs(found.gaps), initial=0.0)) / self._length
+        return Unbalance(relative, gap, residual)
+
+    def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
+        """One implicit step of length k; AccuracyError where it is singular."""
+        linear = self._small_motions(state)
+        matrix, rows = linear.mass + k * linear.stiffness, linear.jacobian
+        n, m = len(matrix), len(rows)
+        size = float(np.max(abs(np.diag(matrix))))
+        bordered = np.block([[matrix, size * rows.T], [size * rows, np.zeros((m, m))]])
+        gaps = unbalanced_at(*self._terms, state.configuration, state.multipliers).gaps
+        try:
+            change = -np.linalg.solve(
+                bordered, np.concatenate([unbalance.terms, size / k * np.asarray(gaps)])
+            )
+        except np.linalg.LinAlgError as error:
+            raise AccuracyError(f"no equilibrium at t = {time:g}: the tangent is singular") from error
+        return StaticCorrection(k * change[:n], size * change[n:])
+
+    def moved(self, configuration: Instant, increment: np.ndarray) -> Instant:
+        """The machine after an increment (N,)."""
+        return moved_by(self.machine.arrays, configuration, increment)
+
+    @property
+    def position_scale(self) -> np.ndarray:
+        """What counts as a large change of each freedom, (N,): a turn of 1, a shift of the system's size."""
+        arrays = self.machine.arrays
+        found = [np.asarray(position_scale(arrays.model))[: arrays.n_floating]]
+        for model in arrays.lines:
+            motions = np.asarray(model.velocities).reshape(-1, 6, np.shape(model.velocities)[1])
+            sizes = np.linalg.norm(motions.reshape(len(motions), 2, 3, -1), axis=2).max(axis=0)
+            found.append(1 / np.maximum(sizes[0] / self._length, sizes[1]))
+        return np.concatenate(found)
+
+    def linear_equations(self, state: StaticState, time: float) -> LinearEquations:  # noqa: ARG002
+        """The equations of motion, linearised about a state, for motions p of bodies in their order.
+
+        p holds the translation and rotation of each body's axes, along these, and its elastic amplitudes.
+        What the support of a root holds stands among the joints' equations.
+        """
+        linear, arrays = self._small_motions(state), self.machine.arrays
+        nb = len(arrays.model.sizes) - arrays.n_held
+        axes = np.eye(arrays.n_floating)
+        for own, rotation in zip(
+            arrays.model.slices[:nb], np.asarray(state.configuration.floating.rotations), strict=False
+        ):
+            axes[own.start : own.start + 3, own.start : own.start + 3] = rotation
+        parts = [
+            body_of(placed).freedoms(np.asarray(own.q2))
+            for placed, own in zip(self._lines, state.configuration.lines, strict=True)
+        ]
+        # Behind the amplitudes of each line come motions that its support holds: rows and columns of zeros.
+        chosen = _blocks(axes, *(np.eye(part.m, len(part.shapes)) for part in parts))
+        held = _blocks(np.zeros((0, len(axes))), *(np.eye(len(part.shapes))[part.m :] for part in parts))
+        extra = _blocks(np.zeros_like(axes), *(part.held_mass for part in parts))
+        back = np.linalg.inv(_blocks(np.eye(len(axes)), *(part.shapes for part in parts)))
+        back = back[:, self._order]
+
+        def of_bodies(matrix: np.ndarray) -> np.ndarray:
+            return back.T @ (chosen.T @ matrix @ chosen) @ back
+
+        n = len(back)
+        rows = np.vstack([linear.jacobian @ chosen, held]) @ back
+        return LinearEquations(
+            mass=of_bodies(linear.mass) + back.T @ extra @ back,
+            damping=of_bodies(linear.damping),
+            stiffness=of_bodies(linear.stiffness),
+            jacobian=rows,
+            control=LinearControl(np.zeros((n, 0)), np.zeros((0, n)), np.zeros((0, n)), np.zeros((0, 0))),
+        )
+
+    def carried_state(self) -> tuple[StaticState, float]:
+        """As the bodies are placed, the joints carrying what is unbalanced; and what part they cannot."""
+        state, weights = self.start, self.position_scale
+        unbalanced = weights * self.residual(state, float(self.begin.time))
+        carried = weights[:, None] * self._small_motions(state).jacobian.T
+        multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
+        terms = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers)).terms
+        largest = max(*np.linalg.norm(weights[:, None] * terms, axis=0), ROUND_OFF * self._work_of_turning)
+        left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / (largest or 1.0)
+        return state._replace(multipliers=multipliers), left
+
+    def bodies_at(self, configuration: Instant) -> Configuration:
+        """Where the bodies are, in their order."""
+        known, first = {}, 0
+        floating = configuration.floating
+        for index, placed in enumerate(self._others):
+            after = first + placed.body.n_coordinates
+            own = floating.origins[index], floating.rotations[index], floating.coordinates[first:after]
+            known[placed.body.name], first = own, after
+        for placed, state in zip(self._lines, configuration.lines, strict=True):
+            body = body_of(placed)
+            rotation = np.asarray(rotation_of(state.quaternion))
+            origin = np.asarray(state.position) - rotation @ body.line.tree.points[0]
+            omega = body.modes.omega[body.modes.n_rigid :]
+            known[placed.body.name] = origin, rotation, -np.asarray(state.q2) / omega
+        parts = zip(*(known[placed.body.name] for placed in self.machine.system.bodies), strict=True)
+        origins, rotations, coordinates = parts
+        return Configuration(np.array(origins), np.array(rotations), np.concatenate(coordinates))
+
+    def solution(self, state: StaticState, time: float, iterations: int) -> Solution:
+        """The steady motion at one instant."""
+        arrays = self._terms[0]
+        found = steady(*self._terms, state.configuration)
+        now, rates, velocities = jax.tree.map(lambda leaf: np.asarray(leaf)[None], found)
+        statistics = Statistics(iterations=iterations)
+        if self._supported:
+            system, times = self.machine.system, np.array([time])
+            roots = tuple(held_root(system, placed) for placed in system.bodies)
+            machine = MachineOfLines(system, arrays.line_system, found[0].lines, roots)
+            forces, _ = jax.device_get(reactions(machine.lines, times, now.lines))
+            motions = machine.motions(times, now.lines, [rate.q1 for rate in rates.lines])
+            return Solution(
+                times=times,
+                bodies=motions,
+                joint_forces=machine.joint_forces(forces, motions),
+                statistics=statistics,
+                multipliers={joint.name: np.zeros((1, 0)) for joint in system.joints},
+            )
+        machine, multipliers = self.machine._replace(arrays=arrays), np.asarray(state.multipliers)[None]
+        return joined_solution(machine, now, velocities, rates, multipliers, statistics)
+
+    @property
+    def _supported(self) -> bool:
+        return not is_joined(self.machine.system)
+
+    @property
+    def _lines(self) -> tuple[Placed, ...]:
+        return self.machine.lines
+
+    @property
+    def _others(self) -> list[Placed]:
+        return [placed for placed in self.machine.system.bodies if placed not in self._lines]
+
+    @cached_property
+    def _order(self) -> np.ndarray:
+        """Of the motions of floating bodies and lines, those of the bodies in their order."""
+        starts, first = {}, 0
+        for placed in (*self._others, *self._lines):
+            starts[placed.body.name] = np.arange(first, first + 6 + placed.body.n_coordinates)
+            first += 6 + placed.body.n_coordinates
+        return np.concatenate([starts[placed.body.name] for placed in self.machine.system.bodies])
+
+    @cached_property
+    def _terms(self) -> tuple[JoinedArrays, Turning | None]:
+        """The machine's arrays with drives as they turn, and how its bodies turn, floating ones first."""
+        arrays, time = self.machine.arrays, float(self.begin.time)
+        names = [placed.body.name for placed in self.machine.system.bodies]
+        order = [names.index(placed.body.name) for placed in (*self._others, *self._lines)]
+        turning = self.turning
+        if turning is not None:
+            turning = turning._replace(angular_velocities=np.asarray(turning.angular_velocities)[order])
+        rates = np.zeros((len(names), 3)) if turning is None else turning.angular_velocities
+        point = np.zeros(3) if turning is None else turning.point
+        drives = tuple(
+            _steady_drive(placed, drive, np.asarray(state.position), w, point, time)
+            for placed, drive, state, w in zip(
+                self._lines, arrays.drives, self.begin.lines, rates[len(self._others) :], strict=True
+            )
+        )
+        return replace(arrays, drives=drives), turning
+
+    @property
+    def _kinds(self) -> np.ndarray:
+        """(3, N) forces, moments, deformations of floating bodies; amplitudes of lines are deformations."""
+        arrays = self.machine.arrays
+        lines = sum(np.shape(model.velocities)[1] for model in arrays.lines)
+        of_lines = np.repeat([[0.0], [0.0], [1.0]], lines, axis=1)
+        return np.hstack([kinds_of_rows(arrays.model)[:, : arrays.n_floating], of_lines])
+
+    @cached_property
+    def _length(self) -> float:
+        return system_length(self.machine.system)
+
+    @property
+    def _work_of_turning(self) -> float:
+        if self.turning is None:
+            return 0.0
+        mass = sum(placed.body.mass for placed in self.machine.system.bodies)
+        rate = np.linalg.norm(self.turning.angular_velocities, axis=1).max()
+        return float(mass * (rate * self._length) ** 2)
+
+    def _small_motions(self, state: StaticState) -> SmallMotions:
+        return jax.device_get(small_motions(*self._terms, state.configuration, state.multipliers))
+
+
+def _blocks(*parts: np.ndarray) -> np.ndarray:
+    return np.asarray(block_diag(*parts))
+
+
+def line_statics(
+    system: System, turning: Turning | None, time: float, known: tuple[int, ...] | None = None
+) -> LineStatics:
+    """A machine with intrinsic bodies, its joints closed, made ready for the search of a steady motion.
+
+    known : equations of joints that are independent, where that is known
+    """
+    if system.controllers:
+        raise ModelError(
+            f"controller '{system.controllers[0].name}': controllers of machines with intrinsic bodies act "
+            "in runs alone, not at rest or in modes: leave it out, replace(system, controllers=()), or "
+            "reduce the bodies"
+        )
+    machine = joined_machine(system, time) if is_joined(system) else supported_machine(system, time)
+    drives = zip(machine.states, machine.arrays.drives, strict=True)
+    machine = machine._replace(states=tuple(_driven(state, drive, time) for state, drive in drives))
+    closed = closed_machine(machine, time, known)
+    lines = tuple(replace(state, q1=0.0 * state.q1) for state in closed.now.lines)
+    now = closed.now._replace(lines=lines, velocity=0.0 * closed.now.velocity)
+    now = jax.tree.map(np.asarray, now)
+    return LineStatics(machine._replace(arrays=closed.arrays), now, turning)
+
+
+def _driven(state: LineState, drive: RootDrive | None, time: float) -> LineState:
+    """The state with its root where its drive has it."""
+    if drive is None:
+        return state
+    rotation, position = drive.pose(time)
+    return replace(state, quaternion=euler_parameters(rotation), position=position)
+
+
+def _steady_drive(
+    placed: Placed, drive: RootDrive | None, root: np.ndarray, w: np.ndarray, point: np.ndarray, time: float
+) -> RootDrive | None:
+    """A drive that stays where it is, or goes on at the rate of the spin.
+
+    Raises ModelError for a root that is held against the spin.
+    """
+    rotation = placed.rotation if drive is None else np.asarray(drive.pose(time)[0])
+    twist = np.concatenate([np.cross(w, root - point) @ rotation, w @ rotation])
+    ways = body_of(placed).support.free if drive is None else np.asarray(drive.screw)[:, None]
+    along = np.linalg.lstsq(ways, twist, rcond=None)[0] if ways.size else np.zeros(0)
+    if np.abs(twist - ways @ along).max() > SAME_AXIS * max(np.abs(twist).max(), 1e-300):
+        raise ModelError(
+            f"intrinsic body '{placed.body.name}' cannot turn with the spin: its root is held against it. "
+            "Give a joint about the axis of the spin (Revolute, PrescribedRotation), through its root, or "
+            "name the bodies that turn, Spin(bodies=..)"
+        )
+    if drive is None:
+        return None
+    rate = float(along[0])
+    return replace(drive, law=ConstantRate(rate, float(drive.law(time)) - rate * time))

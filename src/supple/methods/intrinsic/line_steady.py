@@ -1,0 +1,215 @@
+"""Lines and floating bodies at rest, or turning steadily: what is unbalanced, and its exact derivatives.
+
+Small motions y of a line are integrals of its amplitudes of velocities: strains and root move by S(q) y, as
+they do at the rates S(q) q_1. About a machine that turns they are seen in axes that turn along: with q_R(q)
+the velocities at which the line turns without any strain rate,
+
+    q_1 = q_R(q) + y',     q_1' = dq_R/dt + y'',     dq = S(q) y
+
+and likewise for frames, x of their origins along global axes and psi along their own,
+
+    v = w x (r - p) + x',             v' = w x (w x (r - p)) + 2 w x x' + x''
+    w_own = A^T w + psi',             w_own' = A^T w x psi' + psi''
+
+so that derivatives of the equations of motion by y, y' and y'' are K with centrifugal, C with gyroscopic
+terms, and M, exact in what the march solves.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.balance import balance
+from supple.equations.compiler_options import STARTING
+from supple.equations.joint_force import constraints
+from supple.equations.steady_motion import Turning
+from supple.methods.intrinsic.joined_equations import (
+    Instant,
+    Motion,
+    all_velocities,
+    motion_residuals,
+    moved,
+    seen_motion,
+    shape_rates,
+    station_twists,
+)
+from supple.methods.intrinsic.joined_machine import JoinedArrays
+from supple.methods.intrinsic.joined_start import velocity_metric
+from supple.methods.intrinsic.line_equations import (
+    RootTwist,
+    force_rates,
+    section_strains,
+    station_velocities,
+)
+from supple.methods.intrinsic.line_model import LineModel, LineState
+from supple.methods.intrinsic.line_system import system_wrenches
+from supple.methods.intrinsic.strain_integration import rotation_of
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["SmallMotions", "Unbalanced", "moved_by", "small_motions", "steady", "unbalanced_at"]
+
+
+class Unbalanced(NamedTuple):
+    """What is missing to a steady motion, and of what.
+
+    residual : (N,)         of floating bodies, then of the lines' amplitudes
+    terms : (N, 4)          inertia, internal, applied, of joints, which add up to it
+    gaps : (m,)             of the joints
+    """
+
+    residual: Any
+    terms: Any
+    gaps: Any
+
+
+class SmallMotions(NamedTuple):
+    """`M y'' + C y' + K y + G^T l = 0`, `G y = 0`; frames' translations along global axes."""
+
+    mass: Any
+    damping: Any
+    stiffness: Any
+    jacobian: Any
+
+
+def _parts(arrays: JoinedArrays, y: jax.Array) -> tuple[jax.Array, list[jax.Array]]:
+    """Those of floating bodies, and of each line."""
+    sizes = [arrays.n_floating, *(model.velocities.shape[1] for model in arrays.lines)]
+    floating, *lines = jnp.split(y, np.cumsum(sizes)[:-1])
+    return floating, lines
+
+
+def _moved_by(arrays: JoinedArrays, at: Instant, y: jax.Array) -> Instant:
+    floating, own = _parts(arrays, y)
+    lines = tuple(
+        LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, change))
+        for model, state, change in zip(arrays.lines, at.lines, own, strict=True)
+    )
+    return moved(arrays, at, Motion(lines, jnp.zeros_like(at.velocity), floating), jnp.zeros(()))
+
+
+def _turning_line(
+    model: LineModel, driven: RootTwist | None, state: LineState, w: jax.Array, point: jax.Array
+) -> jax.Array:
+    """q_R (m,): the root turns as far as its support leaves it free, and strains keep their values."""
+    root = rotation_of(state.quaternion)
+    twist = jnp.concatenate([jnp.cross(w, state.position - point) @ root, w @ root])
+    if driven is not None:
+        twist = twist - driven.twist
+    e = section_strains(model, state.q2)
+
+    def strain_rates(q1: jax.Array) -> jax.Array:
+        return force_rates(model, station_velocities(model, q1, driven), q1, e)
+
+    none = jnp.zeros_like(state.q1)
+    own = model.velocities[:6]
+    rigid = own[:, : model.n_rigid].T
+    rows = jnp.concatenate([rigid @ own, jax.jacfwd(strain_rates)(none)])
+    return jnp.linalg.solve(rows, jnp.concatenate([rigid @ twist, -strain_rates(none)]))
+
+
+def _turning_lines(arrays: JoinedArrays, turning: Turning | None, now: Instant) -> tuple[jax.Array, ...]:
+    if turning is None:
+        return tuple(jnp.zeros_like(state.q1) for state in now.lines)
+    rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_held :]
+    return tuple(
+        _turning_line(model, drive and drive.twist(now.time), state, w, turning.point)
+        for model, drive, state, w in zip(arrays.lines, arrays.drives, now.lines, rates, strict=True)
+    )
+
+
+def _turning_frames(
+    arrays: JoinedArrays, turning: Turning | None, now: Instant, dy: jax.Array, ddy: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Velocities and accelerations (n,) of the floating bodies."""
+    nb = len(arrays.model.sizes) - arrays.n_held
+    if turning is None or not nb:
+        return dy, ddy
+    places = np.array(arrays.model.frames.starts[:nb])[:, None] + np.arange(3)
+    w = turning.angular_velocities[:nb]
+    own = (now.floating.rotations[:nb] * w[:, :, None]).sum(axis=1)
+    moving = jnp.cross(w, now.floating.origins[:nb] - turning.point)
+    velocity = dy.at[places].add(moving).at[places + 3].add(own)
+    faster = ddy.at[places].add(jnp.cross(w, moving + 2 * dy[places]))
+    return velocity, faster.at[places + 3].add(jnp.cross(own, dy[places + 3]))
+
+
+def _near(
+    arrays: JoinedArrays, turning: Turning | None, at: Instant, y: Any, dy: Any, ddy: Any
+) -> tuple[Instant, Motion]:
+    """The machine displaced by y, at rates y' and y'' seen in axes that turn along."""
+    now = _moved_by(arrays, at, y)
+    (floating, own), (faster, own_faster) = _parts(arrays, dy), _parts(arrays, ddy)
+    velocity, acceleration = _turning_frames(arrays, turning, now, floating, faster)
+    steady, changes = jax.jvp(
+        lambda s: _turning_lines(arrays, turning, _moved_by(arrays, at, s)), (y,), (dy,)
+    )
+    lines, rates = [], []
+    for state, q1, by_change, first, second in zip(now.lines, steady, changes, own, own_faster, strict=True):
+        still = jax.tree.map(jnp.zeros_like, state)
+        lines.append(LineState(q1 + first, state.q2, state.quaternion, state.position))
+        rates.append(LineState(by_change + second, still.q2, still.quaternion, still.position))
+    now = now._replace(velocity=velocity, lines=tuple(lines))
+    return now, Motion(tuple(rates), acceleration, jnp.zeros_like(velocity))
+
+
+def _residual(arrays: JoinedArrays, now: Instant, rates: Motion, multipliers: jax.Array) -> jax.Array:
+    none = jnp.zeros(len(arrays.model.active))
+    left = motion_residuals(arrays, now, rates, multipliers, none, jnp.zeros_like)
+    return jnp.concatenate([left.acceleration, *(line.q1 for line in left.lines)])
+
+
+def _unbalanced(
+    arrays: JoinedArrays, turning: Turning | None, at: Instant, multipliers: jax.Array
+) -> Unbalanced:
+    n, none = arrays.n_floating, jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
+    now, rates = _near(arrays, turning, at, none, none, none)
+    residual = _residual(arrays, now, rates, multipliers)
+    terms = balance(arrays.model, seen_motion(arrays, now, rates, multipliers))
+    amplitudes = tuple(state.q1 for state in now.lines)
+    _, back = jax.vjp(lambda q1: station_twists(arrays, now.lines, q1), amplitudes)
+    roots = tuple(None if drive is None else drive.twist(now.time) for drive in arrays.drives)
+    wrenches = system_wrenches(arrays.line_system, now.lines, now.time, roots)
+    columns = []
+    for model, state, wrench, pushed, pulled in zip(
+        arrays.lines, now.lines, wrenches, back(terms.applied[n:])[0], back(terms.joint[n:])[0], strict=True
+    ):
+        spread = 0.0 if wrench is None else wrench.reshape(-1) @ model.velocities
+        internal = jnp.concatenate([jnp.zeros(model.n_rigid), -model.omega * state.q2])
+        columns.append([internal, pushed - spread, pulled])
+    internal, applied, joint = (jnp.concatenate(own) for own in zip(*columns, strict=True))
+    of_lines = jnp.stack([residual[n:] - internal - applied - joint, internal, applied, joint], axis=1)
+    floating = jnp.stack([terms.inertia, terms.internal, terms.applied, terms.joint], axis=1)[:n]
+    gaps = constraints(arrays.model, now.time, now.floating)
+    return Unbalanced(residual, jnp.concatenate([floating, of_lines]), gaps)
+
+
+def _small_motions(
+    arrays: JoinedArrays, turning: Turning | None, at: Instant, multipliers: jax.Array
+) -> SmallMotions:
+    none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
+
+    def residual(y: jax.Array, dy: jax.Array) -> jax.Array:
+        return _residual(arrays, *_near(arrays, turning, at, y, dy, none), multipliers)
+
+    def gaps(y: jax.Array) -> jax.Array:
+        return constraints(arrays.model, at.time, _moved_by(arrays, at, y).floating)
+
+    stiffness, damping = jax.jacfwd(residual, (0, 1))(none, none)
+    return SmallMotions(velocity_metric(arrays, at), damping, stiffness, jax.jacfwd(gaps)(none))
+
+
+def _steady(arrays: JoinedArrays, turning: Turning | None, at: Instant) -> tuple[Instant, Motion, jax.Array]:
+    """The instant and its rates, and the velocities of all bodies of the model."""
+    none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
+    now, rates = _near(arrays, turning, at, none, none, none)
+    return now, rates, all_velocities(arrays, now)
+
+
+moved_by = KeptProgram(_moved_by, STARTING)
+unbalanced_at = KeptProgram(_unbalanced, STARTING)
+small_motions = KeptProgram(_small_motions, STARTING)
+steady = KeptProgram(_steady, STARTING)

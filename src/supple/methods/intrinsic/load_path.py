@@ -1,0 +1,238 @@
+"""Load paths through a mesh: where the stations of a condensation are, and which nodes each stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.arguments import check_fields
+from supple.body import AveragingInterface, FlexibleBody
+from supple.body.interface import BodyInterface
+from supple.body.rigid_motion import are_collinear
+from supple.body.virtual_node import interface_motions, virtual_nodes
+from supple.errors import ModelError, did_you_mean
+from supple.methods.intrinsic.load_path_tree import ROOT
+
+__all__ = ["LoadPath", "LoadPaths", "NodeSetPath"]
+
+Array = NDArray[np.float64]
+
+
+ON_THE_CUT = 1e-6
+"""Of the distance of two stations."""
+
+
+class BodyStations(NamedTuple):
+    """Stations of a body: the motion of each in the body's coordinates, and the station that it hangs on."""
+
+    interfaces: tuple[BodyInterface, ...]
+    parents: NDArray[np.intp]
+
+
+class StationPlan(Protocol):
+    """How stations are placed in a body."""
+
+    def stations(self, body: FlexibleBody) -> BodyStations:
+        """The stations, the root first."""
+        ...
+
+
+@dataclass(frozen=True)
+class LoadPath:
+    """Stations at equal distances between two interfaces, each standing for the slice of the mesh around it.
+
+    The body is cut by planes across the straight line from the root to the tip, half-way between stations. A
+    station follows the mean motion of the nodes of its slice, weighted by their mass, and stands at their
+    centre; so the stations of a curved body follow its curve. Root and tip are the interfaces themselves.
+
+    root, tip : str     names of interfaces
+    n_stations : int    with both ends, at least 2
+    """
+
+    root: str
+    tip: str
+    n_stations: int
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.n_stations < 2:
+            raise ModelError(f"a load path needs two stations at least, its ends, not {self.n_stations}")
+
+    def stations(self, body: FlexibleBody) -> BodyStations:
+        """The stations; ModelError for a slice with too few nodes, with its number and the remedy."""
+        return LoadPaths((self,)).stations(body)
+
+    def slices(self, body: FlexibleBody, nodes: NDArray[np.intp]) -> list[AveragingInterface]:
+        """An averaging interface for each slice between the ends, of those nodes that are in it."""
+        start, end = (body.interface(name).position for name in (self.root, self.tip))
+        length = float(np.linalg.norm(end - start))
+        if not length > 0:
+            raise ModelError(f"{_where(body)}: its ends '{self.root}' and '{self.tip}' are at one place")
+        place = (body.nodes[nodes] - start) @ (end - start) / length**2
+        order = np.argsort(place, kind="stable")
+        nodes, place = nodes[order], place[order]
+        shares = _shares(body, nodes, place, self.n_stations)
+        for number, (own, _) in enumerate(shares, start=1):
+            if not _carries_a_section(body, nodes[own]):
+                raise ModelError(self._too_few(body, nodes, place, number, length))
+        masses = body.nodal_mass.diagonal()[nodes * body.dofs_per_node]
+        if not (masses > 0).all():
+            masses = np.ones(len(nodes))
+        return [
+            AveragingInterface(
+                f"slice {number} of {self.root} - {self.tip}", nodes[own], weights=masses[own] * share
+            )
+            for number, (own, share) in enumerate(shares, start=1)
+        ]
+
+    def _too_few(
+        self, body: FlexibleBody, nodes: NDArray[np.intp], place: Array, number: int, length: float
+    ) -> str:
+        count = len(_shares(body, nodes, place, self.n_stations)[number - 1][0])
+        most = 2
+        while most + 1 < self.n_stations and _fit(body, nodes, place, most + 1):
+            most += 1
+        return (
+            f"{_where(body)}: slice {number} of the path from '{self.root}' to '{self.tip}', "
+            f"{number * length / (self.n_stations - 1):.4g} from the root, holds {count} nodes, too few for "
+            f"the motion of a section: take {most} stations or fewer, or a mesh that is finer along the path"
+        )
+
+
+def _shares(
+    body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int
+) -> list[tuple[NDArray[np.intp], Array]]:
+    """Of each slice between the ends: which of the nodes are in it, and how much of each.
+
+    A node on a cut is half in either slice, unless both slices consist of two lines of nodes at most: their
+    mean motions would say the motion of the line on the cut twice. It is in the first slice then.
+
+    place : ascending, 0 at the root and 1 at the tip
+    """
+    cuts = (np.arange(n_stations - 1) + 0.5) / (n_stations - 1)
+    near = ON_THE_CUT / (n_stations - 1)
+    low, high = np.searchsorted(place, cuts - near), np.searchsorted(place, cuts + near, side="right")
+    inner = [np.arange(first, past) for first, past in zip(high[:-1], low[1:], strict=True)]
+    on_cut = high > low
+    lines = [int(on_cut[k]) + int(on_cut[k + 1]) + _lines(body, nodes[own]) for k, own in enumerate(inner)]
+    first_owns = [0 < k < len(lines) and max(lines[k - 1], lines[k]) <= 2 for k in range(len(cuts))]
+    shares = []
+    for number, own in enumerate(inner):
+        below, above = (np.arange(low[k], high[k]) for k in (number, number + 1))
+        if first_owns[number]:
+            below = below[:0]
+        weight_above = 1.0 if first_owns[number + 1] else 0.5
+        members = np.concatenate([below, own, above])
+        weights = np.concatenate(
+            [np.full(len(below), 0.5), np.ones(len(own)), np.full(len(above), weight_above)]
+        )
+        shares.append((members, weights))
+    return shares
+
+
+def _lines(body: FlexibleBody, own: NDArray[np.intp]) -> int:
+    """0 of no nodes, 1 of nodes on a line, else 3 for more than two."""
+    if not len(own):
+        return 0
+    return 1 if are_collinear(body.nodes[own]) else 3
+
+
+def _fit(body: FlexibleBody, nodes: NDArray[np.intp], place: Array, n_stations: int) -> bool:
+    return all(_carries_a_section(body, nodes[own]) for own, _ in _shares(body, nodes, place, n_stations))
+
+
+def _carries_a_section(body: FlexibleBody, own: NDArray[np.intp]) -> bool:
+    return len(own) > 0 and (body.dofs_per_node == 6 or not are_collinear(body.nodes[own]))
+
+
+@dataclass(frozen=True)
+class LoadPaths:
+    """A tree of load paths: each begins at an end of one before it, the first at the root.
+
+    A node belongs to the path that it is nearest to.
+    """
+
+    paths: Sequence[LoadPath]
+
+    def __post_init__(self) -> None:
+        paths = tuple(self.paths)
+        object.__setattr__(self, "paths", paths)
+        if not paths:
+            raise ModelError("a tree of load paths needs at least one path")
+        ends = [paths[0].root]
+        for path in paths:
+            if path.root not in ends:
+                raise ModelError(
+                    f"the load path from '{path.root}' to '{path.tip}' begins at no end of a path before it"
+                    + did_you_mean(path.root, ends)
+                )
+            if path.tip in ends:
+                raise ModelError(
+                    f"the load path from '{path.root}' to '{path.tip}' ends where another path has been: "
+                    "load paths may not form a loop; end it at another interface"
+                )
+            ends.append(path.tip)
+
+    def stations(self, body: FlexibleBody) -> BodyStations:
+        """The stations of all paths, one after the other."""
+        ends: dict[str, int] = {self.paths[0].root: 0}
+        found: list[BodyInterface] = [body.interface(self.paths[0].root)]
+        parents: list[int] = [ROOT]
+        nearest = self._nearest(body)
+        for number, path in enumerate(self.paths):
+            slices = _averaged(body, path.slices(body, np.flatnonzero(nearest == number)))
+            above = ends[path.root]
+            for interface in (*slices, body.interface(path.tip)):
+                found.append(interface)
+                parents.append(above)
+                above = len(found) - 1
+            ends[path.tip] = above
+        return BodyStations(tuple(found), np.array(parents, dtype=np.intp))
+
+    def _nearest(self, body: FlexibleBody) -> NDArray[np.intp]:
+        """The path that each node is nearest to."""
+        squares = []
+        for path in self.paths:
+            start, end = (body.interface(name).position for name in (path.root, path.tip))
+            chord = end - start
+            arms = body.nodes - start
+            along = np.clip(arms @ chord / max(chord @ chord, np.finfo(float).tiny), 0, 1)
+            squares.append(np.sum((arms - along[:, None] * chord) ** 2, axis=1))
+        return np.argmin(squares, axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class NodeSetPath:
+    """Stations at node sets of one's own, the root first.
+
+    sets : of each station the name of an interface of the body, or node numbers
+    parents : (n,)      as for `load_path_tree`; one station after the other when omitted
+    """
+
+    sets: Sequence[str | ArrayLike]
+    parents: ArrayLike | None = None
+
+    def stations(self, body: FlexibleBody) -> BodyStations:
+        """The stations; ModelError for sets that cannot carry a rotation, or name no interface."""
+        found = []
+        for number, given in enumerate(self.sets):
+            if isinstance(given, str):
+                found.append(body.interface(given))
+            else:
+                found += _averaged(body, [AveragingInterface(f"station {number}", np.asarray(given))])
+        n = len(found)
+        parents = np.arange(-1, n - 1) if self.parents is None else np.asarray(self.parents)
+        return BodyStations(tuple(found), parents.astype(np.intp))
+
+
+def _averaged(body: FlexibleBody, interfaces: Sequence[AveragingInterface]) -> tuple[BodyInterface, ...]:
+    resolved = virtual_nodes(body.name, body.nodes, body.dofs_per_node, interfaces)
+    return interface_motions(body.nodes, body.dofs_per_node, body.expansion, resolved)
+
+
+def _where(body: FlexibleBody) -> str:
+    return f"load path of body '{body.name}'"

@@ -1,0 +1,111 @@
+"""Loads of a machine as loads on the stations of its lines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from supple.equations.build_model import initial_points
+from supple.errors import ModelError
+from supple.machine import (
+    GROUND,
+    At,
+    BaseAcceleration,
+    DeadForce,
+    FollowerForce,
+    FollowerTorque,
+    ForceElement,
+    NodalLoad,
+    Placed,
+    System,
+)
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
+from supple.methods.intrinsic.station_loads import Element, End, Follower, Gravity, SpreadLoad, StationLoad
+
+__all__ = ["machine_loads"]
+
+
+def machine_loads(system: System) -> tuple[StationLoad, ...]:
+    """The loads, and gravity, of a machine of intrinsic bodies."""
+    numbers = {placed.body.name: number for number, placed in enumerate(system.bodies)}
+    bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
+    if len(bases) > 1:
+        raise ModelError(
+            f"a machine stands on one base; {len(bases)} base accelerations are given: add them up"
+        )
+    found: list[StationLoad] = []
+    if system.gravity.any() or bases:
+        base = bases[0] if bases else None
+        found += [
+            Gravity(_translating_mass(body_of(placed)), system.gravity, base, number)
+            for number, placed in enumerate(system.bodies)
+        ]
+    for load in system.loads:
+        match load:
+            case BaseAcceleration():
+                pass
+            case NodalLoad():
+                found.append(_spread(system.bodies, numbers[load.body], load))
+            case FollowerForce() | FollowerTorque() if GROUND == load.second:
+                found.append(_follower(system.bodies, numbers, load))
+            case ForceElement():
+                found.append(_element(system.bodies, numbers, load.assembled(*initial_points(system, load))))
+    return tuple(found)
+
+
+def _translating_mass(body: IntrinsicBody) -> np.ndarray:
+    """(n, 6, 3), or (6 n, 3 n) where stations share mass: momenta of their translations."""
+    masses = body.line.station_masses
+    if masses is not None:
+        return masses[:, :, :3]
+    n = body.line.n
+    return body.line.mass.reshape(6 * n, n, 6)[:, :, :3].reshape(6 * n, 3 * n)
+
+
+def _follower(
+    bodies: Sequence[Placed], numbers: Mapping[str, int], load: FollowerForce | FollowerTorque
+) -> Follower:
+    line = numbers[load.first.body]
+    placed = bodies[line]
+    axes = np.zeros((6, 3))
+    rows = slice(0, 3) if isinstance(load, FollowerForce) else slice(3, 6)
+    axes[rows] = placed.rotation.T @ load.initial_axes
+    return Follower(axes, load.law, body_of(placed).interface(load.first.interface).number, line)
+
+
+def _element(bodies: Sequence[Placed], numbers: Mapping[str, int], load: ForceElement) -> Element:
+    def end(own: At, other: At) -> End:
+        if own == GROUND:
+            placed = bodies[numbers[other.body]]
+            start = placed.position + placed.rotation @ placed.body.interface(other.interface).position
+            point = start if load.ground_point is None else np.asarray(load.ground_point, dtype=float)
+            return End(load.initial_axes, point, 0, -1)
+        line = numbers[own.body]
+        placed = bodies[line]
+        station = body_of(placed).interface(own.interface).number
+        return End(placed.rotation.T @ load.initial_axes, np.zeros(3), station, line)
+
+    ends = end(load.first, load.second), end(load.second, load.first)
+    return Element(ends, load.law, load.parameters, type(load).wrenches)
+
+
+def _spread(bodies: Sequence[Placed], line: int, load: NodalLoad) -> SpreadLoad:
+    body = body_of(bodies[line])
+    if load.nodes.size:
+        stations, weights = body.expansion.stations[load.nodes], body.expansion.weights[load.nodes]
+        arms = body.expansion.arms(body.line.tree)[load.nodes]
+    else:
+        assert isinstance(load, DeadForce)
+        number = body.interface(str(load.at)).number
+        stations, weights, arms = np.array([[number] * 2]), np.array([[1.0, 0.0]]), np.zeros((1, 2, 3))
+    return SpreadLoad(
+        law=load.law,
+        stations=stations,
+        weights=weights,
+        arms=arms,
+        facets=load.facets.astype(np.int32),
+        line=line,
+        facet_forces=type(load).facet_forces,
+        value_rank=len(load.value_shapes[0]),
+    )

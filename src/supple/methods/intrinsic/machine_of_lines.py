@@ -1,0 +1,212 @@
+"""A machine whose bodies are intrinsic, as a system of lines and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.cross import cross_matrix
+from supple.algebra.rotation import euler_parameters
+from supple.errors import ModelError
+from supple.machine import Placed, System
+from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.line_model import LineModel, LineState
+from supple.methods.intrinsic.line_system import LineSystem, States
+from supple.methods.intrinsic.machine_loads import machine_loads
+from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
+from supple.methods.intrinsic.root_drive import RootDrive
+from supple.methods.intrinsic.strain_integration import rotation_of
+from supple.methods.intrinsic.supported_root import HeldRoot, held_root, is_joined
+
+__all__ = [
+    "MachineOfLines",
+    "check_held_by_ground",
+    "frame_to_root",
+    "line_motion",
+    "line_start",
+    "machine_of_lines",
+]
+
+Array = np.ndarray
+
+_quaternion = jax.jit(euler_parameters)
+
+SAME_VELOCITY = 1e-6
+"""Of the velocities: what a root may be given more than its support leaves free is round-off."""
+
+
+@dataclass(frozen=True, eq=False)
+class MachineOfLines:
+    """A machine as compiled code takes it.
+
+    system : System
+    lines : LineSystem
+    start : States              as the bodies are placed
+    roots : how each is held
+    """
+
+    system: System
+    lines: LineSystem
+    start: States
+    roots: tuple[HeldRoot, ...]
+
+    def motions(
+        self, times: Array, states: States, rates: Sequence[Any] | None = None
+    ) -> dict[str, IntrinsicMotion]:
+        """Motions by body name, of stacked states (leading axis: time).
+
+        rates : q_1' (t, m) of each line; accelerations are unknown (nan) without them
+        """
+        known = rates or [np.full(np.shape(state.q1), np.nan) for state in states]
+        each = zip(self.system.bodies, self.lines.lines, self.lines.drives, states, known, strict=True)
+        return {
+            placed.body.name: line_motion(placed, model, drive, state, rate, times)
+            for placed, model, drive, state, rate in each
+        }
+
+    def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
+        """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first.
+
+        Along what a joint leaves free there is none: the balance misses it by the order of the stations.
+        """
+        found = {}
+        for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
+            if root.joint is None:
+                continue
+            free = body_of(placed).support.free
+            held = np.eye(6) - free @ np.linalg.pinv(free)
+            own = (reactions[:, number] @ held).reshape(-1, 2, 3)
+            axes = root.joint.initial_axes
+            if root.joint.second.body == placed.body.name:
+                space = np.einsum("tij,twj->twi", motions[placed.body.name].rotation, own)
+                found[root.joint.name] = (space @ axes).reshape(-1, 6)
+            else:
+                found[root.joint.name] = -(own @ (placed.assembly.rotation.T @ axes)).reshape(-1, 6)
+        return found
+
+
+def machine_of_lines(system: System, time: float) -> MachineOfLines:
+    """The lines, loads and first states of a machine; ModelError for what no intrinsic body takes part in."""
+    check_held_by_ground(system)
+    roots = tuple(held_root(system, placed) for placed in system.bodies)
+    lines = LineSystem(
+        tuple(body_of(placed).model for placed in system.bodies),
+        tuple(root.drive for root in roots),
+        machine_loads(system),
+    )
+    start = tuple(
+        line_start(placed, root.drive, time) for placed, root in zip(system.bodies, roots, strict=True)
+    )
+    return MachineOfLines(system, lines, start, roots)
+
+
+def check_held_by_ground(system: System) -> None:
+    """ModelError for machines that are only marched: of other bodies, or with joints other than supports."""
+    for placed in system.bodies:
+        body_of(placed)
+    if is_joined(system):
+        raise ModelError(
+            "joints hold released bodies, or intrinsic bodies by each other: without a march only such are "
+            "looked at whose roots the ground alone holds, by the support of their modes. Simulate, with "
+            "damping where rest is wanted"
+        )
+
+
+def line_start(placed: Placed, drive: RootDrive | None, time: float) -> LineState:
+    """The state in which a body is placed: rigid motion of its frame, bent as it is, and rates of its modes.
+
+    What is not given of its velocity follows from its root's support or drive.
+    """
+    body = body_of(placed)
+    q2 = np.asarray(body.forces_of(placed.coordinates))
+    driven = np.zeros(6) if drive is None else np.asarray(drive.twist(time).twist)
+    own = rigid_motion(body, q2) @ _root_twist(placed, driven) - body.line.twists @ driven
+    q1 = amplitudes_of(body, own)
+    q1[body.modes.n_rigid :] += placed.coordinate_rates
+    return LineState(
+        q1=jnp.asarray(q1),
+        q2=jnp.asarray(q2),
+        quaternion=_quaternion(placed.rotation),
+        position=jnp.asarray(placed.position + placed.rotation @ body.line.tree.points[0]),
+    )
+
+
+def _root_twist(placed: Placed, driven: Array) -> Array:
+    """Velocity and angular velocity (6,) of the root, along its axes; ModelError for what holds it.
+
+    driven : (6,)   of its drive
+    """
+    given = np.array([placed.velocity is not None, placed.angular_velocity is not None])
+    if not given.any():
+        return driven
+    body = body_of(placed)
+    from_frame = frame_to_root(placed)
+    twist = from_frame @ placed.twist
+    allowed = body.modes.velocities[0, :, : body.modes.n_rigid]
+    left_out = from_frame[:, np.repeat(~given, 3)]
+    # What was left out counts as zero, unless the root cannot move so.
+    for ways in (allowed, np.hstack([allowed, left_out])):
+        found = np.linalg.lstsq(ways, twist - driven, rcond=None)[0] if ways.size else np.zeros(0)
+        missed = twist - driven - ways @ found
+        if np.abs(missed).max() <= SAME_VELOCITY * max(np.abs(twist).max(), np.abs(driven).max()):
+            return driven + allowed @ found[: allowed.shape[1]]
+    raise ModelError(
+        f"body '{body.name}' is given a velocity at which its root cannot move: of velocity and angular "
+        f"velocity {np.round(twist, 6).tolist()} along its axes, {np.round(missed, 6).tolist()} is held. "
+        "Give the velocity of its joint, or none"
+    )
+
+
+def frame_to_root(placed: Placed) -> Array:
+    """The root's twist (6, 6), along its axes, of the frame's velocity (global) and angular velocity."""
+    found = np.zeros((6, 6))
+    found[:3, :3] = placed.rotation.T
+    found[:3, 3:] = -cross_matrix(body_of(placed).line.tree.points[0])
+    found[3:, 3:] = np.eye(3)
+    return found
+
+
+def line_motion(
+    placed: Placed, model: LineModel, drive: RootDrive | None, state: LineState, rate: Any, times: Array
+) -> IntrinsicMotion:
+    """The motion of a body from stacked states of its line, and q_1' of these (leading axis: time)."""
+    body = body_of(placed)
+    found = _roots(model, drive, state, rate, jnp.asarray(times))
+    rotation, position, twist, faster = (np.asarray(each) for each in found)
+    root = body.line.tree.points[0]
+    w, dw = twist[:, 3:], faster[:, 3:]
+    # Of the body's origin, along turning axes.
+    velocity = twist[:, :3] - np.cross(w, root)
+    acceleration = faster[:, :3] - np.cross(dw, root) + np.cross(w, velocity)
+    omega = body.modes.omega[body.modes.n_rigid :]
+    return IntrinsicMotion(
+        position=position - rotation @ root,
+        rotation=rotation,
+        coordinates=-np.asarray(state.q2) / omega,
+        velocity=np.einsum("tij,tj->ti", rotation, velocity),
+        angular_velocity=w,
+        rates=np.asarray(state.q1),
+        acceleration=np.einsum("tij,tj->ti", rotation, acceleration),
+        angular_acceleration=dw,
+        accelerations=np.asarray(rate),
+    )
+
+
+@jax.jit
+def _roots(model: LineModel, drive: RootDrive | None, states: LineState, rates: Any, times: Any) -> Any:
+    """Rotations, positions, twists of a root and their rates."""
+
+    def at(state: LineState, rate: Any, time: Any) -> Any:
+        twist, faster = model.velocities[:6] @ state.q1, model.velocities[:6] @ rate
+        if drive is None:
+            return rotation_of(state.quaternion), state.position, twist, faster
+        driven = drive.twist(time)
+        return *drive.pose(time), twist + driven.twist, faster + driven.rate
+
+    return jax.vmap(at)(states, rates, times)

@@ -1,0 +1,133 @@
+"""Many cases of one machine of lines, marched together: same bodies, other loads, motions and starts.
+
+Where cases share the lines, Runge and Kutta's rule steps all of them at once, with cases as the last axis of
+all amplitudes: the modes are then read once for all cases, and their products run at the speed of the
+processor, not of its memory. Everything else is mapped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache, partial
+from typing import Any, NamedTuple, TypeAlias
+
+import jax
+import jax.numpy as jnp
+
+from supple.integrate import RungeKutta4
+from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
+from supple.methods.intrinsic.line_march import LineRule, MarchState, march_lines
+from supple.methods.intrinsic.line_model import LineState
+from supple.methods.intrinsic.line_system import LineSystem, States, root_rates, wrenches_on
+from supple.methods.intrinsic.runge_kutta import runge_kutta_step
+from supple.methods.intrinsic.station_loads import StationMotion
+from supple.methods.intrinsic.strain_integration import rotation_of, station_places
+
+__all__ = ["march_of_cases"]
+
+Axes: TypeAlias = tuple[int | None, ...]
+"""By leaf of a system: 0 where the cases differ, None where they share it."""
+
+
+@lru_cache(maxsize=32)
+def march_of_cases(
+    structure: Any, axes: Axes, rule: LineRule, n_steps: int, max_iterations: int
+) -> Callable[..., MarchState]:
+    """The compiled march of k cases for one pattern of what they share.
+
+    structure : of a `LineSystem`;  axes : of its leaves
+
+    The result takes those leaves, starts (k, ...), output times (t,) and the tolerance of implicit steps, and
+    gives states (k, t, ...).
+    """
+    of_lines = axes[: structure.children()[0].num_leaves]  # the first field of a system
+    if isinstance(rule, RungeKutta4) and 0 not in of_lines:
+        return jax.jit(
+            partial(_together, structure, axes, n_steps),
+        )
+
+    def one(own: list[Any], start: MarchState, times: jax.Array, tolerance: Any) -> MarchState:
+        return march_lines(
+            jax.tree.unflatten(structure, own),
+            start,
+            times,
+            rule=rule,
+            n_steps=n_steps,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+        )
+
+    return jax.jit(
+        jax.vmap(one, in_axes=(list(axes), 0, None, None)),
+    )
+
+
+def _together(
+    structure: Any, axes: Axes, n_steps: int, leaves: list[Any], starts: MarchState, times: jax.Array, _: Any
+) -> MarchState:
+    """The march by Runge and Kutta's rule, cases last; they share the lines, and the time of their start."""
+    lines = jax.tree.unflatten(structure, leaves).lines
+    of_roots = jax.vmap(partial(_roots, structure), in_axes=(list(axes), None, -1), out_axes=-1)
+    of_loads = jax.vmap(partial(_wrenches, structure), in_axes=(list(axes), None, -1), out_axes=-1)
+
+    def rates(time: Any, states: States) -> States:
+        roots = of_roots(leaves, time, states)
+        motions = [
+            StationMotion(
+                station_places(model, state.q2, *root.pose), station_velocities(model, state.q1, root.twist)
+            )
+            for model, state, root in zip(lines, states, roots, strict=True)
+        ]
+        wrenches = of_loads(leaves, time, motions)
+        each = zip(lines, states, roots, wrenches, strict=True)
+        return tuple(
+            LineState(*line_rates(model, state.q1, state.q2, wrench, root.twist), *root.turning)
+            for model, state, root, wrench in each
+        )
+
+    def to_output(now: tuple[Any, States], end: jax.Array) -> tuple[tuple[Any, States], States]:
+        begin, first = now
+        h = (end - begin) / n_steps
+
+        def one(states: States, number: jax.Array) -> tuple[States, None]:
+            return runge_kutta_step(rates, begin + number * h, states, h), None
+
+        last, _ = jax.lax.scan(one, first, jnp.arange(n_steps))
+        return (end, last), last
+
+    first = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, -1), starts.states)
+    reached = jax.lax.scan(to_output, (starts.time[0], first), times)[1]
+    k, t = len(starts.time), len(times)
+    unchanged = jax.tree.map(lambda leaf: jnp.broadcast_to(leaf[:, None], (k, t, *leaf.shape[1:])), starts)
+    return unchanged._replace(
+        time=jnp.broadcast_to(times, (k, t)),
+        states=jax.tree.map(lambda leaf: jnp.moveaxis(leaf, -1, 0), reached),
+    )
+
+
+class _Root(NamedTuple):
+    """Where a root is, how it is made to move, and the rates of its quaternion and position."""
+
+    pose: tuple[jax.Array, jax.Array]
+    twist: RootTwist | None
+    turning: tuple[jax.Array, jax.Array]
+
+
+def _roots(structure: Any, leaves: list[Any], time: Any, states: States) -> list[_Root]:
+    """Of one case."""
+    system: LineSystem = jax.tree.unflatten(structure, leaves)
+    return [
+        _Root(
+            (rotation_of(state.quaternion), state.position) if drive is None else drive.pose(time),
+            None if drive is None else drive.twist(time),
+            root_rates(model, state.q1, state.quaternion),
+        )
+        for model, drive, state in zip(system.lines, system.drives, states, strict=True)
+    ]
+
+
+def _wrenches(
+    structure: Any, leaves: list[Any], time: Any, motions: list[StationMotion]
+) -> list[jax.Array | None]:
+    """Of one case."""
+    return wrenches_on(jax.tree.unflatten(structure, leaves).loads, motions, time)

@@ -1,0 +1,82 @@
+"""A body whose root is free, in the modes that it has on a support: what joints take hold of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
+from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, checked_modes
+from supple.methods.intrinsic.root_support import FREE
+
+__all__ = ["released"]
+
+Array = NDArray[np.float64]
+
+LARGEST_CONDITION = 1e12
+
+
+def released(body: IntrinsicBody) -> IntrinsicBody:
+    """The same body, its root free: rigid motion R beside the elastic modes Phi_1 that it has on its support.
+
+    The modes of a free body have no force at its root, and converge slowly where a joint holds it; those of
+    the clamped one have. The two together, V = [R, Phi_1], are made modes again:
+
+        V^T M V = L L^T,     L^-1 [0; w] = U S W^T,
+        w <- S,     Phi_1 <- V L^-T U,     Phi_2 <- Phi_2 W,     C Phi_2 <- C Phi_2 W
+
+    Raises ModelError where rigid motion is in the elastic modes already.
+    Source: [CraigBampton1968] for the choice of modes.
+    """
+    modes, line = body.modes, body.line
+    e = modes.n_elastic
+    omega = modes.omega[modes.n_rigid :]
+    elastic = modes.velocities[..., modes.n_rigid :].reshape(-1, e)
+    R = line.twists
+    R = linalg.solve_triangular(np.linalg.cholesky(R.T @ line.mass @ R), R.T, lower=True).T
+    V = np.hstack([R, elastic])
+    gram = V.T @ line.mass @ V
+    if np.linalg.cond(gram) > LARGEST_CONDITION:
+        raise ModelError(
+            f"body '{body.name}': its {e} elastic modes hold its rigid motion already, for its root has no "
+            "mass of its own: keep fewer modes (n_modes)"
+        )
+    lower = np.linalg.cholesky(gram)
+    coupling = linalg.solve_triangular(lower, np.vstack([np.zeros((6, e)), np.diag(omega)]), lower=True)
+    left, values, right = linalg.svd(coupling, full_matrices=False)
+    order = np.argsort(values, kind="stable")
+    left, values, W = left[:, order], values[order], right[order].T
+    moving = V @ linalg.solve_triangular(lower, left, lower=True, trans=1)
+    velocities = np.hstack([R, moving])
+    own = IntrinsicModes(
+        line=line,
+        support=FREE,
+        omega=read_only(np.append(np.zeros(6), values)),
+        velocities=read_only(velocities.reshape(line.n, 6, -1)),
+        momenta=read_only((line.mass @ velocities).reshape(line.n, 6, -1)),
+        forces=read_only(modes.forces @ W),
+        strains=read_only(modes.strains @ W),
+        n_second_order=modes.n_second_order,
+    )
+    # The same strains: amplitudes -q_2 / w of the old modes from those of the new ones.
+    amplitudes = (W * values) / omega[:, None]
+    expansion = replace(
+        body.expansion,
+        modes=read_only(body.expansion.modes @ amplitudes),
+        warping=read_only(body.expansion.warping @ amplitudes),
+    )
+    complete = None if body.complete is None else _released_or_none(body.complete)
+    return replace(body, modes=checked_modes(own), expansion=expansion, complete=complete, supported=body)
+
+
+def _released_or_none(whole: IntrinsicBody) -> IntrinsicBody | None:
+    """All modes released; None of a root without mass, whose elastic modes hold its rigid motion."""
+    try:
+        return released(whole)
+    except ModelError:
+        return None

@@ -1,0 +1,50 @@
+"""Prescribed motion of a root: a turn about an axis, or a shift along one, by a law of time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from supple.algebra.rotation import rotation_exp
+from supple.methods.intrinsic.line_equations import RootTwist
+
+__all__ = ["RootDrive"]
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class RootDrive:
+    """The root moves by screw * law(time) from where it is placed.
+
+    screw : (6,)        a unit shift, then a unit turn, along the root's axes; one of them zero
+    law : TimeLaw       distance or angle, whose two derivatives are found by differentiation
+    rotation, position : (3, 3), (3,)   of the root where the law is zero
+    """
+
+    screw: Any
+    law: Any
+    rotation: Any
+    position: Any
+
+    def pose(self, time: Any) -> tuple[jax.Array, jax.Array]:
+        """Rotation (3, 3) and position (3,) of the root."""
+        value = jnp.asarray(self.law(time), dtype=float)
+        turned = self.rotation @ rotation_exp(value * self.screw[3:])
+        return turned, self.position + value * (self.rotation @ self.screw[:3])
+
+    def twist(self, time: Any) -> RootTwist:
+        """The root's velocities, and their rates, along its own axes."""
+        time = jnp.asarray(time, dtype=float)
+        one = jnp.ones_like(time)
+
+        def value(t: jax.Array) -> jax.Array:
+            return jnp.asarray(self.law(t), dtype=float)
+
+        def rate(t: jax.Array) -> jax.Array:
+            return jax.jvp(value, (t,), (one,))[1]
+
+        first, second = jax.jvp(rate, (time,), (one,))
+        return RootTwist(first * self.screw, second * self.screw)

@@ -1,0 +1,112 @@
+"""Second-order modes: the axial, shear and rigid motion that a bent line makes, beside its lowest modes.
+
+The lowest modes of a slender line bend and twist it. Once it is bent they also shorten its projection, turn
+its velocities and carry force along its tangent, by modes that lie above dozens of others. These motions are
+quadratic in the lowest modes, so that they are known without a run: the velocities at which strain stays as
+it is, from the kinematic couplings of velocities and strains of the lowest modes, and of rigid motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.algebra import read_only
+from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes, checked_modes
+
+__all__ = ["completed_modes", "second_order_shapes"]
+
+Array = NDArray[np.float64]
+
+SMALLEST = 1e-3
+"""Of the largest second-order motion: less is left out."""
+
+
+def completed_modes(whole: IntrinsicModes, shapes: Array, n_lowest: int) -> IntrinsicModes:
+    """Modes in the span of some shapes U (e, j), whose first columns are the lowest elastic modes.
+
+        U^T W^2 U = Y diag(w^2) Y^T,     Phi_1 <- Phi_1 U Y,     Phi_2 <- Phi_2 W U Y / w
+
+    whole : all modes of a line
+    shapes : orthonormal, as from `second_order_shapes`
+    Raises AccuracyError as `intrinsic_modes`.
+    """
+    k = whole.n_rigid
+    omega = np.sqrt(np.einsum("ij,i,ij->j", shapes, whole.omega[k:] ** 2, shapes))
+    along = whole.omega[k:, None] * shapes / omega
+    rigid = slice(None, k)
+
+    def moving(fields: Array) -> Array:
+        return read_only(np.concatenate([fields[..., rigid], fields[..., k:] @ shapes], axis=-1))
+
+    return checked_modes(
+        replace(
+            whole,
+            omega=read_only(np.append(whole.omega[rigid], omega)),
+            velocities=moving(whole.velocities),
+            momenta=moving(whole.momenta),
+            forces=read_only(whole.forces @ along),
+            strains=read_only(whole.strains @ along),
+            n_second_order=shapes.shape[1] - n_lowest,
+        )
+    )
+
+
+def second_order_shapes(whole: IntrinsicModes, n_lowest: int) -> Array:
+    """Amplitudes U (e, n + j), orthonormal, of the n lowest elastic modes and of j second-order ones.
+
+    Strain b stays as it is in velocities a if the modes left out move at
+
+        q_1 = <Phi_2, L_1(Phi_1a)^T C Phi_2b> / w
+
+    for velocities a of the lowest modes and of rigid motion. Of all these pairs, each weighed by what a unit
+    force gives of the two modes, the leading directions are taken, by displacements and by rotations times
+    the length, and made Ritz vectors.
+
+    whole : all modes of a line
+    Source: the idea of modal derivatives, S. R. Idelsohn, A. Cardona, "A reduction method for nonlinear
+    structural dynamic analysis", Comput. Methods Appl. Mech. Eng. 49 (1985) 253-279, for [Wang2015] (15).
+    """
+    k, e = whole.n_rigid, whole.n_elastic
+    if n_lowest >= e:
+        return np.eye(e)
+    tree, omega = whole.line.tree, whole.omega[k:]
+    lowest = whole.velocities[..., k : k + n_lowest] / omega[:n_lowest]
+    twists = whole.line.twists
+    masses = np.einsum("ia,ij,ja->a", twists, whole.line.mass, twists)
+    moving = twists[:, masses > 0] / np.sqrt(masses[masses > 0]) / omega[0]
+    velocities = np.concatenate([lowest, moving.reshape(whole.line.n, 6, -1)], axis=2)
+    middle = 0.5 * (velocities[1:] + velocities[tree.inner])
+    strains = whole.strains[..., :n_lowest] / omega[:n_lowest] * tree.lengths[:, None, None]
+    left_out = whole.forces[..., n_lowest:].reshape(-1, e - n_lowest).T
+    gram = np.zeros((e - n_lowest, e - n_lowest))
+    extent = float(np.linalg.norm(np.ptp(tree.points, axis=0)))
+    fields = whole.velocities[..., k + n_lowest :] * np.repeat([1.0, extent], 3)[:, None]
+    sizes = np.linalg.qr(fields.reshape(-1, e - n_lowest), mode="r")
+    for a in range(middle.shape[2]):
+        v, w = middle[:, :3, a, None], middle[:, 3:, a, None]
+        gamma, kappa = strains[:, :3], strains[:, 3:]
+        turned = -np.concatenate(
+            [
+                np.cross(w, gamma, axis=1) + np.cross(v, kappa, axis=1),
+                np.cross(w, kappa, axis=1),
+            ],
+            axis=1,
+        )
+        moved = sizes @ (left_out @ turned.reshape(-1, n_lowest) / omega[n_lowest:, None])
+        gram += moved @ moved.T
+    squares, directions = np.linalg.eigh(gram)
+    squares, directions = squares[::-1], directions[:, ::-1]
+    number = int(np.count_nonzero(squares > SMALLEST**2 * squares[0])) if squares[0] > 0 else 0
+    columns = np.linalg.qr(linalg.solve_triangular(sizes, directions[:, :number]))[0]
+    squared = columns.T @ (omega[n_lowest:, None] ** 2 * columns)
+    ritz = columns @ np.linalg.eigh(0.5 * (squared + squared.T))[1]
+    largest = np.abs(ritz).argmax(axis=0)
+    ritz = ritz * np.sign(ritz[largest, np.arange(number)])  # one sign, whatever the solver's
+    shapes = np.zeros((e, n_lowest + number))
+    shapes[:n_lowest, :n_lowest] = np.eye(n_lowest)
+    shapes[n_lowest:, n_lowest:] = ritz
+    return shapes

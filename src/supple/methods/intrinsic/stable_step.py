@@ -1,0 +1,52 @@
+"""Refusal of steps at which an explicit rule is unstable."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from supple.errors import ModelError
+from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4
+from supple.methods.intrinsic.line_march import LineRule
+from supple.methods.intrinsic.machine_of_lines import MachineOfLines
+from supple.methods.intrinsic.runge_kutta import growth
+
+__all__ = ["check_stable", "largest_stable_step"]
+
+ROUNDING = 1e-9
+
+
+def largest_stable_step(omega: np.ndarray, decay: np.ndarray, retardation: np.ndarray) -> float:
+    """The longest step at which no linear mode grows, by bisection; 2 sqrt 2 / w without damping."""
+    if not omega.size or not omega.max() > 0:
+        return np.inf
+    low, high = 0.0, 3.0 / float(omega.max())
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        stable = growth(omega, decay, retardation, middle).max() <= 1 + ROUNDING
+        low, high = (middle, high) if stable else (low, middle)
+    return low
+
+
+def check_stable(machine: MachineOfLines, rule: LineRule, step: float) -> None:
+    """ModelError, with the longest step, for one at which a mode grows under an explicit rule."""
+    if isinstance(rule, GeneralizedAlpha):
+        return
+    for placed, model in zip(machine.system.bodies, machine.lines.lines, strict=True):
+        n = rule.n_kept if isinstance(rule, ResidualRungeKutta4) else model.velocities.shape[1]
+        if isinstance(rule, ResidualRungeKutta4) and n <= model.n_rigid:
+            raise ModelError(
+                f"body '{placed.body.name}': {n} modes kept, {model.n_rigid} of them rigid: keep elastic "
+                "ones besides"
+            )
+        omega = np.asarray(model.omega)[: n - model.n_rigid]
+        decay = np.asarray(model.decay)[model.n_rigid : n]
+        retardation = np.asarray(model.retardation)[: omega.size]
+        if not omega.size or growth(omega, decay, retardation, step).max() <= 1 + ROUNDING:
+            continue
+        longest = largest_stable_step(omega, decay, retardation)
+        raise ModelError(
+            f"body '{placed.body.name}': a step of {step:.4g} is unstable with a highest frequency of "
+            f"{omega.max():.4g} rad/s (step times frequency {step * omega.max():.3g}; at most 2.83, less "
+            f"with damping): take steps of {longest:.3g} at most, fewer modes, ResidualRungeKutta4(n_kept) "
+            "or GeneralizedAlpha, which is stable at any step"
+        )

@@ -1,0 +1,179 @@
+"""Loads on the stations of lines: each a function of where stations are, how they move, and the time."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol
+
+import jax
+import jax.numpy as jnp
+
+from supple.machine.pose import Pose
+from supple.methods.intrinsic.strain_integration import Places
+
+__all__ = ["Element", "End", "Follower", "Gravity", "SpreadLoad", "StationLoad", "StationMotion"]
+
+STATIC = {"static": True}
+
+
+class StationMotion(NamedTuple):
+    """Where the stations of a line are, and their velocities (n, 6) along their own axes.
+
+    places : Places | None      None where no load asks for them
+    """
+
+    places: Places | None
+    velocities: jax.Array
+
+
+class StationLoad(Protocol):
+    """A load of a machine of lines."""
+
+    @property
+    @abstractmethod
+    def needs_places(self) -> bool:
+        """Whether it depends on where stations are."""
+
+    @abstractmethod
+    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+        """Number of a line and forces and moments (n, 6) on its stations, along their own axes."""
+
+
+def _one(motion: StationMotion, station: jax.Array, wrench: jax.Array) -> jax.Array:
+    # No scatter: over many cases it would be a loop.
+    return jnp.where(jnp.arange(motion.velocities.shape[0])[:, None] == station, wrench, 0.0)
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Follower:
+    """A force and moment that turn with a station: axes (6, 3) @ law(time), along its own axes."""
+
+    axes: Any
+    law: Any
+    station: Any
+    line: int = field(metadata=STATIC)
+    needs_places: bool = field(default=False, metadata=STATIC)
+
+    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+        """On one station."""
+        yield self.line, _one(motions[self.line], self.station, self.axes @ jnp.asarray(self.law(time)))
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Gravity:
+    """Weight of every station, whose mass may lie beside it, less what the base's acceleration takes.
+
+    mass : (n, 6, 3)    momenta of translations of each station, or (6 n, 3 n) where stations share mass
+    """
+
+    mass: Any
+    gravity: Any
+    base: Any
+    """Law of the base's acceleration, or None"""
+    line: int = field(metadata=STATIC)
+    needs_places: bool = field(default=True, metadata=STATIC)
+
+    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+        """M [R^T g; 0] on every station."""
+        places = motions[self.line].places
+        assert places is not None
+        g = self.gravity if self.base is None else self.gravity - jnp.asarray(self.base(time))
+        local = (places.rotations * g[:, None]).sum(axis=1)
+        if self.mass.ndim == 2:
+            yield self.line, (self.mass @ local.reshape(-1)).reshape(-1, 6)
+        else:
+            yield self.line, (self.mass * local[:, None, :]).sum(axis=2)
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class End:
+    """An end of a force element: a station of a line, or a point of the ground (line -1).
+
+    axes : (3, 3)   of the element, along the axes of the station, or global ones
+    point : (3,)    of the ground
+    """
+
+    axes: Any
+    point: Any
+    station: Any
+    line: int = field(metadata=STATIC)
+
+    def pose(self, motions: Sequence[StationMotion]) -> Pose:
+        """Place and motion in space."""
+        if self.line < 0:
+            return Pose(self.point, self.axes, jnp.zeros(3), jnp.zeros(3))
+        motion = motions[self.line]
+        assert motion.places is not None
+        rotation = motion.places.rotations[self.station]
+        x1 = motion.velocities[self.station]
+        return Pose(
+            motion.places.positions[self.station], rotation @ self.axes, rotation @ x1[:3], rotation @ x1[3:]
+        )
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Element:
+    """Any force element of a machine between two ends; `function` is its `wrenches`."""
+
+    ends: tuple[End, End]
+    law: Any
+    parameters: Any
+    function: Callable[..., Any] = field(metadata=STATIC)
+    needs_places: bool = field(default=True, metadata=STATIC)
+
+    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+        """On the stations of both ends."""
+        value = None if self.law is None else self.law(time)
+        poses = [end.pose(motions) for end in self.ends]
+        for end, wrench in zip(self.ends, self.function(*poses, value, self.parameters), strict=True):
+            if end.line >= 0:
+                places = motions[end.line].places
+                assert places is not None
+                rotation = places.rotations[end.station]
+                local = jnp.concatenate([wrench.force @ rotation, wrench.moment @ rotation])
+                yield end.line, _one(motions[end.line], end.station, local)
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class SpreadLoad:
+    """A nodal load of a machine on points that stations carry with them.
+
+    stations : (k, 2)   on whose rigid motion a point hangs
+    weights : (k, 2)    and with what share
+    arms : (k, 2, 3)    from station to point at rest
+    facets : (f, p)     points of every facet
+    """
+
+    law: Any
+    stations: Any
+    weights: Any
+    arms: Any
+    facets: Any
+    line: int = field(metadata=STATIC)
+    facet_forces: Callable[..., Any] = field(metadata=STATIC)
+    value_rank: int = field(metadata=STATIC)
+    needs_places: bool = field(default=True, metadata=STATIC)
+
+    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+        """The work of the points' forces, on the stations that carry them."""
+        motion = motions[self.line]
+        assert motion.places is not None
+        rotations = motion.places.rotations[self.stations]
+        arms = (rotations * self.arms[:, :, None, :]).sum(-1)
+        points = (self.weights[..., None] * (motion.places.positions[self.stations] + arms)).sum(axis=1)
+        value = jnp.asarray(self.law(time))
+        by_facet = 0 if value.ndim > self.value_rank else None
+        on_facets = jax.vmap(lambda x, v: self.facet_forces(x, jnp.eye(3), v), in_axes=(0, by_facet))(
+            points[self.facets], value
+        )
+        forces = jnp.zeros(points.shape).at[self.facets].add(on_facets)
+        local = (rotations * forces[:, None, :, None]).sum(axis=2) * self.weights[..., None]
+        wrench = jnp.concatenate([local, jnp.cross(self.arms, local)], axis=2)
+        yield self.line, jnp.zeros(motion.velocities.shape).at[self.stations].add(wrench)

@@ -1,0 +1,141 @@
+"""Velocities and accelerations of stations: the first two derivatives of their places in time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra.rotation import rotation_exp
+from supple.equations.compiler_options import STARTING
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.line_equations import force_rates, section_strains, station_velocities
+from supple.methods.intrinsic.line_model import LineModel
+from supple.methods.intrinsic.strain_integration import Places, station_places
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["StationMotion", "station_motion", "station_twists"]
+
+Array = NDArray[np.float64]
+
+
+class StationMotion(NamedTuple):
+    """Stations over time, and their first and second derivatives.
+
+    places, velocities, accelerations : rotations (t, n, 3, 3) and positions (t, n, 3), and their derivatives
+    strain_rates, strain_accelerations : (t, e)     of the amplitudes q_2
+    """
+
+    places: Places
+    velocities: Places
+    accelerations: Places
+    strain_rates: Any
+    strain_accelerations: Any
+
+
+class _Now(NamedTuple):
+    """A line at an instant: q_1, q_2, its root, what a drive adds to the root's twist, and rates."""
+
+    q1: Any
+    q2: Any
+    rotation: Any
+    position: Any
+    velocity: Any
+    acceleration: Any
+    angular_velocity: Any
+    angular_acceleration: Any
+    driven: Any
+    q1_rate: Any
+    driven_rate: Any
+
+
+def station_motion(model: LineModel, root: Array, q2: Array, motion: IntrinsicMotion) -> StationMotion:
+    """Places of the stations, which follow from strains, and their derivatives: q_2' follows from velocities.
+
+    So velocities are those of the places shown. The modal velocities, whose energy and momentum the march
+    keeps, differ from them by the square of a segment's length.
+
+    root : (3,)     of the root in the body's axes, undeformed
+    q2 : (t, e)     of the motion
+    """
+    unknown = np.isnan(motion.accelerations).any()
+    if unknown:  # velocities do not need them
+        names = ("acceleration", "angular_acceleration", "accelerations")
+        motion = replace(motion, **{name: np.zeros_like(getattr(motion, name)) for name in names})
+    A, w, dw = motion.rotation, motion.angular_velocity, motion.angular_acceleration
+    arm, arm_rate = np.einsum("tij,j->ti", A, root), np.cross(w, root)
+    driven, driven_rate = _driven(model, root, motion)
+    now = _Now(
+        motion.rates,
+        q2,
+        A,
+        motion.position + arm,
+        motion.velocity + np.einsum("tij,tj->ti", A, arm_rate),
+        motion.acceleration + np.einsum("tij,tj->ti", A, np.cross(dw, root) + np.cross(w, arm_rate)),
+        w,
+        dw,
+        driven,
+        motion.accelerations,
+        driven_rate,
+    )
+    found: StationMotion = jax.device_get(_motion(model, now))
+    if unknown:
+        none = jax.tree.map(lambda each: np.full_like(each, np.nan), found.accelerations)
+        found = found._replace(accelerations=none)
+    return found
+
+
+def station_twists(model: LineModel, root: Array, motion: IntrinsicMotion) -> Array:
+    """x_1 = Phi_1 q_1 + T t_d (t, n, 6): modal velocities of stations along their axes, and a drive's."""
+    driven, _ = _driven(model, root, motion)
+    return (motion.rates @ np.asarray(model.velocities).T + driven @ np.asarray(model.twists).T).reshape(
+        len(driven), -1, 6
+    )
+
+
+def _driven(model: LineModel, root: Array, motion: IntrinsicMotion) -> tuple[Array, Array]:
+    """The part of the root's twist (t, 6) along its axes, and of its rate, that no mode has: of its drive."""
+    w, dw = motion.angular_velocity, motion.angular_acceleration
+    velocity = np.einsum("tji,tj->ti", motion.rotation, motion.velocity) + np.cross(w, root)
+    acceleration = np.einsum("tji,tj->ti", motion.rotation, motion.acceleration)
+    acceleration += np.cross(dw, root) + np.cross(w, np.cross(w, root))
+    # The rate of components along turning axes.
+    rate = np.hstack([acceleration - np.cross(w, velocity), dw])
+    own = np.asarray(model.velocities)[:6].T
+    return np.hstack([velocity, w]) - motion.rates @ own, rate - motion.accelerations @ own
+
+
+def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
+    def at(now: _Now) -> StationMotion:
+        def strain_rate(q1: Any, q2: Any, driven: Any) -> Any:
+            x1 = station_velocities(model, q1) + (model.twists @ driven).reshape(-1, 6)
+            return force_rates(model, x1, q1, section_strains(model, q2))
+
+        here = now.q1, now.q2, now.driven
+        first = strain_rate(*here)
+        second = jax.jvp(strain_rate, here, (now.q1_rate, first, now.driven_rate))[1]
+
+        def places(s: Any) -> Places:
+            """To second order in the time s from now."""
+            turn = s * now.angular_velocity + s**2 / 2 * now.angular_acceleration
+            return station_places(
+                model,
+                now.q2 + s * first + s**2 / 2 * second,
+                now.rotation @ rotation_exp(turn),
+                now.position + s * now.velocity + s**2 / 2 * now.acceleration,
+            )
+
+        def rates(s: Any) -> tuple[Places, Places]:
+            return jax.jvp(places, (s,), (jnp.ones(()),))
+
+        (where, velocities), (_, accelerations) = jax.jvp(rates, (jnp.zeros(()),), (jnp.ones(()),))
+        return StationMotion(where, velocities, accelerations, first, second)
+
+    return jax.vmap(at)(over_time)
+
+
+_motion = KeptProgram(_motion_over_time, STARTING)

@@ -1,0 +1,136 @@
+"""How the joints of a machine hold the root of an intrinsic body: by a support, or by a prescribed motion."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.errors import ModelError
+from supple.machine import (
+    GROUND,
+    Ball,
+    Cylindrical,
+    Fixed,
+    Joint,
+    JointFriction,
+    Placed,
+    PrescribedRotation,
+    PrescribedTranslation,
+    Prismatic,
+    Revolute,
+    System,
+)
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
+from supple.methods.intrinsic.root_drive import RootDrive
+from supple.methods.intrinsic.root_support import BALL, CLAMPED, FREE, RootSupport
+
+__all__ = ["HeldRoot", "held_root", "is_joined", "joints_of"]
+
+SAME = 1e-9
+"""Of unit twists: supports that differ by more are others."""
+
+
+class HeldRoot(NamedTuple):
+    """The joint that holds a root, if any, and the prescribed motion that it gives, if it does."""
+
+    joint: Joint | None
+    drive: RootDrive | None
+
+
+def is_joined(system: System) -> bool:
+    """Whether a machine is more than intrinsic bodies that the ground alone holds, by their roots.
+
+    A body whose root is free takes joints as such a machine does: by its rigid motion. Controllers, and
+    friction under the force of a joint, act in such machines.
+    """
+    if system.controllers or any(isinstance(load, JointFriction) for load in system.loads):
+        return True
+    for placed in system.bodies:
+        if not isinstance(placed.body, IntrinsicBody):
+            return True
+        joints = joints_of(system, placed.body.name)
+        if joints and placed.body.support.free.shape[1] == 6:
+            return True
+    return any(GROUND not in (joint.first, joint.second) for joint in system.joints)
+
+
+def joints_of(system: System, body: str) -> list[Joint]:
+    """The joints with an end on a body."""
+    return [joint for joint in system.joints if body in (joint.first.body, joint.second.body)]
+
+
+def held_root(system: System, placed: Placed) -> HeldRoot:
+    """How the root of a body is held; ModelError for joints that intrinsic bodies do not take.
+
+    They take one joint, between their root and the ground. The support that their modes were made for must be
+    the joint's.
+    """
+    body = body_of(placed)
+    joints = joints_of(system, body.name)
+    if len(joints) > 1:
+        raise ModelError(
+            f"intrinsic body '{body.name}' has {len(joints)} joints ("
+            + ", ".join(f"'{joint.name}'" for joint in joints)
+            + "), and its modes hold its root: place released(body), which takes joints at any station"
+        )
+    joint = joints[0] if joints else None
+    support, drive = (FREE, None) if joint is None else _support(placed, joint)
+    own, needed = (each @ np.linalg.pinv(each) for each in (body.support.free, support.free))
+    if np.abs(own - needed).max() > SAME:
+        holds = "nothing holds its root" if joint is None else f"joint '{joint.name}' holds its root"
+        raise ModelError(
+            f"intrinsic body '{body.name}': its modes leave the root {_freedom(body.support)}, but {holds}, "
+            f"which leaves it {_freedom(support)}: condense it with the support of the joint (CLAMPED, FREE, "
+            "BALL, hinged(axis), sliding(axis)), or place released(body), which any joint may hold"
+        )
+    return HeldRoot(joint, drive)
+
+
+def _freedom(support: RootSupport) -> str:
+    k = support.free.shape[1]
+    return "no freedom" if k == 0 else f"{k} of its 6 freedoms"
+
+
+def _support(placed: Placed, joint: Joint) -> tuple[RootSupport, RootDrive | None]:
+    body = body_of(placed)
+    own = joint.first if joint.second == GROUND else joint.second
+    where = f"intrinsic body '{body.name}', joint '{joint.name}'"
+    station = body.interface(own.interface)
+    if station.number != 0:
+        raise ModelError(
+            f"{where}: it holds station {station.number} ('{own.interface}'), and its modes hold its root: "
+            "place released(body), which takes joints at any station"
+        )
+    axis = placed.assembly.rotation.T @ joint.initial_axes[:, 2]
+    turn, shift = np.concatenate([np.zeros(3), axis]), np.concatenate([axis, np.zeros(3)])
+    free: RootSupport | None = None
+    match joint:
+        case PrescribedRotation():
+            return CLAMPED, _drive(placed, joint, turn, own)
+        case PrescribedTranslation():
+            return CLAMPED, _drive(placed, joint, shift, own)
+        case Fixed():
+            free = CLAMPED
+        case Ball():
+            free = BALL
+        case Revolute():
+            free = RootSupport(turn[:, None])
+        case Prismatic():
+            free = RootSupport(shift[:, None])
+        case Cylindrical():
+            free = RootSupport(np.column_stack([shift, turn]))
+    if free is None:
+        raise ModelError(
+            f"{where}: a {type(joint).__name__} joint leaves freedoms that are not fixed in the root's axes; "
+            "place released(body), which takes any joint"
+        )
+    return free, None
+
+
+def _drive(placed: Placed, joint: Joint, screw: np.ndarray, own: object) -> RootDrive:
+    # The second end moves against the first: a body that is the first end moves the other way.
+    sign = 1.0 if own == joint.second else -1.0
+    position, rotation = placed.assembly
+    root = position + rotation @ body_of(placed).line.tree.points[0]
+    return RootDrive(sign * screw, joint.law, rotation, root)

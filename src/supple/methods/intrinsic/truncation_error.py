@@ -1,0 +1,141 @@
+"""How many modes are enough: what all modes would make of a motion, and how far its momentum drifts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra import read_only
+from supple.errors import ModelError
+from supple.integrate import Solution
+from supple.machine import System
+from supple.methods.intrinsic.centre_drift import centre_drift
+from supple.methods.intrinsic.complete_motion import complete_motion, intrinsic_of
+from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
+
+__all__ = ["TruncationError", "truncation_error"]
+
+Array = NDArray[np.float64]
+
+INSTANTS = 8
+
+STIFF = 1e-3
+"""Of the length: a body that deflects less hardly drifts, and what it drifts is not seen against the rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class TruncationError:
+    """What the modes left out of a motion would change.
+
+    times : (t,)            looked at
+    places : (t,)           RMS distance of the stations, m; infinite where all modes find no such motion
+    forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
+    drift : float           of the centre of mass of a free body, from where its loads bring it, m
+    deflection : float      largest displacement of a station seen from the root, m
+    length : float          extent of the undeformed body, m
+    """
+
+    times: Array
+    places: Array
+    forces: Array
+    velocities: Array
+    drift: float
+    deflection: float
+    length: float
+
+    @property
+    def drifts(self) -> bool:
+        """Whether the drift is larger than the change of places."""
+        return self.drift > float(self.places.max(initial=0.0))
+
+    @property
+    def largest(self) -> float:
+        """Of places over the deflection; of the drift over it, or over a share `STIFF` of the length."""
+        size = float(self.places.max(initial=0.0))
+        of_places = size / self.deflection if self.deflection else 0.0
+        return max(of_places, self.drift / max(self.deflection, STIFF * self.length))
+
+
+def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
+    """Output times (t,) to look at: spread over the run, and where each body is strained most."""
+    n = len(solution.times)
+    spread = np.linspace(0, n - 1, INSTANTS + 1).round().astype(int)[1 if n > 1 else 0 :]
+    largest = [
+        int(np.linalg.norm(body_of(p).forces_of(solution.bodies[p.body.name].coordinates), axis=1).argmax())
+        for p in intrinsic_of(system)
+    ]
+    return np.unique(np.append(spread, largest))
+
+
+def truncation_error(
+    system: System, solution: Solution, whole: Sequence[IntrinsicBody] = ()
+) -> dict[str, TruncationError]:
+    """What a run lacks of all modes of its bodies, by body: at a few instants, by `complete_motion`.
+
+    A motion that shakes modes near their own frequency lacks more: their response to that is not at rest.
+    Where joints connect bodies, each line is looked at by itself, its root where the run has it and loaded by
+    the run's joint forces: what its modes change in the motion of the other bodies is not counted.
+
+    Parameters
+    ----------
+    system, solution : a machine with intrinsic bodies, and its run
+    whole : the same bodies with all modes, where they are not known from the bodies themselves
+
+    Raises ModelError where no intrinsic body has more modes than it keeps.
+    Source: [Wang2015] (37), as an error estimate.
+    """
+    by_name = {body.name: body for body in whole}
+    lines = intrinsic_of(system)
+    bodies = {p.body.name: _with_whole(body_of(p), by_name.get(p.body.name)) for p in lines}
+    few = [body for body in bodies.values() if body.complete is not None]
+    if not few:
+        named = f"body '{lines[0].body.name}'" if lines else "no body is intrinsic"
+        raise ModelError(
+            f"{named}: to see what its modes leave out, give the same body with more of them "
+            "(the same line and support, a larger n_modes)"
+        )
+    machine = replace(
+        system,
+        bodies=[replace(placed, body=bodies.get(placed.body.name, placed.body)) for placed in system.bodies],
+    )
+    rows = instants_of(machine, solution)
+    complete = complete_motion(machine, solution, rows)
+    found = {}
+    for body in few:
+        more = body.complete
+        assert more is not None
+        shown, other = complete.shown.bodies[body.name], complete.solution.bodies[body.name]
+        first, second = more.places(shown)[1], more.places(other)[1]
+        places = np.sqrt(np.mean(np.sum((first - second) ** 2, axis=2), axis=1))
+        forces, changed = (more.forces_of(motion.coordinates) for motion in (shown, other))
+        found[body.name] = TruncationError(
+            times=read_only(complete.solution.times),
+            places=read_only(np.where(complete.found, places, np.inf)),
+            forces=_share(changed - forces, changed),
+            velocities=_share(other.rates - shown.rates, other.rates),
+            drift=centre_drift(machine, solution, body.name),
+            deflection=_deflection(body, solution),
+            length=float(np.linalg.norm(np.ptp(body.line.tree.points, axis=0))),
+        )
+    return found
+
+
+def _with_whole(own: IntrinsicBody, given: IntrinsicBody | None) -> IntrinsicBody:
+    return own if given is None or given.n_coordinates <= own.n_coordinates else replace(own, complete=given)
+
+
+def _share(change: Array, amplitudes: Array) -> Array:
+    largest = np.linalg.norm(amplitudes, axis=1).max(initial=0.0)
+    return read_only(np.linalg.norm(change, axis=1) / (largest or 1.0))
+
+
+def _deflection(body: IntrinsicBody, solution: Solution) -> float:
+    """Largest displacement of a station seen from the root."""
+    motion = solution.bodies[body.name]
+    _, positions = body.places(motion)
+    seen = np.einsum("tij,tni->tnj", motion.rotation, positions - positions[:, :1])
+    rest = body.line.tree.points - body.line.tree.points[0]
+    return float(np.linalg.norm(seen - rest, axis=2).max(initial=0.0))

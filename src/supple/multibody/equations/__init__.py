@@ -1,1 +1,0 @@
-"""Equations of motion of a system of floating bodies."""

@@ -1,0 +1,226 @@
+"""Compiled programs kept by the structure of what they take: later processes neither trace nor compile them.
+
+JAX asks its own folder of programs with a program's text, and writing that takes longer than reading many
+programs. Here the question is what a program depends on (`program_digest`), which is known beforehand. Where
+the sources have changed the text decides, so that programs outlive all changes that do not concern them.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import pickle
+import zlib
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import lru_cache, partial
+from itertools import count
+from pathlib import Path
+from stat import S_ISREG
+from types import MappingProxyType
+from typing import Any
+
+import jax
+from jax.core import Tracer
+from jax.experimental import serialize_executable
+
+from supple.algebra.jax_settings import count_program, when_given_back
+from supple.programs.program_digest import digest_of_sources, program_digest, text_digest
+from supple.programs.program_worker import program_of_file
+
+__all__ = ["KeptProgram"]
+
+_MOST_AT_HAND = 16
+"""Programs of one function that a process holds; the one used last stays longest."""
+
+
+class KeptProgram:
+    """A function of arrays, compiled once for all arguments that differ in numbers alone.
+
+    function : of pytrees, by position; its result holds arrays in tuples and named tuples
+    options : of the compiler
+    """
+
+    def __init__(
+        self, function: Callable[..., Any], options: Mapping[str, Any] = MappingProxyType({})
+    ) -> None:
+        self.function = function
+        self._options = dict(options)
+        self._at_hand: OrderedDict[Any, Any] = OrderedDict()
+        when_given_back(self._at_hand.clear)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The function's result; as a part of another program where that is being traced."""
+        if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(arguments)):
+            return self.function(*arguments)
+        return self.compiled(*arguments)(*arguments)
+
+    def compiled(self, *arguments: Any) -> Any:
+        """The program for arguments like these."""
+        key = self.signature(*arguments)
+        if key not in self._at_hand:
+            with _no_garbage_collected():
+                self._at_hand[key] = self._found_or_built(arguments, *key)
+            if len(self._at_hand) > _MOST_AT_HAND:
+                self._at_hand.popitem(last=False)
+        self._at_hand.move_to_end(key)
+        return self._at_hand[key]
+
+    def file(self, *arguments: Any) -> Path | None:
+        """Where the program for arguments like these is kept (`program_of_file`); None where nowhere."""
+        known = self._known(*self.signature(*arguments))
+        return None if known is None else _named_by(known)
+
+    @staticmethod
+    def signature(*arguments: Any) -> tuple[Any, Any]:
+        """What arguments with a program in common agree about: structure, and shapes of arrays."""
+        leaves, structure = jax.tree.flatten(arguments)
+        types = map(jax.typeof, leaves)
+        return structure, tuple((own.shape, str(own.dtype), own.weak_type) for own in types)
+
+    def _found_or_built(self, arguments: Any, structure: Any, shapes: Any) -> Any:
+        known = self._known(structure, shapes)
+        if known is None:
+            return jax.jit(self.function).lower(*arguments).compile(compiler_options=self._options)
+        taken = jax.tree.structure((arguments, {}))
+        file = _named_by(known)
+        found = _read(file, taken) if file else None
+        return found or self._by_text(arguments, shapes, known, taken)
+
+    def _known(self, structure: Any, shapes: Any) -> Path | None:
+        """Where it stands by which text the program is kept; None where it is not kept."""
+        folder = _folder()
+        digest = program_digest(self.function, self._options, structure, shapes) if folder else None
+        if folder is None or digest is None:
+            return None
+        return folder / "by-structure" / digest_of_sources()[:16] / digest
+
+    def _by_text(self, arguments: Any, shapes: Any, known: Path, taken: Any) -> Any:
+        """The program found by its text, or compiled; from now on it is known by its structure."""
+
+        def kept(*arguments: Any) -> Any:
+            return self.function(*arguments)
+
+        # By a name of its own: a program that JAX has read from its folder cannot be kept once more.
+        named = self.function.func if isinstance(self.function, partial) else self.function
+        kept.__name__ = f"kept_{named.__name__.lstrip('_')}"
+        lowered = jax.jit(kept).lower(*arguments)
+        # The text leaves out arguments that are not used, but a program asks for them all the same.
+        text = text_digest(f"{shapes}\n{lowered.as_text()}", self._options)
+        file = _by_its_text(known, text)
+        program = _read(file, taken)
+        if program is None:
+            with _not_kept_by_jax():
+                program = lowered.compile(compiler_options=self._options)
+            _write(file, program)
+            _make_room(known.parents[2])
+        if file.exists():
+            _replace(known, text.encode("ascii"))
+        return program
+
+
+_MOST_KEPT = 2**30
+"""Bytes of a folder of programs: some thousands, of hundreds of machines."""
+
+
+@lru_cache
+def _make_room(folder: Path) -> None:
+    """Once a process that adds programs: those go that were not read for longest, where there are too many.
+
+    JAX's own are among them. Another process that wanted one of them compiles it anew.
+    """
+    files = []
+    for file in folder.rglob("*"):
+        with suppress(OSError):
+            status = file.stat()
+            if S_ISREG(status.st_mode):
+                files.append((max(status.st_atime, status.st_mtime), status.st_size, file))
+    size = sum(each for _, each, _ in files)
+    for _, own, file in sorted(files):
+        if size <= _MOST_KEPT:
+            return
+        size -= own
+        with suppress(OSError):
+            file.unlink()
+
+
+def _by_its_text(known: Path, text: str) -> Path:
+    return known.parents[2] / "by-text" / text
+
+
+def _named_by(known: Path) -> Path | None:
+    """The file of a program that is known by its structure; None where it is not there."""
+    try:
+        file = _by_its_text(known, known.read_text("ascii"))
+    except OSError:
+        return None
+    return file if file.exists() else None
+
+
+def _folder() -> Path | None:
+    """Where programs are kept; None where they are not."""
+    folder = getattr(jax.config, "jax_compilation_cache_dir", None)
+    enabled = getattr(jax.config, "jax_enable_compilation_cache", True)
+    if folder is None or not enabled or jax.default_backend() != "cpu":
+        return None
+    return Path(folder)
+
+
+@contextmanager
+def _no_garbage_collected() -> Iterator[None]:
+    """Tracing makes millions of objects that stay: looking for cycles among them is a tenth of its time."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+@contextmanager
+def _not_kept_by_jax() -> Iterator[None]:
+    name = "jax_persistent_cache_min_compile_time_secs"
+    before = getattr(jax.config, name)
+    jax.config.update(name, float("inf"))
+    try:
+        yield
+    finally:
+        jax.config.update(name, before)
+
+
+def _read(file: Path, taken: Any) -> Any:
+    """A kept program that takes arguments of a structure, or None."""
+    if not file.exists():
+        return None
+    try:
+        found = program_of_file(file, taken)
+    except Exception:
+        return None
+    count_program()
+    return found
+
+
+def _write(file: Path, program: Any) -> None:
+    """Keep a program, as far as that is possible."""
+    try:
+        content, _, of_result = serialize_executable.serialize(program)
+        result = jax.tree.unflatten(of_result, range(of_result.num_leaves))
+        _replace(file, zlib.compress(pickle.dumps(content) + pickle.dumps(result), 1))
+    except (ValueError, TypeError, AttributeError, pickle.PicklingError, jax.errors.JaxRuntimeError):
+        return
+
+
+def _replace(file: Path, content: bytes) -> None:
+    """Write a file at once or, where the folder takes none, not at all."""
+    temporary = file.with_name(f"{file.name}.{os.getpid()}-{next(_NUMBER)}")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_bytes(content)
+        temporary.replace(file)
+    except OSError:
+        temporary.unlink(missing_ok=True)
+
+
+_NUMBER = count()

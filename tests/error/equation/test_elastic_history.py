@@ -1,0 +1,92 @@
+"""Forces and tangents along a run, seen by other columns, against the sums over the elements."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from error.equation.machines import soft_strip
+
+from supple.error.equation import elastic_history
+from supple.error.equation.elastic_history import (
+    force_polynomial,
+    strain_rate_history,
+    strain_rate_polynomial,
+    tangent_history,
+)
+
+N_STEPS = 60
+
+
+@pytest.fixture(scope="module")
+def along():
+    """A body, columns of a motion through it, columns to look at it by, coordinates and rates over time."""
+    body = soft_strip("strip", 1.0)
+    rng = np.random.default_rng(3)
+    motion, onto = rng.standard_normal((body.n, 4)), rng.standard_normal((body.n, 9))
+    times = np.linspace(0, 1, N_STEPS)
+    frequencies = np.array([3.0, 7.0, 11.0, 2.0])
+    sizes = np.array([0.3, 0.2, 0.01, 0.1])
+    coordinates = sizes * np.sin(np.outer(times, frequencies))
+    rates = sizes * frequencies * np.cos(np.outer(times, frequencies))
+    return body, motion, onto, coordinates, rates
+
+
+def test_the_force_is_that_of_the_elements(along):
+    body, motion, onto, coordinates, _ = along
+    gained = force_polynomial(body.assembly.works(motion, onto))(coordinates)
+    for row in (1, 20, 59):
+        q = motion @ coordinates[row]
+        exact = onto.T @ (body.assembly.internal_force(q) - body.stiffness @ q)
+        np.testing.assert_allclose(gained[row], exact, rtol=1e-9, atol=1e-11 * np.abs(exact).max())
+
+
+def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
+    body, motion, onto, coordinates, _ = along
+    tangents = tangent_history(body, motion, coordinates, onto, material=True)
+    assert len(tangents.whole) < N_STEPS / 2
+    for row in range(1, N_STEPS):
+        q = motion @ coordinates[row]
+        whole = onto.T @ ((body.assembly.tangent(q) - body.stiffness) @ onto)
+        geometric = onto.T @ (body.assembly.tangent(q, material=0.0) @ onto)
+        material, told = (
+            np.tensordot(tangents.weights[row], s, axes=1) for s in (tangents.material, tangents.whole)
+        )
+        size = np.abs(whole).max()
+        np.testing.assert_allclose(told, whole, atol=1e-5 * size)
+        np.testing.assert_allclose(told - material, geometric, atol=1e-5 * size)
+
+
+def test_the_force_of_strain_rates_is_that_of_the_elements(along):
+    body, motion, onto, coordinates, rates = along
+    gained = strain_rate_polynomial(body.assembly.works(motion, onto))(coordinates, rates)
+    for row in (1, 20, 59):
+        q, rate = motion @ coordinates[row], motion @ rates[row]
+        exact = onto.T @ (body.assembly.strain_rate_force(q, rate) - body.stiffness @ rate)
+        np.testing.assert_allclose(gained[row], exact, rtol=1e-9, atol=1e-11 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("smallest", [1e-6, elastic_history.SMALLEST_RATE])
+def test_what_strain_rates_add_is_the_derivative_of_their_force(along, monkeypatch, smallest):
+    """Central difference over the coordinates at constant rates; the force is quadratic in them: exact."""
+    monkeypatch.setattr(elastic_history, "SMALLEST_RATE", smallest)
+    body, motion, onto, coordinates, rates = along
+    told = strain_rate_history(body, motion, coordinates, rates, onto)
+    assert len(told.samples) < N_STEPS / 2
+    for row in (3, 30, 52):
+        q, rate = motion @ coordinates[row], motion @ rates[row]
+        ahead, behind = (
+            np.column_stack([body.assembly.strain_rate_force(q + sign * z, rate) for z in onto.T])
+            for sign in (1, -1)
+        )
+        exact = onto.T @ (ahead - behind) / 2
+        assert np.abs(exact - exact.T).max() > 0.03 * np.abs(exact).max()
+        found = np.tensordot(told.weights[row], told.samples, axes=1)
+        np.testing.assert_allclose(found, exact, atol=10 * smallest * np.abs(exact).max())
+
+
+def test_a_body_that_does_not_deform_gains_nothing(along):
+    body, motion, onto, coordinates, rates = along
+    tangents = tangent_history(body, motion, 0 * coordinates, onto)
+    assert tangents.whole.shape == tangents.material.shape == (0, 9, 9)
+    assert strain_rate_history(body, motion, 0 * coordinates, 0 * rates, onto).samples.shape == (0, 9, 9)
+    assert not force_polynomial(body.assembly.works(motion, onto))(0 * coordinates).any()

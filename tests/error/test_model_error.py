@@ -1,0 +1,61 @@
+"""What linear strains lack: the shortening of a beam by its bending, in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.body import NodalFixedFrame, RigidInterface, flexible_body
+from supple.equations.checks.validity import watch
+from supple.error.model_error import model_errors_by_limit
+from supple.fem import HomogeneousSection, Isotropic, shell_model
+from supple.integrate import FloatingMotion, Solution, Statistics, Validity
+from supple.machine import Placed, System
+from supple.mesh import strip
+from supple.reduction import CraigBampton, NoDerivatives, reduce
+
+LENGTH = 2.0
+
+
+@pytest.fixture(scope="module")
+def linear():
+    """A strip without quadratic strains; its tip holds the static shape of a force."""
+    wall = HomogeneousSection(Isotropic(1e9, 0.0, 1000.0), 0.01)
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    body = flexible_body("beam", shell_model(strip(LENGTH, 0.05, 16, 2), wall), ends).linearized()
+    return reduce(body, NodalFixedFrame("root"), CraigBampton(1), derivatives=NoDerivatives())
+
+
+def bent(body, turn):
+    """At rest under a force at the tip across the strip, its end turned by so much."""
+    tip = body.interface("tip")
+    shape = np.linalg.solve(body.stiffness, tip.motion[2])
+    shape *= turn / np.linalg.norm(tip.motion[3:] @ shape)
+    rest = np.zeros((1, 3)), np.eye(3)[None], shape[None]
+    still = np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, body.r))
+    return Solution(np.zeros(1), {"beam": FloatingMotion(*rest, *still, *still)}, {}, Statistics())
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["rotations known", "displacements alone"])
+@pytest.mark.parametrize("turn", [0.05, 0.2])
+def test_a_linear_body_lacks_its_shortening(linear, turn, known):
+    """w' = turn (1 - (1 - x/L)^2), and the tip should have moved by the integral of w'^2 / 2 to the root."""
+    body = linear if known else replace(linear, rotation_basis=None)
+    stated = model_errors_by_limit(System((Placed(body),)), bent(body, turn))["beam"]
+    x = np.linspace(0.0, LENGTH, 2001)
+    slope = turn * (1 - (1 - x / LENGTH) ** 2)
+    shortening = float(np.trapezoid(slope**2 / 2, x))
+    assert shortening < stated < 2 * shortening
+
+
+def test_a_linear_body_is_held_to_a_tenth_of_a_radian(linear):
+    def messages(turn):
+        limits = watch(System((Placed(linear),)), Validity())
+        return [each.message for each in limits.excesses(limits.observe({}, bent(linear, turn)))]
+
+    assert messages(0.09) == []
+    (message,) = messages(0.2)
+    assert message.startswith("body 'beam' is linear and turns by 0.2")
+    assert "lack the shortening by bending, 0.02 of its length" in message

@@ -1,0 +1,227 @@
+"""What an explicit march does not do is refused in one sentence, before anything is computed."""
+
+import numpy as np
+import pytest
+from fixtures.explicit_bars import SOFT, bar, explicit_bar
+
+from supple.body import FullBody, MeanAxisFrame, RigidBody, flexible_body
+from supple.equations import balances
+from supple.error import state_errors
+from supple.errors import ArgumentError, ModelError
+from supple.fem import solid_model
+from supple.integrate import AdaptiveStep, FixedStep, Newmark, Run, Solution, Statistics, Tolerances
+from supple.linearization import campbell_diagram, linearize
+from supple.machine import (
+    At,
+    Ball,
+    Contact,
+    DeadForce,
+    DeadTorque,
+    FollowerForce,
+    Placed,
+    RigidPlane,
+    Scaled,
+    Spin,
+    Support,
+    System,
+    Tie,
+)
+from supple.machine.laws import Table
+from supple.mesh import CellType, Mesh
+from supple.methods.explicit import (
+    BulkViscosity,
+    Explicit,
+    ExplicitEngine,
+    explicit_subdomain,
+    modal_subdomain,
+)
+from supple.reduction import NoLoads, NormalModes, reduce
+from supple.simulation import assemble, equilibrium, simulate, simulate_batch
+
+RUN = Run(0.02, 0.01)
+MODEL = bar(CellType.HEXA8)
+BODY = flexible_body("box", MODEL)
+WALL = RigidPlane((0, 0, 0), (1, 0, 0))
+END = At("ball", "tip")
+
+
+def ball():
+    return RigidBody("ball", 1.0, np.zeros(3), np.eye(3), {"tip": np.zeros(3)})
+
+
+def modal():
+    return modal_subdomain(BODY, NormalModes(4))
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        equilibrium,
+        linearize,
+        lambda system: campbell_diagram(system, [Spin(1.0, (0.0, 0.0, 1.0))]),
+        lambda system: simulate_batch([system], RUN),
+        lambda system: state_errors(system, RUN, Solution(np.zeros(1), {}, {}, Statistics())),
+        assemble,
+        lambda system: balances(system, Solution(np.zeros(1), {}, {}, Statistics())),
+    ],
+)
+@pytest.mark.parametrize("part", [lambda: explicit_bar(CellType.HEXA8), modal])
+def test_what_is_not_asked_of_explicit_parts_is_refused_in_one_place(ask, part):
+    with pytest.raises(ModelError, match=r"is a part of an explicit march .*which `simulate` alone takes"):
+        ask(System([part()]))
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        reduce(BODY, MeanAxisFrame(), NormalModes(4), loads=NoLoads),
+        FullBody(BODY, MeanAxisFrame()),
+        ball(),
+    ],
+    ids=lambda body: type(body).__name__,
+)
+def test_bodies_of_other_methods_do_not_march_beside_parts(body):
+    with pytest.raises(
+        ModelError, match=f"body '{body.name}' is {body.kind}, and explicit parts march alone"
+    ):
+        simulate(System([explicit_bar(CellType.HEXA8), body]), RUN)
+    for item in (
+        {"supports": [Support(END)]},
+        {"contacts": [Contact(END, WALL)]},
+        {"ties": [Tie(END, "ball")]},
+    ):
+        with pytest.raises(ModelError, match="acts on parts of an explicit march, and body 'ball' is rigid"):
+            System([ball()], **item)
+
+
+@pytest.mark.parametrize(
+    ("items", "named"),
+    [
+        ({"ties": [Support(END)]}, "ties: expected ties such as Tie.*, got a Support"),
+        ({"supports": [At("bar", "root")]}, "supports: expected supports such as"),
+        ({"contacts": [WALL]}, r"contacts: expected a Contact\(.*or a SurfaceContact"),
+        ({"ties": Tie(At("bar", "root"), "bar")}, "ties: expected a list of ties"),
+    ],
+)
+def test_lists_hold_what_they_are_named_for(items, named):
+    with pytest.raises(ArgumentError, match=named):
+        System([explicit_bar(CellType.HEXA8)], **items)
+
+
+def test_a_node_set_that_is_not_there_is_named():
+    with pytest.raises(
+        ModelError, match=r"support of 'bar.roof': body 'bar' has no interface 'roof'; did you"
+    ):
+        System([explicit_bar(CellType.HEXA8)], supports=[Support(At("bar", "roof"))])
+
+
+def test_what_acts_on_a_part_suits_it():
+    bar_alone = explicit_bar(CellType.HEXA8)
+    for more, named in (
+        (
+            {"loads": [FollowerForce(first="bar.tip", force=(1.0, 0.0, 0.0))]},
+            "'bar' is explicit and has none",
+        ),
+        (
+            {"loads": [DeadTorque(first="bar.tip", torque=(1.0, 0.0, 0.0))]},
+            "DeadTorque: an explicit march has",
+        ),
+        (
+            {"joints": [Ball(name="pin", first="bar.tip", second="ground")]},
+            "'pin' is a Ball, which an explicit",
+        ),
+    ):
+        with pytest.raises(ModelError, match=named):
+            simulate(System([bar_alone], **more), RUN)
+
+
+def test_a_modal_part_is_not_held():
+    with pytest.raises(ModelError, match="'box' is modal, and flies free"):
+        simulate(System([modal()], supports=[Support(At("box", "root"))]), RUN)
+
+
+def on_a_modal_part(velocity=(0.0, 0.0, 0.0), **more):
+    """A bar tied on a modal one of the same mesh, behind it."""
+    moved = Mesh(MODEL.mesh.nodes + np.array([4.0, 0, 0]), MODEL.mesh.cells, MODEL.mesh.node_sets)
+    own = explicit_subdomain(solid_model(moved, SOFT), name="bar")
+    return System([modal(), Placed(own, velocity=velocity)], ties=[Tie(At("bar", "root"), "box")], **more)
+
+
+def test_nodes_that_a_modal_part_leads_are_not_held():
+    with pytest.raises(ModelError, match=r"support of 'bar.root': some of its nodes are tied on 'box'"):
+        ExplicitEngine(on_a_modal_part(supports=[Support(At("bar", "root"))]), RUN)
+    ExplicitEngine(on_a_modal_part(supports=[Support(At("bar", "tip"))]), RUN)
+
+
+def test_tied_parts_start_as_one():
+    with pytest.raises(ModelError, match="the two sides fly apart by 1 m/s"):
+        simulate(on_a_modal_part(velocity=(1.0, 0.0, 0.0)), RUN)
+    one, other = explicit_bar(CellType.HEXA8), explicit_subdomain(MODEL, name="other")
+    tied = [Tie(At("other", "root"), "bar")]
+    with pytest.raises(ModelError, match="the two sides fly apart by 2 m/s"):
+        simulate(System([one, Placed(other, position=(4, 0, 0), velocity=(0, 2.0, 0))], ties=tied), RUN)
+
+
+def test_what_the_march_has_of_its_own_is_not_asked_of_the_run():
+    system = System([explicit_bar(CellType.HEXA8)])
+    for run, named in (
+        (Run(0.02, 0.01, method=Newmark()), "central differences, not by Newmark"),
+        (Run(0.02, 0.01, tolerances=Tolerances(residual=1e-3)), "iterates nothing"),
+        (Run(0.02, 0.01, AdaptiveStep(1e-3)), "AdaptiveStep has no meaning here"),
+        (Run(0.02, 0.01, FixedStep(1.0)), "above the limit"),
+    ):
+        with pytest.raises(ModelError, match=named):
+            simulate(system, run)
+
+
+def test_bodies_in_floating_frames_do_not_take_explicit_steps():
+    with pytest.raises(ModelError, match="body 'ball' is rigid, and explicit parts march alone"):
+        simulate(System([ball()]), Run(0.02, 0.01, method=Explicit()))
+    with pytest.raises(ValueError, match="Explicit steps modal and finite-element parts"):
+        simulate_batch([System([ball()])], Run(0.02, 0.01, method=Explicit()))
+
+
+def test_the_step_of_the_run_is_taken():
+    system = System([explicit_bar(CellType.HEXA8)])
+    solution = simulate(system, Run(0.02, 0.01, FixedStep(1e-3)))
+    assert solution.statistics.steps == 20
+    assert solution.series["steps"][-1, 0] == pytest.approx(1e-3)
+
+
+def test_angular_velocity_is_along_the_axes_of_the_body():
+    """Of every body alike: one that stands turned by 90 degrees about x and spins about its own z."""
+    bar_turned = explicit_bar(CellType.HEXA8)
+    system = System([Placed(bar_turned, rotation=(np.pi / 2, 0, 0), angular_velocity=(0, 0, 1.0))])
+    motion = simulate(system, RUN).bodies["bar"]
+    # Body z is along - y of space.
+    expected = np.cross([0.0, -1.0, 0.0], motion.nodes[0])
+    assert motion.velocities[0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_run_that_starts_later_has_the_loads_of_its_time():
+    """A force that acts at t = 0 alone does nothing to a run from t = 1 on."""
+    gone = Scaled(np.array([0.0, 0.0, 1.0]), Table([0.0, 0.5, 3.0], [1.0, 0.0, 0.0]))
+    for part in (explicit_bar(CellType.HEXA8), modal()):
+        system = System([part], loads=[DeadForce(at=f"{part.name}.tip", force=gone)])
+        energies = simulate(system, Run(0.02, 0.01, start=1.0)).series["energies"]
+        assert np.abs(energies).max() < 1e-20
+    with pytest.raises(ModelError, match=r"its table ends at t = 3, before the run does \(t = 3.01\)"):
+        simulate(system, Run(0.02, 0.01, start=2.99))
+
+
+def test_parts_start_deformed_as_they_are_placed():
+    """A modal part vibrates from its coordinates, q cos(omega t); finite elements have rates alone."""
+    part = modal()
+    omega = part.frequencies[0]
+    start = np.array([1e-3, 0.0, 0.0, 0.0])
+    run = Run(2 * np.pi / omega, 2 * np.pi / omega / 8, FixedStep(0.02))
+    found = simulate(System([Placed(part, coordinates=start)]), run)
+    expected = 1e-3 * np.cos(omega * found.times)
+    assert found.bodies["box"].coordinates[:, 0] == pytest.approx(expected, abs=2e-6)
+    elements = explicit_bar(CellType.HEXA8, bulk_viscosity=BulkViscosity(0.0, 0.0))
+    stretching = 0.01 * (elements.nodes - elements.centre_of_mass)
+    moved = simulate(System([Placed(elements, coordinate_rates=stretching.ravel())]), RUN)
+    assert moved.bodies["bar"].velocities[0] == pytest.approx(stretching, abs=1e-15)
+    assert moved.bodies["bar"].velocities[-1].mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-15)
+    with pytest.raises(ModelError, match="part 'bar' is of finite elements, which start undeformed"):
+        simulate(System([Placed(elements, coordinates=stretching.ravel())]), RUN)

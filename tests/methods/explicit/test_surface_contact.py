@@ -1,0 +1,167 @@
+"""Contact between sub-domains: momentum, two bars that hit in closed form, limits, modal faces, refusals."""
+
+import numpy as np
+import pytest
+from fixtures.explicit_bars import SOFT, stepped
+
+from supple.body import flexible_body
+from supple.errors import ModelError
+from supple.fem import Isotropic, solid_model
+from supple.integrate import Run, run
+from supple.machine import (
+    At,
+    Placed,
+    SurfaceContact,
+    System,
+)
+from supple.mesh import CellType, block
+from supple.methods.explicit import (
+    ENERGIES,
+    ExplicitEngine,
+    explicit_subdomain,
+    modal_subdomain,
+)
+from supple.reduction import NormalModes
+
+ROD = Isotropic(100.0, 0.0, 1.0)  # no lateral strain: a 1-D bar
+SPEED_OF_SOUND = 10.0
+
+
+def rods(v=0.1, cells=40, length=4.0, gap=0.0, **contact):
+    """Two equal rods along x; the first flies into the second."""
+    model = solid_model(block(length, 0.2, 0.2, cells, 1, 1, CellType.HEXA8), ROD)
+    first = Placed(explicit_subdomain(model, name="first"), velocity=(v, 0, 0))
+    second = Placed(explicit_subdomain(model, name="second"), position=(length + gap, 0, 0))
+    touch = SurfaceContact(At("first", "tip"), At("second", "root"), **contact)
+    return System([first, second], contacts=[touch])
+
+
+def nodal_momentum(engine, solution, name):
+    m = np.asarray(engine.built.model.mass)[engine.built.nodes[name]]
+    motion = solution.bodies[name]
+    return np.einsum("n,tni->ti", m, motion.velocities)
+
+
+@pytest.mark.slow
+def test_equal_rods_exchange_their_velocities_in_the_time_of_two_wave_travels():
+    """1-D bar impact (St. Venant): contact lasts 2 L / c, then the first stands still and the second flies.
+
+    The penalty yields like a piece of rod of a few cells, so all is late by a time that goes with the cell.
+    """
+    v, length = 0.1, 4.0
+    duration, mass = 2 * length / SPEED_OF_SOUND, length * 0.2 * 0.2
+    halfway, done = [], []
+    for cells in (40, 80):
+        span = Run(1.5 * duration, duration / 200)
+        engine = ExplicitEngine(rods(v, cells, length), span)
+        solution = run(engine, span.times)
+        first, second = (nodal_momentum(engine, solution, name)[:, 0] / mass for name in ("first", "second"))
+        assert first[-1] == pytest.approx(0.0, abs=0.02 * v)
+        assert second[-1] == pytest.approx(v, rel=0.02)
+        # The force is rho c v A / 2 throughout: the velocity of the second grows linearly, done at 2 L / c.
+        halfway.append(np.interp(0.5 * v, second, solution.times))
+        done.append(solution.times[np.argmax(second > 0.98 * v)])
+        held = solution.series[ENERGIES][:, 4]
+        assert held.max() > 1e-4 * mass * v**2
+        assert abs(held[-1]) < 1e-2 * held.max()
+    assert 2 * halfway[1] - halfway[0] == pytest.approx(0.5 * duration, rel=0.01)
+    assert done[1] == pytest.approx(duration, rel=0.03)
+
+
+@pytest.mark.slow
+def test_an_oblique_hit_keeps_both_momenta_and_the_energy():
+    """A turning cube hits the side of a finer one off its centre, meshes unlike."""
+    hitting = explicit_subdomain(solid_model(block(1, 1, 1, 2, 2, 2, CellType.HEXA8), SOFT), name="cube")
+    plate = explicit_subdomain(solid_model(block(0.4, 2, 2, 1, 5, 5, CellType.TETRA4), SOFT), name="plate")
+    parts = [
+        Placed(
+            hitting, position=(-1.01, 0.55, 0.35), velocity=(1.0, 0.2, 0.1), angular_velocity=(0, 0.1, 0.2)
+        ),
+        Placed(plate),
+    ]
+    touch = SurfaceContact(At("cube", "tip"), At("plate", "root"))
+    span = Run(0.6, 0.02)
+    engine = ExplicitEngine(System(parts, contacts=[touch]), span)
+    solution = run(engine, span.times)
+    m = np.asarray(engine.built.model.mass)
+    h = solution.series["steps"][:, 0]
+    linear, angular = np.zeros((len(h), 3)), np.zeros((len(h), 3))
+    for name, numbers in engine.built.nodes.items():
+        x, v = solution.bodies[name].nodes, solution.bodies[name].velocities
+        linear += np.einsum("n,tni->ti", m[numbers], v)
+        angular += np.einsum("n,tni->ti", m[numbers], np.cross(x - h[:, None, None] * v, v))
+    assert np.abs(linear - linear[0]).max() < 1e-13 * np.abs(linear).max() * 100
+    assert np.abs(angular[1:] - angular[1]).max() < 1e-11 * np.abs(angular).max()
+    e = solution.series[ENERGIES]
+    assert e[:, 4].max() > 1e-3 * e[0, 0]
+    assert np.abs(nodal_momentum(engine, solution, "plate")[-1]).max() > 0.1
+    total = e[:, :7].sum(axis=1) - e[:, 7]
+    assert np.abs(total / total[0] - 1).max() < 1e-12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cells", [(2, 2), (3, 2), (1, 3)])
+def test_the_stated_limit_is_below_the_true_one_with_all_contacts_closed(cells):
+    """Penalties of all nodes on the faces below them, along the normal, against the bound on the step."""
+    from supple.methods.explicit.march.touching_surface import projected
+
+    mine, theirs = (
+        explicit_subdomain(solid_model(block(1, 1, 1, 2, n, n, CellType.HEXA8), SOFT), name=name)
+        for n, name in zip(cells, ("mine", "theirs"), strict=True)
+    )
+    touch = SurfaceContact(At("mine", "tip"), At("theirs", "root"), fraction=0.5)
+    system = System([mine, Placed(theirs, position=(1, 0, 0))], contacts=[touch])
+    model = ExplicitEngine(system, Run(1.0, 1.0)).built
+    (surface,) = model.model.surfaces
+    at = projected(surface, model.start.x)
+    m = np.asarray(model.model.mass)
+    K = np.zeros((len(m), len(m)))
+    for i, node in enumerate(np.asarray(surface.nodes)):
+        row = np.zeros(len(m))
+        row[node] = 1.0
+        row[np.asarray(at.corners)[i]] -= np.asarray(at.weights)[:, i]
+        K += float(surface.stiffness[i]) * np.outer(row, row)
+    largest = np.linalg.eigvalsh(K / np.sqrt(m[:, None] * m))[-1]
+    assert 0.1 * float(model.model.contact_rate) < largest <= (1 + 1e-9) * float(model.model.contact_rate)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["nodes", "surface"])
+def test_the_face_of_a_modal_part_takes_part(which):
+    """A cube hits a modal block: momenta go over exactly in equal steps, and it bounces."""
+    body = flexible_body("block", solid_model(block(1, 1, 1, 3, 3, 3, CellType.TETRA4), SOFT))
+    modal = modal_subdomain(body, NormalModes(12))
+    cube = explicit_subdomain(solid_model(block(1, 1, 1, 2, 2, 2, CellType.HEXA8), SOFT), name="cube")
+    ends = [At("cube", "root"), At("block", "tip")]
+    touch = SurfaceContact(*(ends if which == "nodes" else ends[::-1]))
+    parts = [modal, Placed(cube, position=(1.0, 0.1, 0.05), velocity=(-0.2, 0, 0))]
+    span = Run(0.8, 0.05)
+    engine = ExplicitEngine(System(parts, contacts=[touch]), stepped(span, largest_ratio=1))
+    solution = run(engine, span.times)
+    h = solution.series["steps"][:, 0]
+    motion = solution.bodies["block"]
+    before = type(motion)(
+        motion.points - h[:, None, None] * motion.point_rates,
+        motion.coordinates - h[:, None] * motion.coordinate_rates,
+        motion.point_rates,
+        motion.coordinate_rates,
+    )
+    M = body.nodal_mass[::3][:, ::3].toarray()
+    moved = modal.positions(motion)[1:] - modal.positions(before)[1:]
+    p = np.einsum("nm,tmi->ti", M, moved / h[1:, None, None])
+    p += nodal_momentum(engine, solution, "cube")[1:]
+    assert np.abs(p - [-0.2, 0, 0]).max() < 1e-11
+    assert nodal_momentum(engine, solution, "cube")[-1, 0] > -0.1
+    e = solution.series[ENERGIES]
+    assert e[:, 4].max() > 1e-3 * e[0, 0]
+    total = e[:, :7].sum(axis=1) - e[:, 7]
+    assert np.abs(total / total[0] - 1).max() < 1e-3
+
+
+def test_what_cannot_touch_is_refused():
+    with pytest.raises(ModelError, match="inside the surface"):
+        ExplicitEngine(rods(gap=-0.02), Run(1.0, 1.0))
+    with pytest.raises(ModelError, match="does not touch itself"):
+        SurfaceContact(At("first", "tip"), At("first", "root"))
+    with pytest.raises(ModelError, match="stiffness of a contact"):
+        rods(stiffness=-1.0)
