@@ -15,6 +15,7 @@ pytest_plugins = (
     "fixtures.reduced_blocks",
     "fixtures.made_up_solutions",
     "fixtures.strip_case",
+    "fixtures.programs_in_a_folder",
 )
 
 # The systems here are small and run for moments: compile them quickly rather than well.

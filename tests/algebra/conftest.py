@@ -1,19 +1,16 @@
-"""A free 3-D truss, a lattice of points joined by springs, with six rigid motions and point masses; and a
-folder for programs."""
+"""A free 3-D truss, a lattice of points joined by springs, with six rigid motions and point masses."""
 
 from __future__ import annotations
 
 from importlib.util import find_spec
 from typing import NamedTuple
 
-import jax
 import numpy as np
 import pytest
 from scipy import sparse
 from scipy.spatial import cKDTree
 
 from supple.algebra import DirectSolver, Rslab, SuperLU
-from supple.algebra.jax_settings import keep_compiled_programs
 
 
 class Truss(NamedTuple):
@@ -86,17 +83,3 @@ def chain():
         return sparse.csc_array(stretch.T @ stretch), sparse.eye_array(n, format="csc")
 
     return make
-
-
-_SETTINGS = ("jax_enable_compilation_cache", "jax_compilation_cache_dir")
-
-
-@pytest.fixture
-def kept(tmp_path, monkeypatch):
-    """An empty folder, in which programs are kept."""
-    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
-    before = {name: getattr(jax.config, name) for name in _SETTINGS}
-    jax.config.update("jax_enable_compilation_cache", True)
-    yield keep_compiled_programs(tmp_path)
-    for name, value in before.items():
-        jax.config.update(name, value)
