@@ -16,6 +16,7 @@ from supple.body.damping import refuse_held
 from supple.body.interface import interface_named
 from supple.body.mass_properties import rigid_mass_properties
 from supple.body.point_motion import FloatingForm
+from supple.equations.checks.energy import body_balances
 from supple.errors import ModelError
 from supple.mesh import Mesh
 from supple.methods.explicit.frame_model import FrameModel
@@ -25,7 +26,7 @@ from supple.methods.explicit.mass_fields import mass_fields
 from supple.methods.explicit.node_set import NodeSet, node_sets
 from supple.methods.explicit.spin_stiffness import CentrifugalStiffness
 from supple.methods.explicit.step_limit import local_mass, true_limit
-from supple.reduction import LinearBasisRecipe, rayleigh_ritz
+from supple.reduction import LinearBasisRecipe, ReducedBody, rayleigh_ritz
 
 __all__ = ["ModalSubdomain", "modal_subdomain"]
 
@@ -291,3 +292,6 @@ def modal_subdomain(
     vectors = vectors * signs
     spun = None if stiffening is None else stiffening.matrices(body, vectors)
     return ModalSubdomain(body, vectors, linear.frequencies[kept], alpha, beta, spun, yield_stress)
+
+
+body_balances.register(ModalSubdomain, body_balances.dispatch(ReducedBody))
