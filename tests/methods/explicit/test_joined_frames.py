@@ -1,7 +1,9 @@
-"""Joints of modal parts and rigid bodies: closed forms, reduced bodies on the same joints, momenta, balance."""
+"""Joints of modal parts and rigid bodies: closed forms, reduced bodies on the same joints, balance."""
 
 from functools import cache
+from itertools import pairwise
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures.explicit_bars import stepped
@@ -9,22 +11,29 @@ from scipy.special import ellipk
 
 from supple.body import MeanAxisFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations import balances
+from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, Run
 from supple.linearization import linearize, machine_modes
 from supple.machine import (
     Ball,
+    BaseAcceleration,
+    Bushing,
     Cylindrical,
     DeadForce,
+    DeadTorque,
     Fixed,
+    FollowerForce,
     Placed,
     PrescribedRotation,
     Revolute,
+    SpringDamper,
     System,
 )
 from supple.mesh import CellType, block
-from supple.methods.explicit import ENERGIES, modal_subdomain
+from supple.methods.explicit import ENERGIES, Energies, modal_subdomain
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
+from supple.sensors import AccelerationSensor, JointForceSensor, StressSensor
 from supple.simulation import equilibrium, simulate
 
 G = (0.0, 0.0, -9.81)
@@ -106,7 +115,7 @@ def test_two_modal_parts_swing_as_two_reduced_ones():
     found = [simulate(double(modal), stepped(run, h)) for h in (4e-4, 2e-4, 1e-4)]
     places = [tip(double(modal), own) for own in found]
     assert np.abs(places[-1] - expected).max() < 1e-3 * 2.0
-    first, second = (np.abs(a - b).max() for a, b in zip(places, places[1:], strict=False))
+    first, second = (np.abs(a - b).max() for a, b in pairwise(places))
     assert first / second == pytest.approx(4.0, rel=0.15)
     assert all(opened(own) < 1e-9 for own in found)
     # They bend as they swing: the test is one of deformed parts.
@@ -169,3 +178,81 @@ def test_rest_and_modes_of_modal_parts_are_those_of_reduced_ones():
     assert rests[0].joint_forces["clamp"] == pytest.approx(rests[1].joint_forces["clamp"], abs=1e-8)
     modes = [machine_modes(linearize(cantilever(make), fulls=())) for make in (modal, reduced)]
     assert modes[0].frequencies == pytest.approx(modes[1].frequencies, rel=1e-9)
+
+
+def test_a_mass_on_a_spring_and_damper_swings_as_the_closed_form():
+    """From a stretched start: z = z_0 e^-at (cos wt + a/w sin wt); a damper follows half a step late."""
+    mass, k, c, z0 = 2.0, 800.0, 4.0, 0.1
+    ball = RigidBody("ball", mass, np.zeros(3), 0.01 * np.eye(3), {"eye": np.zeros(3)})
+    spring = SpringDamper(
+        first="ground", second="ball.eye", anchor=(0, 0, 1.0), stiffness=k, damping=c, rest_length=1.0
+    )
+    system = System([Placed(ball, position=(0, 0, -z0))], loads=[spring])
+    a = c / mass / 2
+    w = np.sqrt(k / mass - a**2)
+    t = Run(1.0, 0.02).times
+    expected = z0 * np.exp(-a * t) * (np.cos(w * t) + a / w * np.sin(w * t))
+    errors = []
+    for h in (1e-3, 5e-4):
+        solution = simulate(system, stepped(Run(1.0, 0.02), h))
+        errors.append(np.abs(-solution.bodies["ball"].position[:, 2] - expected).max() / z0)
+        assert opened(solution) < 1e-12
+    assert errors[1] < 2e-3
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.05)
+    e = dict(zip(Energies._fields, solution.series[ENERGIES].T, strict=True))
+    assert e["internal"][0] == pytest.approx(k * z0**2 / 2)
+    left = k * z0**2 / 2 * np.exp(-2 * a)
+    assert e["damping"][-1] == pytest.approx(k * z0**2 / 2 - left, rel=0.02)
+    # The longest stable step: h^2 w^2 / 4 + h c / 2m = 1.
+    limit = 2 / (c / mass / 2 + np.sqrt((c / mass / 2) ** 2 + k / mass))
+    with pytest.raises(ModelError, match=f"above the limit of {limit:.4g} s"):
+        simulate(system, stepped(Run(1.0, 0.02), 1.01 * limit))
+
+
+def test_bushings_torques_and_the_base_act_as_on_reduced_bodies():
+    def machine(make):
+        return System(
+            [make("one"), Placed(rod(mass=1.0), position=(1.0, 0, 0))],
+            joints=[Fixed(name="clamp", first="ground", second="one.a")],
+            loads=[
+                Bushing(
+                    first="one.b",
+                    second="rod.a",
+                    stiffness=(2e3, 2e3, 2e3, 20.0, 20.0, 20.0),
+                    damping=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0),
+                ),
+                DeadTorque(first="rod.b", torque=(0.0, 2.0, 0.0)),
+                FollowerForce(first="one.b", force=(0.0, 0.0, 5.0)),
+                BaseAcceleration(acceleration=lambda t: jnp.stack([0 * t, 3 * t, 0 * t])),
+            ],
+        )
+
+    expected = simulate(machine(reduced), Run(0.2, 0.01, FixedStep(2e-4)))
+    found = simulate(machine(modal), stepped(Run(0.2, 0.01), 1e-4))
+    places = tip(machine(reduced), expected)
+    moved = np.abs(places - places[0]).max()
+    assert tip(machine(modal), found) == pytest.approx(places, abs=1e-3 * moved)
+    assert moved > 0.01
+    assert opened(found) < 1e-9
+
+
+def test_sensors_read_frames_as_they_read_floating_bodies():
+    def machine(make):
+        return System(
+            [make("one")],
+            joints=[Fixed(name="clamp", first="ground", second="one.a")],
+            loads=[DeadForce(at="one.b", force=lambda t: jnp.stack([0 * t, 0 * t, 5 * jnp.sin(20 * t)]))],
+        )
+
+    run = Run(0.2, 0.01, FixedStep(1e-4))
+    reads = [
+        AccelerationSensor("a", "one.b"),
+        JointForceSensor("clamp", "clamp"),
+        StressSensor("stress", "one", rubber("one").model, [0, 1]),
+    ]
+    for sensor in reads:
+        one, other = (
+            sensor.values(machine(make), simulate(machine(make), own))
+            for make, own in ((modal, stepped(run, 1e-4)), (reduced, run))
+        )
+        assert one == pytest.approx(other, abs=2e-3 * np.abs(other).max())

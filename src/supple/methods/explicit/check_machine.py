@@ -70,9 +70,8 @@ def _check_load(system: System, load: object) -> None:
         )
     if isinstance(load, ForceElement):
         _check_frames(system, load.label, load)
-    elif isinstance(load, NodalLoad) and not isinstance(load, DeadForce):
-        if not _has_frame(system, load.body):
-            raise ModelError(f"{load.label}: nodes of explicit elements bear DeadForce alone; give this")
+    elif isinstance(load, NodalLoad) and not (isinstance(load, DeadForce) or _has_frame(system, load.body)):
+        raise ModelError(f"{load.label}: nodes of explicit elements bear DeadForce alone; give this")
 
 
 def _check_frames(system: System, what: str, element: Joint | ForceElement) -> None:

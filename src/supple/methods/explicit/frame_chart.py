@@ -1,4 +1,4 @@
-"""The floating frame of four points: its pose and rates, and the way of generalised forces back to the points.
+"""The floating frame of four points: its pose and rates, and the way of forces back to the points.
 
 With P = [x_A - x_O, ..] of arms l, and X_O the place of O in the axes of the body,
 

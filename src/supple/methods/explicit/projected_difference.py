@@ -218,7 +218,7 @@ def _answer(f: _Frozen, r_p: Array, r_y: Array, r_D: Array) -> tuple[Array, Arra
 
 
 class _Bound(NamedTuple):
-    """The rows J (R, 12), (R, k) of ties and joints on a frame, and its answers Z to their unit multipliers."""
+    """The rows J (R, 12), (R, k) of ties and joints on a frame, and its answers Z to unit multipliers."""
 
     on_points: Array
     on_modes: Array

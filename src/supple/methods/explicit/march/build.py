@@ -28,6 +28,7 @@ from supple.methods.explicit.march.build_joined import joined_frames
 from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
 from supple.methods.explicit.march.build_ties import met_material, within
+from supple.methods.explicit.march.frame_forces import stored_energy, storing_elements
 from supple.methods.explicit.march.frame_step import hanging as hung_places
 from supple.methods.explicit.march.march_step import with_forces
 from supple.methods.explicit.march.model import (
@@ -128,6 +129,8 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     )
     for place in joined.limited:
         frame_arrays[place] = frame_arrays[place]._replace(step_limit=jnp.asarray(joined.step_limit))
+    elements = [load for load in system.loads if isinstance(load, ForceElement)]
+    stores = () if joined.machine is None else storing_elements(joined.machine, elements)
     touching, obstacle_of, on_obstacles = [], [], 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:
@@ -169,12 +172,17 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         tuple(frame_obstacles),
         joined.tied,
         joined.numbers,
+        stores,
         method,
     )
     for arrays, state in zip(frame_arrays, frame_states, strict=True):
         if state.y.any() or system.joints:  # deformed, or moved by joints, at the start
             x[np.asarray(arrays.nodes)] = hung_places(arrays, state).T
     start = _start(model, methods, x, v, tuple(frame_states), shells.start())
+    if any(stores):
+        own = joined.machine, elements, stores, model.frames, start.frames, jnp.asarray(time)
+        internal = start.energies.internal + stored_energy(*own)
+        start = start._replace(energies=start.energies._replace(internal=internal))
     start = with_forces(model, methods, start._replace(time=jnp.asarray(time)))
     return Built(model, methods, start, numbers, made.spans, shells.spans, frames, floating, change)
 

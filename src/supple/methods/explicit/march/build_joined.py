@@ -1,4 +1,4 @@
-"""What ties, joints and force elements do to frames together: which multipliers are needed, and the step limit."""
+"""Ties, joints and force elements of frames: which multipliers are needed, and the step limit of all."""
 
 from __future__ import annotations
 
@@ -78,8 +78,8 @@ def joined_frames(
         return JoinedFrames((), (), machine, (), np.zeros(0), (), np.inf)
     if not isinstance(scheme, ProjectedDifference) and (ties or machine.active):
         raise ModelError(
-            "modal sub-domains that are tied or joined to each other march by ProjectedDifference() only, not "
-            f"by {type(scheme).__name__}"
+            "parts that are tied or joined to each other march by ProjectedDifference() only, not by "
+            f"{type(scheme).__name__}"
         )
     order, now = list(frames), jnp.asarray(time)
     joined = {number for pair in pairs for number in pair} | _touched(machine.joints)

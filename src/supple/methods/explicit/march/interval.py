@@ -233,7 +233,7 @@ def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Arr
 
 
 def _noise_of_joints(model: MarchModel, state: MarchState) -> Array:
-    """Energy that round-off gives frames which joints hold at rest, J: 1e-12 of their places, 1e-10 of weights."""
+    """Energy that round-off gives frames which joints hold, J: 1e-12 of their places, 1e-10 of weights."""
     noise = jnp.zeros(())
     if model.machine is None or not model.machine.active:
         return noise

@@ -101,6 +101,7 @@ class Methods:
     obstacle_of : number of the obstacle of each contact of explicit nodes
     tied : which two frames each of their ties joins
     joined : numbers of the frames that ties and joints join, ascending
+    stores : of each group of force elements on frames, whether it stores energy
     explicit : Explicit     of the run
     """
 
@@ -113,6 +114,7 @@ class Methods:
     frame_obstacles: tuple[tuple[int, ...], ...]
     tied: tuple[tuple[int, int], ...]
     joined: tuple[int, ...]
+    stores: tuple[bool, ...]
     explicit: Explicit
 
 
@@ -121,10 +123,11 @@ class Energies(NamedTuple):
 
     kinetic + internal + plastic + hourglass + contact + damping + interface - external   does not change
 
-    internal : work of stresses that is neither plastic nor viscous; hourglass : of the control's forces
+    internal : work of stresses that is neither plastic nor viscous, and of springs
+    hourglass : of the forces of its control
     contact : held by penalties; interface : lost between parts that march at different steps, and by frames
     that turn by a finite angle in a step
-    external : work of loads, gravity and driven obstacles
+    external : work of loads, gravity, driven obstacles and joints, and of force elements that store nothing
     """
 
     kinetic: Array
