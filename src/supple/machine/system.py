@@ -249,7 +249,7 @@ class System:
     def check_has_frames(self) -> None:
         """ModelError for explicit finite elements, whose equations no other method has."""
         for body in (placed.body for placed in self.bodies):
-            if body.kind == "explicit":
+            if not body.has_frame:
                 raise ModelError(
                     f"body '{body.name}' is of explicit finite elements, which `simulate` alone takes; for "
                     "statics, modes, batches and error estimates reduce the body, or stand it in full"

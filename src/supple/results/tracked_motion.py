@@ -60,12 +60,12 @@ def observer_of(
 
     bases : interfaces, by the names of the bodies seen from there; undeformed they share their axes
     rows : output times
-    Returns None when the body has no interface, and none is named, and of a part of an explicit march.
+    Returns None when the body has no interface, and none is named, and of a body without a frame.
     """
     base = bases.get(body)
     if base is None:
         own = system.bodies[system.body_index(body)].body
-        if not own.interfaces or own.kind in ("modal", "explicit"):
+        if not own.interfaces or not own.has_frame:
             return None
         return observer(own, solution.bodies[body].at(rows), own.interfaces[0].name)
     there = system.bodies[system.body_index(base.body)].body
@@ -115,8 +115,7 @@ def tracked_motion(
     else:
         nodes = np.asarray(at)
         rest, position = body.nodes[nodes].mean(axis=0), body.positions(motion, nodes).mean(axis=1)
-    # Parts of an explicit march deflect against no frame that others could see.
-    if not body.n_coordinates or body.kind in ("modal", "explicit"):
+    if not body.n_coordinates or not body.has_frame:
         return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
     if seen_from is None and body.interfaces:
         seen_from = observer(body, motion, body.interfaces[0].name)

@@ -85,7 +85,7 @@ def _check_frames(system: System, what: str, element: Joint | ForceElement) -> N
 
 
 def _has_frame(system: System, name: str) -> bool:
-    return system.placed(name).body.kind != "explicit"
+    return system.placed(name).body.has_frame
 
 
 def _is_modal(system: System, name: str) -> bool:
