@@ -58,8 +58,10 @@ direct search that takes more has lost its way, and load and spin are followed u
 _OF_A_SHARE = 12
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
-_FASTER = 1.5
-"""What the next step may be over one that was found."""
+_WANTED = 5
+"""Iterations that a step should take: the next one is longer or shorter by as much as the last took less or more."""
+_SLOWER, _FASTER = 0.5, 1.5
+"""What the next step is at least and at most over one that was found."""
 _ON_THE_WAY = 1e-6
 """Residual of equilibria that are only on the way."""
 
@@ -210,7 +212,8 @@ def search_equilibrium(
         except ConvergenceError:
             step, iterations = step / 2, iterations + most
             continue
-        share, step, iterations = asked, _FASTER * step, iterations + used
+        faster = min(max(_WANTED / max(used, 1), _SLOWER), _FASTER)
+        share, step, iterations = asked, faster * (asked - share), iterations + used
     if share == 1:
         return state, iterations
     # A free body that spins falls outwards before Newton's method brings it back: then only patience helps.

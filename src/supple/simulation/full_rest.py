@@ -33,7 +33,7 @@ from supple.methods.floating.full.statics import FullStatics
 from supple.methods.intrinsic.line_statics import LineStatics
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
-from supple.simulation.resting_state import RestingState, placed_at_rest
+from supple.simulation.resting_state import RestingState, placed_at_rest, rest_of
 
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
@@ -46,6 +46,8 @@ SETTLED = 1e-4
 NOTHING = 1e-8
 """Of the size of the machine: a sweep that moves less is the last, whatever the first."""
 MOST_SWEEPS = 12
+NEAR_BY = 20
+"""Iterations of the search from the rest of the reduced machine, where sweeps do not contract."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,9 +164,16 @@ def full_rest(
     state, second = _swept(statics, start, time, (SLOWNESS / lowest) ** 2)
     if state is None:
         try:
-            state, _ = search_equilibrium(statics, start, time, search)
+            state, _ = search_equilibrium(
+                statics, start, time, replace(search, max_iterations=min(NEAR_BY, search.max_iterations))
+            )
         except ConvergenceError:
-            return FullRest(None, bases, began, second)
+            # Far from the reduced rest: its shape is no better a start than the undeformed one.
+            try:
+                found = rest_of(machine.system, reduced.turning, time, search)
+            except ConvergenceError:
+                found = None
+            return FullRest(found, bases, began, second)
     found = reduced._replace(
         system=machine.system,
         model=machine.model,

@@ -69,18 +69,30 @@ def resting_state(
     if spin is not None:
         turning = Turning(spin.angular_velocities(system), spin.point)
     still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
-    if system.bodies_of(IntrinsicBody):
-        lines = line_statics(still, turning if spin else None, time)
+    return rest_of(still, turning, time, search, progress)
+
+
+def rest_of(
+    still: System,
+    turning: Turning,
+    time: float,
+    search: StaticSearch,
+    progress: Callable[[int, float], None] = lambda *_: None,
+) -> RestingState:
+    """The equilibrium of a machine that stands, or turns as one, searched from where its bodies are placed."""
+    spins = turning if np.any(turning.angular_velocities) else None
+    if still.bodies_of(IntrinsicBody):
+        lines = line_statics(still, spins, time)
         state, iterations = search_equilibrium(lines, lines.start, time, search, progress)
         return RestingState(still, lines.machine.arrays.model, (), turning, state, iterations, lines)
-    if system.bodies_of(FullBody):
+    if still.bodies_of(FullBody):
         machine, configuration, *_ = consistent_start(FullSystem(still), time)
-        statics, model = FullStatics(machine, turning if spin else None), machine.model
+        statics, model = FullStatics(machine, spins), machine.model
         slices = machine.slices
         frames = tuple(np.zeros(6) for _ in machine.interiors)
     else:
         compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
-        statics, model, frames = CompiledStatics(compiled, turning if spin else None), compiled.model, ()
+        statics, model, frames = CompiledStatics(compiled, spins), compiled.model, ()
         slices = compiled.slices
     start = StaticState(configuration, np.zeros(len(model.active)), frames, first_states(model))
     state, iterations = search_equilibrium(statics, start, time, search, progress)
