@@ -59,7 +59,7 @@ _OF_A_SHARE = 12
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
 _WANTED = 5
-"""Iterations that a step should take: the next one is longer or shorter by as much as the last took less or more."""
+"""Iterations that a step should take: the next one is longer or shorter in proportion."""
 _SLOWER, _FASTER = 0.5, 1.5
 """What the next step is at least and at most over one that was found."""
 _ON_THE_WAY = 1e-6

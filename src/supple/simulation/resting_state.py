@@ -79,7 +79,7 @@ def rest_of(
     search: StaticSearch,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> RestingState:
-    """The equilibrium of a machine that stands, or turns as one, searched from where its bodies are placed."""
+    """Equilibrium of a machine that stands or turns as one, searched from where its bodies are placed."""
     spins = turning if np.any(turning.angular_velocities) else None
     if still.bodies_of(IntrinsicBody):
         lines = line_statics(still, spins, time)
