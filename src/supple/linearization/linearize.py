@@ -15,6 +15,7 @@ from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations import StaticSearch
 from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.consistent_start import placed_configuration
 from supple.equations.control_linearization import LinearControl, control_at_rest, unrest
 from supple.equations.coordinate_scales import position_scale
@@ -30,7 +31,6 @@ from supple.linearization.linear_machine import Array, FullMachine, LinearMachin
 from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.machine.forces import JointFriction
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
 from supple.methods.floating.compiled.statics import CompiledStatics, balanced
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.statics import FullStatics, carried_state

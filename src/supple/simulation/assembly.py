@@ -10,12 +10,12 @@ from scipy.spatial.transform import Rotation
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.consistent_start import placed_configuration
 from supple.equations.joint_closure import joints_assembled
 from supple.equations.start_change import Moved
 from supple.equations.starting_machine import StartingMachine
 from supple.machine import System
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
 from supple.methods.floating.full.full_system import FullSystem
 
 __all__ = ["AssembledMachine", "assemble"]

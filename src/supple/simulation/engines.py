@@ -50,6 +50,15 @@ def is_explicit(system: System, run: Run) -> bool:
     return isinstance(run.method, ExplicitRule) or any(_ENGINES.get(kind) is ExplicitEngine for kind in kinds)
 
 
+def refuse_explicit(system: System, run: Run, what: str) -> None:
+    """ModelError for an explicit march where another is meant; `what` as in "a batch"."""
+    if is_explicit(system, run):
+        system.check_has_frames()
+        raise ModelError(
+            f"{what} is not made of explicit marches: simulate the machine alone, or reduce its modal parts"
+        )
+
+
 def _check_controllers(system: System, factory: Any) -> None:
     if not system.controllers or factory in (CompiledEngine, FullEngine, intrinsic_engine):
         return

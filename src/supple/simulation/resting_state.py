@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_force import first_states, states_by_controller
@@ -25,7 +26,6 @@ from supple.errors import ModelError
 from supple.machine import Placed, Spin, System
 from supple.machine.control import Controller, SampledController
 from supple.methods.floating import CompiledStatics, FullStatics
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.line_statics import line_statics

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from supple.equations.balance import Balance, balance
+from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.control_linearization import LinearControl, control_at_rest, unrest
@@ -28,7 +29,6 @@ from supple.equations.steady_motion import (
     step_matrix,
     work_of_turning,
 )
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
 from supple.methods.floating.compiled.elimination import solve_bordering_column
 from supple.programs.kept_programs import KeptProgram
 
