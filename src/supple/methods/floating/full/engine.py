@@ -6,6 +6,7 @@ A Python loop over time steps is unavoidable here: each iteration solves with sp
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +16,13 @@ from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import kept_control, resumed_control
 from supple.equations.floating_solution import (
+    SeenMotions,
     failure_message,
     floating_solution,
     last_instant,
 )
 from supple.equations.sampling import sampling_of
+from supple.equations.station_body import SeenMachine
 from supple.equations.step_size import next_step
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
@@ -60,11 +63,14 @@ class March(NamedTuple):
 class FullEngine:
     """An `Engine` of sparse bordered Newton steps; `March` is its state."""
 
-    def __init__(self, system: System, run: Run, iteration: NewtonIteration = modified_newton) -> None:
+    def __init__(
+        self, machine: System | SeenMachine, run: Run, iteration: NewtonIteration = modified_newton
+    ) -> None:
         self._run = run
         self._iteration = iteration
-        self._every = FullSystem(system)
+        self._every = FullSystem(machine)
         """With all constraint equations"""
+        system = self._every.system
         self._machine = self._every
         self._sampling = sampling_of(system, run)
         instants = stepping_instants([system], run)
@@ -237,10 +243,28 @@ class FullEngine:
             engine_state={
                 "active": np.array(active, dtype=float),
                 "auxiliary": states[-1].auxiliary,
+                **self._line_state(states[-1]),
                 "step": np.array(last.step),
                 "frame_multipliers": np.array(states[-1].frame_multipliers),
                 "earlier": earlier_numbers(machine, last.earlier),
                 "kept_tangent": numbers_of(machine, last.kept),
                 **kept_control(control.start if control else None),
             },
+            seen=self._seen(states),
         )
+
+    def _line_state(self, state: FullState) -> dict[str, np.ndarray]:
+        """What the motions of bodies that are seen at stations do not hold."""
+        known = {"velocity": state.velocity, "acceleration": state.acceleration}
+        return known if self._machine.lines else {}
+
+    def _seen(self, states: Sequence[FullState]) -> SeenMotions | None:
+        machine = self._machine
+        if not machine.lines:
+            return None
+        bodies, stations = {}, {}
+        for line in machine.lines:
+            motion = line.motion(machine.body_states(line.index, states))
+            bodies[machine.system.bodies[line.index].body.name] = motion
+            stations |= line.station_motions(motion)
+        return SeenMotions(machine.seen, bodies, stations)

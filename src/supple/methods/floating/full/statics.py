@@ -150,7 +150,7 @@ class StaticTangent:
     def correction(self, unbalance: Unbalance) -> StaticCorrection:
         """What balances a state, as far as the tangent goes."""
         machine, linear, (terms, control) = self.machine, self.equations.control, unbalance.terms
-        rotations = terms.border_motion.configuration.rotations
+        rotations = terms.rotations
         loads = _turned(machine, -machine.residual_of(terms), np.swapaxes(rotations, 1, 2))
         gaps = -np.concatenate([terms.constraint_residual, *terms.frame_residuals])
         motion, forces = (
@@ -190,7 +190,7 @@ def carried_state(
     weights = machine.position_scale
     unbalanced = weights * machine.residual_of(terms)
     joints: Any = csr_array(np.asarray(constraint_rows(machine.model, terms.border.linearization.joints)))
-    rows = vstack([joints @ to_border(machine), frame_conditions(machine)])
+    rows = vstack([joints @ to_border(machine, terms), frame_conditions(machine)])
     carried = weights[:, None] * rows.T.toarray()
     multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
     size = max(work_of_turning(machine.model, turning), float(np.linalg.norm(unbalanced))) or 1.0
