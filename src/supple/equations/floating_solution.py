@@ -98,7 +98,7 @@ def joint_multipliers(
 
 
 class SeenMotions(NamedTuple):
-    """Motions of bodies that are seen at stations, and of these, by name; and the system in which they are."""
+    """Motions of bodies that are seen at stations, and of these, by name; and the system that has them."""
 
     system: System
     bodies: Mapping[str, Motion]

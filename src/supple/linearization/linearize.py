@@ -32,12 +32,12 @@ from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.machine.forces import JointFriction
 from supple.methods.floating.compiled.compiled_machine import CompiledMachine
 from supple.methods.floating.compiled.statics import CompiledStatics, balanced
-from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.statics import FullStatics, carried_state
 from supple.methods.intrinsic.line_statics import LineStatics, line_statics
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest, resting_state
+from supple.simulation.seen_machine import full_system
 
 __all__ = ["linearize"]
 
@@ -126,7 +126,7 @@ def _full_machine(
     warn_of_rest(errors)
     if full.found is None:
         return None
-    statics = FullStatics(FullSystem(full.found.system, full.found.model.active), full.found.turning)
+    statics = FullStatics(full_system(full.found.system, full.found.model.active), full.found.turning)
     equations = statics.linear_equations(full.found.state, time)
     blocks, bodies = [], {}
     for placed, part in zip(found.system.bodies, full.found.slices, strict=True):
@@ -143,11 +143,11 @@ def _full_machine(
 def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachine:
     """The linearised machine with full bodies."""
     active, turning = found.model.active, found.turning
-    equations = FullStatics(FullSystem(found.system, active), turning).linear_equations(found.state, time)
+    equations = FullStatics(full_system(found.system, active), turning).linear_equations(found.state, time)
     machine = SparseMachine(placed_at_rest(found), spin, time, equations)
     if spin is not None and spin.rate:
         turned = _turned_on(found, time, spin)
-        there = FullSystem(turned, active)
+        there = full_system(turned, active)
         state, left = carried_state(
             there, turning, time, found.state._replace(configuration=placed_configuration(turned))
         )

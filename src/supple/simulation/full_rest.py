@@ -28,12 +28,11 @@ from supple.equations.static_search import (
 )
 from supple.errors import AccuracyError, ConvergenceError
 from supple.machine import System
-from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.statics import FullStatics
-from supple.methods.intrinsic.line_statics import LineStatics
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 from supple.simulation.resting_state import RestingState, placed_at_rest
+from supple.simulation.seen_machine import full_system
 
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
@@ -134,12 +133,11 @@ def full_rest(
 ) -> FullRest | None:
     """The equilibrium with all coordinates, from that of the reduced machine; None where no body is reduced.
 
-    None beside intrinsic bodies too: no engine takes them together with full ones.
     fulls : the bodies that were reduced, by name; others stay as they are
     Raises ModelError for a full body that is not the one that was reduced.
     """
     bases = kept_bases(reduced.system, fulls)
-    if not bases or isinstance(reduced.machine, LineStatics):
+    if not bases:
         return None
     expanded = _expanded(reduced, bases, fulls)
     bodies = tuple(
@@ -148,10 +146,10 @@ def full_rest(
         else placed
         for placed in reduced.system.bodies
     )
-    machine = FullSystem(replace(reduced.system, bodies=bodies), reduced.model.active)
+    machine = full_system(replace(reduced.system, bodies=bodies), reduced.model.active)
     # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
     start = reduced.state._replace(
-        configuration=reduced.state.configuration._replace(coordinates=np.concatenate(expanded)),
+        configuration=reduced.configuration._replace(coordinates=np.concatenate(expanded)),
         frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
     )
     names = [placed.body.name for placed in bodies]
@@ -220,7 +218,7 @@ def _expanded(
     coordinates, first = [], 0
     for placed in reduced.system.bodies:
         body = placed.body
-        own = np.asarray(reduced.state.configuration.coordinates[first : first + body.n_coordinates])
+        own = np.asarray(reduced.configuration.coordinates[first : first + body.n_coordinates])
         first += body.n_coordinates
         if isinstance(body, ReducedBody) and body.name in bases:
             following, basis = body.condensed is not None, bases[body.name]

@@ -26,9 +26,9 @@ from supple.machine import Placed, Spin, System
 from supple.machine.control import Controller, SampledController
 from supple.methods.floating import CompiledStatics, FullStatics
 from supple.methods.floating.compiled.compiled_machine import CompiledMachine
-from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.line_statics import line_statics
+from supple.simulation.seen_machine import full_system
 
 __all__ = ["RestingState", "at_rest", "check_time", "placed_at_rest", "resting_state"]
 
@@ -69,12 +69,13 @@ def resting_state(
     if spin is not None:
         turning = Turning(spin.angular_velocities(system), spin.point)
     still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
-    if system.bodies_of(IntrinsicBody):
+    lines, full = system.bodies_of(IntrinsicBody), system.bodies_of(FullBody)
+    if lines and not (full or system.controllers):
         lines = line_statics(still, turning if spin else None, time)
         state, iterations = search_equilibrium(lines, lines.start, time, search, progress)
         return RestingState(still, lines.machine.arrays.model, (), turning, state, iterations, lines)
-    if system.bodies_of(FullBody):
-        machine, configuration, *_ = consistent_start(FullSystem(still), time)
+    if full or lines:
+        machine, configuration, *_ = consistent_start(full_system(still), time)
         statics, model = FullStatics(machine, turning if spin else None), machine.model
         slices = machine.slices
         frames = tuple(np.zeros(6) for _ in machine.interiors)

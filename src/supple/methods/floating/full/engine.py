@@ -6,19 +6,15 @@ A Python loop over time steps is unavoidable here: each iteration solves with sp
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from supple.equations.checks.start import report_start
-from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import kept_control, resumed_control
 from supple.equations.floating_solution import (
-    SeenMotions,
     failure_message,
-    floating_solution,
     last_instant,
 )
 from supple.equations.sampling import sampling_of
@@ -27,6 +23,7 @@ from supple.equations.step_size import next_step
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
 from supple.machine import System
+from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.implicit_step import ImplicitStep
@@ -219,52 +216,22 @@ class FullEngine:
     def solution(self, leg: Leg[March]) -> Solution:
         """The motion of a leg."""
         states, last = leg.states
-        machine = self._machine
-        configuration = Configuration(
-            *(
-                np.array([getattr(state.configuration, name) for state in states])
-                for name in Configuration._fields
-            )
-        )
-        active, control = machine.model.active, states[-1].control
-        motion = SystemMotion(
-            np.array([state.time for state in states]),
-            configuration,
-            np.array([state.velocity for state in states]),
-            np.array([state.acceleration for state in states]),
-            np.array([state.multipliers for state in states]),
-        )
-        return floating_solution(
-            machine.system,
-            machine.slices,
-            active,
-            motion,
+        machine, ending = self._machine, states[-1]
+        control = ending.control
+        # What the motions of bodies that are seen at stations do not hold.
+        by_velocity = {"velocity": ending.velocity, "acceleration": ending.acceleration}
+        return full_solution(
+            machine,
+            states,
             leg.statistics,
             engine_state={
-                "active": np.array(active, dtype=float),
-                "auxiliary": states[-1].auxiliary,
-                **self._line_state(states[-1]),
+                "active": np.array(machine.model.active, dtype=float),
+                "auxiliary": ending.auxiliary,
                 "step": np.array(last.step),
-                "frame_multipliers": np.array(states[-1].frame_multipliers),
+                "frame_multipliers": np.array(ending.frame_multipliers),
                 "earlier": earlier_numbers(machine, last.earlier),
                 "kept_tangent": numbers_of(machine, last.kept),
+                **(by_velocity if machine.lines else {}),
                 **kept_control(control.start if control else None),
             },
-            seen=self._seen(states),
         )
-
-    def _line_state(self, state: FullState) -> dict[str, np.ndarray]:
-        """What the motions of bodies that are seen at stations do not hold."""
-        known = {"velocity": state.velocity, "acceleration": state.acceleration}
-        return known if self._machine.lines else {}
-
-    def _seen(self, states: Sequence[FullState]) -> SeenMotions | None:
-        machine = self._machine
-        if not machine.lines:
-            return None
-        bodies, stations = {}, {}
-        for line in machine.lines:
-            motion = line.motion(machine.body_states(line.index, states))
-            bodies[machine.system.bodies[line.index].body.name] = motion
-            stations |= line.station_motions(motion)
-        return SeenMotions(machine.seen, bodies, stations)

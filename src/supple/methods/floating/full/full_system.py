@@ -105,9 +105,7 @@ class FullSystem:
     def _border_slices(self) -> tuple[slice, ...]:
         """Where what is seen of each body stands in the border: its frame and interfaces, or its stations."""
         parts = iter(self.model.slices)
-        known = {
-            index: next(parts) for index in range(len(self.system.bodies)) if index not in self.line_of
-        }
+        known = {index: next(parts) for index in range(len(self.system.bodies)) if index not in self.line_of}
         first = max((part.stop for part in known.values()), default=0)
         for line in self.lines:
             known[line.index] = slice(first, first + 6 * line.n_stations)
@@ -251,9 +249,7 @@ class FullSystem:
         motion = self.border_motion(state, stations)
         terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
         states, residuals, gaps = [], [], []
-        lines = [
-            self._evaluated_line(number, state, each, terms) for number, each in enumerate(stations)
-        ]
+        lines = [self._evaluated_line(number, state, each, terms) for number, each in enumerate(stations)]
         # Squared norms by term (inertia, internal, applied, joint) and kind (force, moment, deformation).
         squares = np.zeros((4, 3))
         unbalanced = np.zeros(3)
@@ -299,9 +295,7 @@ class FullSystem:
         """A body that is seen at stations, and its inertia, internal, applied and joint forces, (6 + r,)."""
         line = self.lines[number]
         part = self.border_slices[line.index]
-        at = self._body_state(
-            line.index, state.time, state.configuration, state.velocity, state.acceleration
-        )
+        at = self._body_state(line.index, state.time, state.configuration, state.velocity, state.acceleration)
         inertia, internal, applied = line.forces(at)
         rows = [
             inertia,

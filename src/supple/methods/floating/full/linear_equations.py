@@ -16,7 +16,6 @@ from supple.algebra.cross import cross_matrix
 from supple.equations.control_linearization import LinearControl
 from supple.equations.station_body import StationBody
 from supple.equations.steady_motion import Turning, linear_equations
-from supple.methods.floating.full.full_interior import FullInterior
 from supple.methods.floating.full.full_state import Evaluation, LineEvaluation
 from supple.methods.floating.full.full_system import FullSystem
 
@@ -39,7 +38,7 @@ class SparseEquations(NamedTuple):
     constraint: Any
     """Sparse (m, n): of the joints, and of the frames of full bodies"""
     interior: np.ndarray
-    """Numbers of the freedoms of full bodies against their frames, but for six that hold each body"""
+    """Numbers of freedoms whose matrices are sparse, and regular by themselves"""
     control: LinearControl
     """States z of controllers"""
 
@@ -51,14 +50,18 @@ class SparseEquations(NamedTuple):
 
 def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluation) -> SparseEquations:
     """The equations of motion, linearised about a state in which every body turns steadily."""
-    border = linear_equations(machine.model, _border_turning(machine, turning), terms.border_motion, terms.border)
+    border = linear_equations(
+        machine.model, _border_turning(machine, turning), terms.border_motion, terms.border
+    )
     seen = to_border(machine, terms)
     states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
     inner = {
         each.index: _turning_parts(each.linear_parts(states[each.index]), states[each.index].angular_velocity)
         for each in machine.interiors
     }
-    inner |= {body.index: _line_parts(body, line) for body, line in zip(machine.lines, terms.lines, strict=True)}
+    inner |= {
+        body.index: _line_parts(body, line) for body, line in zip(machine.lines, terms.lines, strict=True)
+    }
     mass, damping, stiffness = (
         csr_array(seen.T @ csr_array(of_border) @ seen)
         + _by_body(machine, {index: parts[number] for index, parts in inner.items()})
@@ -70,10 +73,10 @@ def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluati
         mass=csr_array((mass + mass.T) / 2),
         damping=damping,
         damping_columns=_by_body(machine, columns, square=False).toarray(),
-        damping_signs=np.concatenate([signs[index] for index in sorted(signs)]),
+        damping_signs=np.concatenate([np.zeros(0), *(signs[index] for index in sorted(signs))]),
         stiffness=stiffness,
         constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, frame_conditions(machine)])),
-        interior=np.concatenate([_interior(machine, each) for each in machine.interiors]),
+        interior=_interior(machine),
         control=border.control.along(seen),
     )
 
@@ -101,7 +104,7 @@ def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[Any, ...]:
 
 
 def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
-    """From velocities (n,) along the axes of some frames, six for each, to those that are along global ones."""
+    """From velocities (n,) along the axes of some frames, six for each, to those along global axes."""
     axes = np.eye(n)
     for number, rotation in enumerate(rotations):
         axes[6 * number : 6 * number + 3, 6 * number : 6 * number + 3] = rotation
@@ -158,8 +161,17 @@ def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = Tr
     return csr_array(block_diag(blocks))
 
 
-def _interior(machine: FullSystem, interior: FullInterior) -> np.ndarray:
-    """Numbers of a full body's coordinates among all freedoms, without those that hold its rigid motion."""
-    start = machine.slices[interior.index].start + 6
-    body = interior.full.body
-    return start + np.setdiff1d(np.arange(body.n), body.grounded_stiffness.springs)
+def _interior(machine: FullSystem) -> np.ndarray:
+    """Numbers of full bodies' coordinates among all freedoms, without those that hold their rigid motion.
+
+    Of a machine without any, of the coordinates of bodies that are seen at stations.
+    """
+    found = [np.zeros(0, dtype=int)]
+    for interior in machine.interiors:
+        body = interior.full.body
+        held = body.grounded_stiffness.springs
+        found.append(machine.slices[interior.index].start + 6 + np.setdiff1d(np.arange(body.n), held))
+    if not machine.interiors:
+        parts = [machine.slices[line.index] for line in machine.lines]
+        found += [np.arange(part.start + 6, part.stop) for part in parts]
+    return np.concatenate(found)
