@@ -15,6 +15,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from supple.equations.configuration import AnyArray
 from supple.integrate import FloatingMotion, Motion
 from supple.machine import System
 
@@ -24,12 +25,12 @@ __all__ = ["BodyState", "SeenMachine", "StationBody", "StationBodyForces", "Stat
 class BodyState(NamedTuple):
     """Motion of one body at an instant; velocity and acceleration (6 + r,)."""
 
-    time: float
-    origin: np.ndarray
-    rotation: np.ndarray
-    coordinates: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
+    time: AnyArray
+    origin: AnyArray
+    rotation: AnyArray
+    coordinates: AnyArray
+    velocity: AnyArray
+    acceleration: AnyArray
 
 
 class Stations(NamedTuple):

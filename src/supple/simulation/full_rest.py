@@ -28,11 +28,11 @@ from supple.equations.static_search import (
 )
 from supple.errors import AccuracyError, ConvergenceError
 from supple.machine import System
-from supple.methods.floating.full.statics import FullStatics
+from supple.methods.floating.full.statics import FullStatics, full_statics
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 from supple.simulation.resting_state import RestingState, placed_at_rest
-from supple.simulation.seen_machine import full_system
+from supple.simulation.seen_machine import seen_machine
 
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
@@ -146,16 +146,20 @@ def full_rest(
         else placed
         for placed in reduced.system.bodies
     )
-    machine = full_system(replace(reduced.system, bodies=bodies), reduced.model.active)
+    spins = bool(np.any(reduced.turning.angular_velocities))
+    statics = full_statics(
+        seen_machine(replace(reduced.system, bodies=bodies)),
+        reduced.turning if spins else None,
+        time,
+        reduced.equations.model.active,
+    )
     # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
     start = reduced.state._replace(
         configuration=reduced.configuration._replace(coordinates=np.concatenate(expanded)),
-        frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
+        frame_multipliers=statics.start().frame_multipliers,
     )
     names = [placed.body.name for placed in bodies]
     began = {name: own for name, own in zip(names, expanded, strict=True) if name in bases}
-    spins = bool(np.any(reduced.turning.angular_velocities))
-    statics = FullStatics(machine, reduced.turning if spins else None)
     lowest = min(reduced.system.bodies_of(ReducedBody)[name].lowest_frequency() for name in bases)
     state, second = _swept(statics, start, time, (SLOWNESS / lowest) ** 2)
     if state is None:
@@ -163,19 +167,13 @@ def full_rest(
             state, _ = search_equilibrium(statics, start, time, search)
         except ConvergenceError:
             return FullRest(None, bases, began, second)
-    found = reduced._replace(
-        system=machine.system,
-        model=machine.model,
-        slices=tuple(machine.slices),
-        state=state,
-        machine=statics,
-    )
+    found = reduced._replace(system=statics.machine.system, state=state, equations=statics)
     return FullRest(found, bases, began, second)
 
 
 def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: FullRest) -> dict[str, RestError]:
     """What the basis of each body costs, by name."""
-    held = holds_all(reduced.system, reduced.model)
+    held = holds_all(reduced.system, reduced.equations.model)
     before = placed_at_rest(reduced).bodies
     after = before if full.found is None else placed_at_rest(full.found).bodies
     errors = {}

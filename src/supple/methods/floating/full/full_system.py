@@ -200,10 +200,8 @@ class FullSystem:
             np.concatenate(coordinates) if coordinates else np.zeros(0),
         )
 
-    def _by_line(self, stations: tuple[Stations, ...]) -> np.ndarray | None:
-        """P, from velocities in `seen_slices` to those of the border; None where they are the same."""
-        if not self.lines:
-            return None
+    def _by_line(self, stations: tuple[Stations, ...]) -> np.ndarray:
+        """P, from velocities in `seen_slices` to those of the border."""
         found = np.zeros((self.model.n_velocities, max(part.stop for part in self.seen_slices)))
         for index in self._others:
             part = self.border_slices[index]

@@ -75,7 +75,7 @@ def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluati
         damping_columns=_by_body(machine, columns, square=False).toarray(),
         damping_signs=np.concatenate([np.zeros(0), *(signs[index] for index in sorted(signs))]),
         stiffness=stiffness,
-        constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, frame_conditions(machine)])),
+        constraint=csr_array(vstack([csr_array(border.constraint) @ seen, frame_conditions(machine)])),
         interior=_interior(machine),
         control=border.control.along(seen),
     )
