@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 from supple.cases import read_case
 from supple.cli.main import app
-from supple.error import Deflection, JointForce
 from supple.errors import CaseError
-from supple.results.judged_stress import JudgedStress
+from supple.quantities import Deflection, JointForce
+from supple.quantities.judged_stress import JudgedStress
 from supple.storage import read_header, read_solution
 
 QUANTITIES = """

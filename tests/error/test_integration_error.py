@@ -9,14 +9,12 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
-from supple.error import Deflection, JointForce, WholeBody
 from supple.error.integration_error import (
     floor_of,
     integration_errors,
     with_shorter_steps,
     with_tolerance,
 )
-from supple.error.judged_quantity import quantity_distance
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import AdaptiveStep, FixedStep, Newmark, Run, Tolerances
 from supple.machine import (
@@ -32,6 +30,8 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
+from supple.quantities import Deflection, JointForce, WholeBody
+from supple.quantities.judged_quantity import quantity_distance
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation import simulate
 

@@ -17,18 +17,14 @@ from supple.body import (
     flexible_body,
 )
 from supple.error import (
-    Deflection,
     ErrorStudy,
-    JointForce,
     ReductionStart,
     SelfCorrection,
     SelfCorrectionError,
-    WholeBody,
     self_correct,
     state_errors,
 )
 from supple.error.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
-from supple.error.judged_quantity import quantity_distance
 from supple.error.model_error import model_errors_by_limit
 from supple.error.round_archive import InMemoryArchive
 from supple.error.system_correction import Problem
@@ -50,6 +46,9 @@ from supple.machine import (
     TorqueBetween,
 )
 from supple.mesh import strip
+from supple.quantities import Deflection, JointForce, WholeBody
+from supple.quantities.judged_quantity import quantity_distance
+from supple.quantities.judged_stress import JudgedStress
 from supple.reduction import (
     CompressedDerivatives,
     CondensedQuartic,
@@ -62,7 +61,6 @@ from supple.reduction import (
     reduce,
     reduction_basis,
 )
-from supple.results.judged_stress import JudgedStress
 from supple.simulation import simulate
 
 DAMPING = RayleighDamping(alpha=0.5, beta=1e-3)

@@ -10,7 +10,8 @@ from supple.body import RigidBody
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, Placed, Revolute, System
-from supple.results import summarize, tracked_places
+from supple.quantities import tracked_places
+from supple.results import summarize
 from supple.results.run_tables import motion_table, place_table
 from supple.simulation import simulate
 from supple.viz import animate, animate_run, draw_run, glyphs_of, plot_machine

@@ -22,16 +22,16 @@ from supple.cases.sensors import SensedCase
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
 from supple.cases.stated_error import Judged
-from supple.error import ErrorStudy, JudgedQuantity, ReductionStart
+from supple.error import ErrorStudy, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
+from supple.quantities import JudgedQuantity, Sensor
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
-from supple.sensors import Sensor
 from supple.simulation.full_rest import known_fulls
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem

@@ -14,8 +14,9 @@ from supple.cases.body_kinds import is_elastic, kind_of
 from supple.cases.damping import damps_all_modes
 from supple.cases.stated_error import Judged
 from supple.cases.table import Key, Made, OneOf, table_of
-from supple.error import JudgedQuantity, ReductionStart, SelfCorrection
+from supple.error import ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
+from supple.quantities import JudgedQuantity
 from supple.reduction import DerivativeChoice, LinearBasisRecipe, QuarticChoice
 from supple.reduction.eigenvalues.mode_search import search_words
 

@@ -9,10 +9,10 @@ from pydantic import Field
 
 from supple.cases.body_kinds import at_elements
 from supple.cases.shared_rules import PlaceOf, joint_names
-from supple.error import Deflection, JointForce, JudgedQuantity
 from supple.fem import FiniteElementModel
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, table, tables, unknown
-from supple.results.judged_stress import JudgedStress
+from supple.quantities import Deflection, JointForce, JudgedQuantity
+from supple.quantities.judged_stress import JudgedStress
 
 Place = Callable[[str], tuple[str, Any]]
 """The body of BODY.PLACE, and its interface or the nodes of its node set."""

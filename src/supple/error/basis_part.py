@@ -16,10 +16,10 @@ from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
 from supple.error.check_run import check_run
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
-from supple.error.judged_quantity import JudgedQuantity, quantity_distance
-from supple.error.run_distance import largest_displacement
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import System
+from supple.quantities.judged_quantity import JudgedQuantity, quantity_distance
+from supple.quantities.run_distance import largest_displacement
 from supple.reduction import ReductionBasis
 
 __all__ = ["basis_parts", "distances", "in_full", "stated_of"]

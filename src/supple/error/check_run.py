@@ -17,12 +17,12 @@ import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
-from supple.error.judged_quantity import JudgedQuantity, quantity_distance
 from supple.error.looked_at_instants import jittered
 from supple.error.residual_correction import system_corrections
 from supple.errors import SuppleWarning
 from supple.integrate import ErrorPart, Run, Solution, Validity
 from supple.machine import Placed, System
+from supple.quantities.judged_quantity import JudgedQuantity, quantity_distance
 from supple.reduction import (
     CompressedDerivatives,
     CondensedQuartic,

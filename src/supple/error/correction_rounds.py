@@ -9,10 +9,10 @@ import numpy as np
 
 from supple.algebra import read_only
 from supple.arguments import check_fields
-from supple.error.judged_quantity import JudgedQuantity, WholeBody
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import System
+from supple.quantities.judged_quantity import JudgedQuantity, WholeBody
 from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,

@@ -9,13 +9,13 @@ from supple.arguments import checked_arguments
 from supple.body.full_body import FullBody
 from supple.error.basis_part import basis_parts
 from supple.error.integration_error import integration_errors
-from supple.error.judged_quantity import JudgedQuantity, WholeBody
 from supple.error.line_parts import line_parts
 from supple.error.model_error import model_errors
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody, with_chosen_step
+from supple.quantities.judged_quantity import JudgedQuantity, WholeBody
 from supple.reduction import ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 

@@ -29,7 +29,6 @@ import numpy as np
 from supple.body import BodyForm, MeanAxisFrame, frame_projector, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.turned_elements import turned_force
-from supple.error.judged_quantity import Deflection, JudgedQuantity, WholeBody
 from supple.error.missing_motion import MissingMotionSearch
 from supple.error.residual_correction import (
     ResidualCorrections,
@@ -37,10 +36,11 @@ from supple.error.residual_correction import (
     expanded_states,
     static_answer,
 )
-from supple.error.run_distance import blocks_of_times, largest_displacement
 from supple.integrate import ErrorPart, FloatingMotion, Solution
 from supple.integrate.engine import Progress
 from supple.machine import System
+from supple.quantities.judged_quantity import Deflection, JudgedQuantity, WholeBody
+from supple.quantities.run_distance import blocks_of_times, largest_displacement
 from supple.reduction import ReductionBasis
 
 __all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]

@@ -22,13 +22,13 @@ from supple.error.correction_rounds import (
     SelfCorrectionError,
 )
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
-from supple.error.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
 from supple.error.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.error.start_deformation import with_reduced, with_start
 from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import System
+from supple.quantities.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
 from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
 from supple.reduction.tensor_memory import require_tensor_memory
 

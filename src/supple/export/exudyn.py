@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
+from supple.quantities import StressModes
 from supple.reduction import ReducedBody
-from supple.results import StressModes
 from supple.storage.atomic_write import replacing
 
 __all__ = ["exudyn_arrays", "interface_nodes", "write_exudyn"]

@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import Frame, FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
-from supple.error import Deflection, ErrorStudy, state_errors
+from supple.error import ErrorStudy, state_errors
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import PARTS, FixedStep, Run, Solution
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
 from supple.mesh import strip
+from supple.quantities import Deflection
 from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,

@@ -12,25 +12,16 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
-from supple.error import (
-    Deflection,
-    ErrorStudy,
-    JointForce,
-    JudgedQuantity,
-    ReductionStart,
-    SelfCorrection,
-    WholeBody,
-    self_correct,
-    state_errors,
-)
-from supple.error.judged_quantity import quantity_distance
+from supple.error import ErrorStudy, ReductionStart, SelfCorrection, self_correct, state_errors
 from supple.errors import SuppleWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, ForceBetween, Placed, Prismatic, Ramp, System
 from supple.mesh import strip
+from supple.quantities import Deflection, JointForce, JudgedQuantity, WholeBody
+from supple.quantities.judged_quantity import quantity_distance
+from supple.quantities.judged_stress import JudgedStress
 from supple.reduction import CompressedDerivatives, CraigBampton
-from supple.results.judged_stress import JudgedStress
 from supple.simulation import simulate
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 

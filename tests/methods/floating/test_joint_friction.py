@@ -27,7 +27,7 @@ from supple.machine import (
     System,
     Universal,
 )
-from supple.sensors import ElementEnergySensor
+from supple.quantities import ElementEnergySensor
 from supple.simulation import simulate, simulate_batch
 
 G = 9.81

@@ -18,8 +18,8 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement, JointFriction
 from supple.machine.pose import Pose, Wrench
-from supple.sensors.end_motion import both_ends, check_ends
-from supple.sensors.reading import Channel, Quantity
+from supple.quantities.end_motion import both_ends, check_ends
+from supple.quantities.reading import Channel, Quantity
 
 __all__ = ["ElementEnergySensor"]
 

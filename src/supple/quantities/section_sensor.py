@@ -15,11 +15,11 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
+from supple.quantities.force_sensors import six_channels
+from supple.quantities.place_sensors import Place, as_place
+from supple.quantities.reading import Channel
+from supple.quantities.section_loads import CuttingPlane, line_section_loads, section_loads
 from supple.reduction import ReducedBody
-from supple.results.section_loads import CuttingPlane, line_section_loads, section_loads
-from supple.sensors.force_sensors import six_channels
-from supple.sensors.place_sensors import Place, as_place
-from supple.sensors.reading import Channel
 
 __all__ = ["SectionForceSensor"]
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from supple.body import BodyForm, node_displacements
 from supple.integrate import Solution
 from supple.machine import At, System
-from supple.results.recovery import displacement_from_axes, node_positions
+from supple.quantities.recovery import displacement_from_axes, node_positions
 
 __all__ = [
     "Observer",

@@ -17,11 +17,11 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_recovery, von_mises, von_mises_strain
 from supple.integrate import Solution
 from supple.machine import System
-from supple.results.point_words import point_words
-from supple.results.stress_history import strain_blocks, stress_blocks
-from supple.sensors.end_motion import body_named
-from supple.sensors.over_nodes import Maximum, MeasuredBlock, OverNodes
-from supple.sensors.reading import Channel, Located, Quantity
+from supple.quantities.end_motion import body_named
+from supple.quantities.over_nodes import Maximum, MeasuredBlock, OverNodes
+from supple.quantities.point_words import point_words
+from supple.quantities.reading import Channel, Located, Quantity
+from supple.quantities.stress_history import strain_blocks, stress_blocks
 
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 

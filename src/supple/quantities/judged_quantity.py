@@ -8,10 +8,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.error.run_distance import blocks_of_times, largest_displacement
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
+from supple.quantities.run_distance import blocks_of_times, largest_displacement
 
 __all__ = ["Deflection", "JointForce", "JudgedQuantity", "WholeBody"]
 

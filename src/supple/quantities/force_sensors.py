@@ -17,9 +17,9 @@ from supple.equations.build_model import initial_points
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.machine.forces import ForceElement
-from supple.sensors.end_motion import both_ends, check_ends
-from supple.sensors.joint_motion_sensor import joint_named
-from supple.sensors.reading import Channel, Quantity
+from supple.quantities.end_motion import both_ends, check_ends
+from supple.quantities.joint_motion_sensor import joint_named
+from supple.quantities.reading import Channel, Quantity
 
 __all__ = ["JointForceSensor", "SpringForceSensor"]
 

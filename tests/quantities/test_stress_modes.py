@@ -21,6 +21,7 @@ from supple.fem import (
     von_mises_strain,
 )
 from supple.mesh import CellType, Mesh, block, box_beam, strip
+from supple.quantities import strain_modes, stress_modes, tensor_modes
 from supple.reduction import (
     CompressedDerivatives,
     Guyan,
@@ -30,7 +31,6 @@ from supple.reduction import (
     Rubin,
     reduce,
 )
-from supple.results import strain_modes, stress_modes, tensor_modes
 
 STEEL = Isotropic(youngs_modulus=2.1e11, poissons_ratio=0.3, density=7800.0)
 ALLOY = Isotropic(youngs_modulus=7.0e10, poissons_ratio=0.35, density=2700.0)

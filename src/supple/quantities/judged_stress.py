@@ -14,9 +14,9 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import System
+from supple.quantities.stress_history import von_mises_history
+from supple.quantities.stress_modes import StressModes, stress_modes
 from supple.reduction import ReducedBody
-from supple.results.stress_history import von_mises_history
-from supple.results.stress_modes import StressModes, stress_modes
 
 __all__ = ["JudgedStress"]
 

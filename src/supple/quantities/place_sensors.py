@@ -18,10 +18,10 @@ from supple.errors import ArgumentError, ModelError
 from supple.integrate import Solution
 from supple.machine import GROUND as THE_GROUND
 from supple.machine import At, BaseAcceleration, System, as_end
-from supple.results.tracked_motion import observer_of, tracked_motion
-from supple.sensors.end_motion import body_named, end_poses
-from supple.sensors.reading import Channel, Quantity
-from supple.sensors.sensor import vector_channels
+from supple.quantities.end_motion import body_named, end_poses
+from supple.quantities.reading import Channel, Quantity
+from supple.quantities.sensor import vector_channels
+from supple.quantities.tracked_motion import observer_of, tracked_motion
 
 __all__ = [
     "AccelerationSensor",

@@ -15,8 +15,8 @@ from supple.fem import (
     von_mises,
     von_mises_strain,
 )
+from supple.quantities.tensor_modes import TensorModes, tensor_modes
 from supple.reduction import ReducedBody
-from supple.results.tensor_modes import TensorModes, tensor_modes
 
 __all__ = ["StrainModes", "StressModes", "strain_modes", "stress_modes"]
 

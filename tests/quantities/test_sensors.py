@@ -28,7 +28,7 @@ from supple.machine import (
 )
 from supple.machine.laws import SpinUp
 from supple.mesh import strip
-from supple.sensors import (
+from supple.quantities import (
     AccelerationSensor,
     AngularVelocitySensor,
     Component,

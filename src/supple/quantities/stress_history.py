@@ -19,8 +19,8 @@ from supple.fem import (
     von_mises,
     von_mises_strain,
 )
+from supple.quantities.stress_modes import StrainModes, StressModes, strain_modes, stress_modes
 from supple.reduction import ReducedBody
-from supple.results.stress_modes import StrainModes, StressModes, strain_modes, stress_modes
 
 __all__ = [
     "LargestStress",

@@ -12,8 +12,8 @@ from supple.arguments import check_fields
 from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
 from supple.machine import Joint, System
-from supple.sensors.end_motion import both_ends, check_ends
-from supple.sensors.reading import Channel, Quantity
+from supple.quantities.end_motion import both_ends, check_ends
+from supple.quantities.reading import Channel, Quantity
 
 __all__ = ["JointMotionSensor"]
 

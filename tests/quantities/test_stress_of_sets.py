@@ -13,9 +13,7 @@ from supple.errors import ArgumentError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, von_mises
 from supple.machine import GROUND, At, Fixed, Placed, System
 from supple.mesh import strip
-from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
-from supple.results import largest_stress, stress_history, von_mises_history
-from supple.sensors import (
+from supple.quantities import (
     Component,
     Maximum,
     Mean,
@@ -23,9 +21,13 @@ from supple.sensors import (
     StrainSensor,
     StressSensor,
     as_dataset,
+    largest_stress,
     read_sensors,
+    stress_history,
+    von_mises_history,
     write_readings_hdf5,
 )
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import equilibrium
 from supple.units import UnitSystem
 
@@ -115,7 +117,7 @@ def test_node_and_place_stand_in_report_file_and_data_set(bent, two_rows, tmp_pa
 @pytest.mark.parametrize("is_reduced", [False, True])
 def test_blocks_of_nodes_and_instants_change_nothing(bent, two_rows, monkeypatch, is_reduced):
     """Many nodes over many instants are read in parts: the parts are those of the whole."""
-    module = sys.modules["supple.results.stress_history"]  # behind the function of its name
+    module = sys.modules["supple.quantities.stress_history"]  # behind the function of its name
     (system, solution), model = bent
     form = system.bodies[0].body
     coordinates = np.linspace(0.1, 1.0, 7)[:, None] * solution.bodies["strip"].coordinates
