@@ -14,6 +14,6 @@ from supple.quantities.recovery import *
 from supple.quantities.section_sensor import *
 from supple.quantities.sensor import *
 from supple.quantities.stress_history import *
-from supple.quantities.stress_modes import *
 from supple.quantities.stress_sensor import *
+from supple.quantities.tensor_modes import *
 from supple.quantities.tracked_motion import *

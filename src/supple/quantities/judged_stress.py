@@ -15,7 +15,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import System
 from supple.quantities.stress_history import von_mises_history
-from supple.quantities.stress_modes import StressModes, stress_modes
+from supple.quantities.tensor_modes import TensorModes, stress_modes
 from supple.reduction import ReducedBody
 
 __all__ = ["JudgedStress"]
@@ -33,7 +33,7 @@ class JudgedStress:
     model: FiniteElementModel
     nodes: NDArray[np.int64] | tuple[int, ...]
     label: str = ""
-    _modes: WeakKeyDictionary[Any, StressModes] = field(default_factory=WeakKeyDictionary, repr=False)
+    _modes: WeakKeyDictionary[Any, TensorModes] = field(default_factory=WeakKeyDictionary, repr=False)
 
     @property
     def name(self) -> str:

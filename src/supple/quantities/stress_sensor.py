@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
@@ -21,7 +21,8 @@ from supple.quantities.end_motion import body_named
 from supple.quantities.over_nodes import Maximum, MeasuredBlock, OverNodes
 from supple.quantities.point_words import point_words
 from supple.quantities.reading import Channel, Located, Quantity
-from supple.quantities.stress_history import strain_blocks, stress_blocks
+from supple.quantities.stress_history import tensor_blocks
+from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor
 
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 
@@ -116,6 +117,7 @@ class _TensorSensor(ABC):
     over: OverNodes = field(default_factory=Maximum)
 
     quantity: ClassVar[Quantity]
+    tensor: ClassVar[NodalTensor]
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -142,8 +144,8 @@ class _TensorSensor(ABC):
         chosen = given[self.over.read(mesh.nodes[given])]
         coordinates = solution.bodies[self.body].coordinates
         blocks = (
-            MeasuredBlock(times, nodes, values.reshape(*values.shape[:2], -1))
-            for times, nodes, values in self._measured(form, coordinates, chosen)
+            MeasuredBlock(times, nodes, self._measured(field).reshape(*field.shape[:2], -1))
+            for times, nodes, field in tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
         )
         n_channels = len(self.channels(system))
         values, at = self.over.combined(blocks, (len(coordinates), len(chosen), n_channels))
@@ -152,8 +154,8 @@ class _TensorSensor(ABC):
         return Located(values, mesh.node_ids[chosen[at]], mesh.nodes[chosen[at]])
 
     @abstractmethod
-    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
-        """Blocks of (t, N, l, k)."""
+    def _measured(self, tensors: Array) -> Array:
+        """Numbers (..., k) of tensors (..., 6)."""
 
     def _numbers(self) -> IntArray:
         try:
@@ -183,21 +185,19 @@ class StressSensor(_TensorSensor):
     over : of several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid
     """
 
-    quantity = Quantity.STRESS
+    quantity, tensor = Quantity.STRESS, STRESS
 
-    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
-        for times, some, tensors in stress_blocks(form, self.model, coordinates, nodes):
-            yield MeasuredBlock(times, some, self.measure.of_stress(tensors))
+    def _measured(self, tensors: Array) -> Array:
+        return self.measure.of_stress(tensors)
 
 
 class StrainSensor(_TensorSensor):
     """Strain at nodes of a body: as a `StressSensor`, such as a strain gauge reads."""
 
-    quantity = Quantity.STRAIN
+    quantity, tensor = Quantity.STRAIN, STRAIN
 
-    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
-        for times, some, tensors in strain_blocks(form, self.model, coordinates, nodes):
-            yield MeasuredBlock(times, some, self.measure.of_strain(tensors))
+    def _measured(self, tensors: Array) -> Array:
+        return self.measure.of_strain(tensors)
 
 
 def _elastic(system: System, body: str, sensor: str) -> BodyForm:
