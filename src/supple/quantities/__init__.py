@@ -8,9 +8,9 @@ from supple.quantities.joint_motion_sensor import *
 from supple.quantities.judged_quantity import *
 from supple.quantities.judged_stress import *
 from supple.quantities.over_nodes import *
+from supple.quantities.place import *
 from supple.quantities.place_sensors import *
 from supple.quantities.reading import *
-from supple.quantities.recovery import *
 from supple.quantities.section_sensor import *
 from supple.quantities.sensor import *
 from supple.quantities.stress_history import *

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import jax.numpy as jnp
 import numpy as np
 
@@ -12,13 +10,9 @@ from supple.integrate import Solution
 from supple.machine import GROUND, At, Joint, System
 from supple.machine.forces import ForceElement
 from supple.machine.pose import Pose
+from supple.quantities.place import body_named
 
-__all__ = ["body_named", "both_ends", "check_ends", "end_poses"]
-
-
-def body_named(system: System, body: str, sensor: str) -> Any:
-    """The form of a body; ModelError names the nearest where there is none."""
-    return system.bodies[system.body_index(body, f"sensor '{sensor}'")].body
+__all__ = ["both_ends", "check_ends", "end_poses"]
 
 
 def check_ends(system: System, sensor: str, element: Joint | ForceElement) -> None:

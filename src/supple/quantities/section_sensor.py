@@ -16,7 +16,7 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities.force_sensors import six_channels
-from supple.quantities.place_sensors import Place, as_place
+from supple.quantities.place import Place, as_place
 from supple.quantities.reading import Channel
 from supple.quantities.section_loads import CuttingPlane, line_section_loads, section_loads
 from supple.reduction import ReducedBody
@@ -54,9 +54,8 @@ class SectionForceSensor:
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
         """(t, 6)."""
-        body, at = self._body(system), self.place.at
-        point = body.interface(at).position if isinstance(at, str) else body.nodes[list(at)].mean(axis=0)
-        x, y, z = point.tolist()
+        body = self._body(system)
+        x, y, z = self.place.rest(body).tolist()
         plane = CuttingPlane((x, y, z), self.normal)
         if isinstance(body, IntrinsicBody):
             return line_section_loads(body, solution.bodies[body.name], plane)

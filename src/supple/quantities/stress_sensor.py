@@ -17,8 +17,8 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_recovery, von_mises, von_mises_strain
 from supple.integrate import Solution
 from supple.machine import System
-from supple.quantities.end_motion import body_named
 from supple.quantities.over_nodes import Maximum, MeasuredBlock, OverNodes
+from supple.quantities.place import body_named
 from supple.quantities.point_words import point_words
 from supple.quantities.reading import Channel, Located, Quantity
 from supple.quantities.stress_history import tensor_blocks

@@ -16,7 +16,7 @@ from supple.body import (
 from supple.integrate import FixedStep, Run, Solution
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
-from supple.quantities.recovery import displacement_from_axes, node_positions
+from supple.quantities.tracked_motion import displacement_from_axes, node_positions
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
