@@ -1,6 +1,5 @@
 """What is read off a machine: sensors, tracked places, stress, and the quantities whose error is stated."""
 
-from supple.quantities.element_energy_sensor import *
 from supple.quantities.energy_sensor import *
 from supple.quantities.force_sensors import *
 from supple.quantities.joint_loads import *
