@@ -14,7 +14,7 @@ from supple.error import estimate_batch_errors, estimate_error, state_batch_erro
 from supple.error.check_run import check_run
 from supple.errors import LockingWarning, ModelError
 from supple.machine import GROUND, At, DeadForce, Fixed, Penalty, Placed, SlideStop, System, Table
-from supple.quantities.judged_quantity import WholeBody
+from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import NoDerivatives, NormalModes, project, reduction_basis
 from supple.simulation import simulate, simulate_batch
 

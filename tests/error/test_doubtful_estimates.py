@@ -28,7 +28,7 @@ from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Ramp, System
 from supple.mesh import strip
 from supple.quantities import WholeBody
-from supple.quantities.judged_quantity import quantity_distance
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import CompressedDerivatives, CraigBampton, PlainQuartic, project, reduction_basis
 from supple.simulation import simulate
 

@@ -30,8 +30,8 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
-from supple.quantities import Deflection, JointForce, WholeBody
-from supple.quantities.judged_quantity import quantity_distance
+from supple.quantities import JointForceSensor, PositionSensor, WholeBody
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation import simulate
 
@@ -102,7 +102,7 @@ def test_of_another_integrator_and_other_quantities(small):
     system = pushed(small)
     run = Run(0.6, 0.02, step=FixedStep(0.01), method=Newmark(), tolerances=Tolerances(1e-9))
     solution = simulate(system, run)
-    quantities = [Deflection("beam", "tip"), JointForce("wall")]
+    quantities = [PositionSensor("beam.tip", "beam.tip"), JointForceSensor("force of wall", "wall")]
     told = integration_errors(system, run, solution, quantities)
     for each in quantities:
         true = truth(system, run, solution, each, with_shorter_steps(run, 1 / 16))

@@ -283,6 +283,11 @@ def test_places_and_ends_are_read_as_joints_read_them(spun):
     assert AccelerationSensor("a", Place("blade", np.array([3, 5]))).place.at == (3, 5)
 
 
+def test_a_place_without_nodes_is_refused():
+    with pytest.raises(ModelError, match="a place of body 'blade': name an interface, or give node numbers"):
+        Place("blade", ())
+
+
 @pytest.mark.parametrize(
     ("make", "cause"),
     [

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
-import numpy as np
 from pydantic import Field
 
 from supple import quantities
@@ -22,19 +21,13 @@ from supple.machine import At, ForceElement, as_end
 class SensedCase(NamedTuple):
     """What sensors find in a case."""
 
-    place: Callable[[str], tuple[str, Any]]
-    """The body of BODY.PLACE, and its interface or the nodes of its node set."""
+    place: Callable[[str], quantities.Place]
+    """Of BODY.PLACE"""
     bases: Mapping[str, At]
     """Interfaces from which the parts of split bodies are seen."""
     elements: Mapping[str, FiniteElementModel]
     springs: Mapping[str, ForceElement]
     """Those that have a name."""
-
-
-def _place(at: str, case: SensedCase) -> quantities.Place:
-    """The place that a sensor's `at` names."""
-    body, where = case.place(at)
-    return quantities.Place(body, where if isinstance(where, str) else tuple(np.asarray(where).tolist()))
 
 
 class SensorTable(Made):
@@ -58,7 +51,7 @@ class _Deflection(SensorTable):
     def build(self, *context: Any) -> quantities.Sensor:
         """The sensor."""
         (case,) = context
-        at = _place(self.at, case)
+        at = case.place(self.at)
         base = case.bases.get(at.body) if self.seen_from is None else as_end(self.seen_from)
         return quantities.DeflectionSensor(self.name, at, base)
 
@@ -79,12 +72,12 @@ class TensorSensor(SensorTable):
     def build(self, *context: Any) -> quantities.Sensor:
         """The sensor."""
         (case,) = context
-        body, where = case.place(self.at)
-        if body not in case.elements or isinstance(where, str):
+        body, nodes = case.place(self.at).body, case.place(self.at).at
+        if body not in case.elements or isinstance(nodes, str):
             raise ModelError(f"sensor '{self.name}': '{self.at}' is no node set of a body with elements")
         made = quantities.StrainSensor if self.kind == "strain" else quantities.StressSensor
         measure = _tensor_measure(self._component)
-        return made(self.name, body, case.elements[body], np.asarray(where), measure, self._over)
+        return made(self.name, body, case.elements[body], nodes, measure, self._over)
 
     @property
     def _component(self) -> str:
@@ -116,14 +109,21 @@ def _sensor(makes: Any, kind: str, **by_hand: Any) -> Any:
     return table_of(makes, kind, SensorTable, **by_hand)
 
 
-_AT = {"place": Key(PlaceOf, "BODY.INTERFACE or BODY.NODE_SET, whose mean is taken", "at", through=_place)}
+_AT = {
+    "place": Key(
+        PlaceOf,
+        "BODY.INTERFACE or BODY.NODE_SET, whose mean is taken",
+        "at",
+        through=lambda at, case: case.place(at),
+    )
+}
 _JOINT = {"joint": Key(description="its name")}
 _ELEMENT = {
     "element": Key(
         str, "name of a spring or an element", "spring", through=lambda name, case: case.springs[name]
     )
 }
-_ELEMENTS = Key(str, name="at", through=lambda at, case: case.elements.get(_place(at, case).body))
+_ELEMENTS = Key(str, name="at", through=lambda at, case: case.elements.get(case.place(at).body))
 Sensor = Annotated[
     SensorTable,
     OneOf(

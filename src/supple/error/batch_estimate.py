@@ -47,7 +47,7 @@ from supple.errors import ModelError
 from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
 from supple.machine import System
 from supple.methods.floating.compiled.every_step import every_step
-from supple.quantities.judged_quantity import WholeBody
+from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 

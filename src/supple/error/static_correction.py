@@ -19,7 +19,7 @@ from supple.error.correction_rounds import ReductionStart, SelfCorrection, SelfC
 from supple.error.start_deformation import with_reduced
 from supple.errors import BasisWarning, LockingWarning, ModelError
 from supple.machine import Spin, System
-from supple.quantities.judged_quantity import quantity_distance
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
 from supple.simulation import Equilibrium, equilibrium
 

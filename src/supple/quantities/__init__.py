@@ -4,11 +4,10 @@ from supple.quantities.energy_sensor import *
 from supple.quantities.force_sensors import *
 from supple.quantities.joint_loads import *
 from supple.quantities.joint_motion_sensor import *
-from supple.quantities.judged_quantity import *
-from supple.quantities.judged_stress import *
 from supple.quantities.over_nodes import *
 from supple.quantities.place import *
 from supple.quantities.place_sensors import *
+from supple.quantities.quantity_of_interest import *
 from supple.quantities.reading import *
 from supple.quantities.section_sensor import *
 from supple.quantities.sensor import *

@@ -36,6 +36,8 @@ def six_channels(axes: str) -> tuple[Channel, ...]:
 class JointForceSensor:
     """Force and moment of a joint on its second end, along its axes on the first end, (t, 6).
 
+    Of interest is the force.
+
     joint : its name
     """
 
@@ -54,6 +56,23 @@ class JointForceSensor:
         """(t, 6)."""
         joint_named(system, self.joint, self.name)
         return np.asarray(solution.joint_forces[self.joint])
+
+    @property
+    def body(self) -> None:
+        """None: it is between two."""
+
+    @property
+    def words(self) -> str:
+        """The quantity and its norm."""
+        return f"force of joint '{self.joint}': largest over the run"
+
+    def at_points(self, system: System, solution: Solution) -> Array:
+        """Force (t, 1, 3)."""
+        return self.values(system, solution)[:, None, :3]
+
+    def size(self, system: System, solution: Solution) -> float:
+        """The largest force."""
+        return float(np.linalg.norm(self.at_points(system, solution), axis=2).max())
 
 
 @dataclass(frozen=True, eq=False)

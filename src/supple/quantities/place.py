@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from supple.arguments import check_sequence, check_text, given
 from supple.body import BodyForm, NodeMotion
 from supple.body.floating_kinematics import node_numbers
-from supple.errors import ArgumentError
+from supple.errors import ArgumentError, ModelError
 from supple.integrate import Solution
 from supple.machine import At, System, as_end
 
@@ -32,6 +32,8 @@ class Place:
         if not isinstance(self.at, str):
             check_sequence("Place, at", self.at, "the name of an interface, or node numbers")
             object.__setattr__(self, "at", tuple(np.asarray(self.at).tolist()))
+        if not self.at:
+            raise ModelError(f"a place of body '{self.body}': name an interface, or give node numbers")
 
     def body_of(self, system: System, sensor: str) -> Any:
         """The form of the body; ModelError where the machine has none, or it has no such place."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -17,6 +17,7 @@ from supple.integrate import Solution
 from supple.machine import GROUND, At, BaseAcceleration, System, as_end
 from supple.quantities.place import Place, as_place, body_named
 from supple.quantities.reading import Channel, Quantity
+from supple.quantities.run_distance import largest_displacement
 from supple.quantities.sensor import vector_channels
 from supple.quantities.tracked_motion import observer_of, tracked_motion
 
@@ -36,7 +37,7 @@ class _AtPlace:
     """A vector at a place, global components x, y, z."""
 
     name: str
-    place: Place
+    place: Place | Any
 
     quantity: ClassVar[Quantity]
 
@@ -55,14 +56,34 @@ class _AtPlace:
 
 
 class PositionSensor(_AtPlace):
-    """Position of a place in space, (t, 3)."""
+    """Position of a place in space, (t, 3); of interest is that of each of its nodes."""
 
     quantity = Quantity.LENGTH
 
     def values(self, system: System, solution: Solution) -> Array:
         """R (t, 3)."""
-        body = body_named(system, self.place.body, self.name)
-        return self.place.points(body, solution.bodies[self.place.body]).mean(axis=1)
+        return self.at_points(system, solution).mean(axis=1)
+
+    @property
+    def body(self) -> str:
+        """Of the place."""
+        return self.place.body
+
+    @property
+    def words(self) -> str:
+        """The quantity and its norm."""
+        norm = "" if isinstance(self.place.at, str) or len(self.place.at) == 1 else "RMS over its nodes, "
+        return f"position of {self.name}: {norm}largest over the run"
+
+    def at_points(self, system: System, solution: Solution) -> Array:
+        """Positions (t, k, 3) of the nodes, or of the interface."""
+        return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
+
+    def size(self, system: System, solution: Solution) -> float:
+        """Largest displacement of its nodes, or of the body's, seen from the first interface."""
+        form, nodes = body_named(system, self.body, self.name), self.place.at
+        some = slice(None) if isinstance(nodes, str) else np.array(nodes)
+        return largest_displacement(form, solution.bodies[self.body], some)
 
 
 class VelocitySensor(_AtPlace):

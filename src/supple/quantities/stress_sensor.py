@@ -5,13 +5,13 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
-from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_recovery, von_mises, von_mises_strain
@@ -22,7 +22,7 @@ from supple.quantities.place import body_named
 from supple.quantities.point_words import point_words
 from supple.quantities.reading import Channel, Located, Quantity
 from supple.quantities.stress_history import tensor_blocks
-from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor
+from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor, TensorModes, tensor_modes
 
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 
@@ -107,7 +107,10 @@ class Principal:
 
 @dataclass(frozen=True, eq=False)
 class _TensorSensor(ABC):
-    """A tensor at nodes of a body, averaged over the elements at each; of a shell at its three layers."""
+    """A tensor at nodes of a body, averaged over the elements at each; of a shell at its three layers.
+
+    Of interest is what is measured at each of the nodes, of a shell in the layer where it is largest.
+    """
 
     name: str
     body: str
@@ -115,6 +118,9 @@ class _TensorSensor(ABC):
     nodes: int | Sequence[int] | NDArray[np.int64]
     measure: TensorMeasure = field(default_factory=VonMises)
     over: OverNodes = field(default_factory=Maximum)
+    _modes: WeakKeyDictionary[Any, TensorModes] = field(
+        default_factory=WeakKeyDictionary, init=False, repr=False
+    )
 
     quantity: ClassVar[Quantity]
     tensor: ClassVar[NodalTensor]
@@ -139,9 +145,7 @@ class _TensorSensor(ABC):
 
     def located(self, system: System, solution: Solution) -> Located:
         """(t, l k), layer by layer, and the ids and undeformed places of the nodes that they were read at."""
-        form = _elastic(system, self.body, self.name)
-        mesh, given = self.model.mesh, self._numbers()
-        chosen = given[self.over.read(mesh.nodes[given])]
+        form, mesh, chosen = _elastic(system, self.body, self.name), self.model.mesh, self._chosen()
         coordinates = solution.bodies[self.body].coordinates
         blocks = (
             MeasuredBlock(times, nodes, self._measured(field).reshape(*field.shape[:2], -1))
@@ -152,6 +156,29 @@ class _TensorSensor(ABC):
         if at is None:
             return Located(values, None, None)
         return Located(values, mesh.node_ids[chosen[at]], mesh.nodes[chosen[at]])
+
+    @property
+    def words(self) -> str:
+        """The quantity and its norm."""
+        return f"{' and '.join(self.measure.names)} {self.name}: RMS over its nodes, largest over the run"
+
+    def at_points(self, system: System, solution: Solution) -> Array:
+        """What is measured (t, N, k) at each of the nodes."""
+        form, chosen = _elastic(system, self.body, self.name), self._chosen()
+        coordinates = solution.bodies[self.body].coordinates
+        if form.has_stress_modes and form not in self._modes:
+            self._modes[form] = tensor_modes(self.tensor, form, self.model, chosen)
+        if form.has_stress_modes:
+            found = self._measured(self._modes[form].at(coordinates))
+        else:
+            blocks = tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
+            found = np.concatenate([self._measured(field) for _, _, field in blocks])
+        largest = np.abs(found).argmax(axis=2)
+        return np.take_along_axis(found, largest[:, :, None], axis=2)[:, :, 0]
+
+    def size(self, system: System, solution: Solution) -> float:
+        """The largest magnitude there."""
+        return float(np.abs(self.at_points(system, solution)).max())
 
     @abstractmethod
     def _measured(self, tensors: Array) -> Array:
@@ -166,9 +193,13 @@ class _TensorSensor(ABC):
             raise ModelError(f"sensor '{self.name}' has no node; give one or several")
         return numbers
 
+    def _chosen(self) -> IntArray:
+        """Numbers of the nodes that are read."""
+        given = self._numbers()
+        return given[self.over.read(self.model.mesh.nodes[given])]
+
     def _place(self) -> str:
-        mesh, given = self.model.mesh, self._numbers()
-        chosen = given[self.over.read(mesh.nodes[given])]
+        mesh, given, chosen = self.model.mesh, self._numbers(), self._chosen()
         of_how_many = f"{self.over.words} of {len(given)} nodes" if len(given) > 1 else ""
         if len(chosen) > 1:
             return of_how_many
@@ -200,7 +231,7 @@ class StrainSensor(_TensorSensor):
         return self.measure.of_strain(tensors)
 
 
-def _elastic(system: System, body: str, sensor: str) -> BodyForm:
+def _elastic(system: System, body: str, sensor: str) -> Any:
     form = body_named(system, body, sensor)
     if not form.n_coordinates:
         raise ModelError(f"sensor '{sensor}': body '{body}' is {form.kind}: it has no stress")

@@ -161,21 +161,21 @@ def tracked_motion(
 def tracked_places(
     system: System,
     solution: Solution,
-    places: Mapping[str, tuple[str, str | ArrayLike]],
+    places: Mapping[str, Place],
     bases: Mapping[str, At] = MappingProxyType({}),
 ) -> dict[str, TrackedMotion]:
-    """`tracked_motion` of places by their names; of each the name of its body, and where on the body.
+    """`tracked_motion` of places by their names.
 
     bases : as of `observer_of`
     """
     return {
-        place: tracked_motion(
-            system.bodies[system.body_index(name)].body,
-            solution.bodies[name],
-            at,
-            observer_of(system, solution, name, bases),
+        name: tracked_motion(
+            system.bodies[system.body_index(place.body)].body,
+            solution.bodies[place.body],
+            place.at,
+            observer_of(system, solution, place.body, bases),
         )
-        for place, (name, at) in places.items()
+        for name, place in places.items()
     }
 
 

@@ -27,7 +27,7 @@ from supple.errors import SuppleError, SuppleWarning
 from supple.integrate import PARTS, Run, Solution
 from supple.machine import System
 from supple.quantities import WholeBody
-from supple.quantities.judged_quantity import quantity_distance
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.quantities.run_distance import largest_distance
 from supple.simulation import simulate
 from supple_benchmarks.trust.trust_case import TrustCase
