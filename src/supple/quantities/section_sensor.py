@@ -9,17 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
-from supple.body import FullBody
+from supple.body.sections import CuttingPlane, Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import System
-from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities.force_sensors import six_channels
 from supple.quantities.place import Place, as_place
 from supple.quantities.reading import Channel
-from supple.quantities.section_loads import CuttingPlane, line_section_loads, section_loads
-from supple.reduction import ReducedBody
 
 __all__ = ["SectionForceSensor"]
 
@@ -48,31 +45,17 @@ class SectionForceSensor:
 
     def channels(self, system: System) -> Sequence[Channel]:
         """Fx, Fy, Fz, Mx, My, Mz."""
-        body = self._body(system)
-        owner = "the section of " if isinstance(body, IntrinsicBody) else ""
-        return six_channels(f"axes of {owner}{self.place.body}")
+        return six_channels(self._sections(system).axes)
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
         """(t, 6)."""
-        body = self._body(system)
-        x, y, z = self.place.rest(body).tolist()
+        x, y, z = self.place.rest(self.place.body_of(system, self.name)).tolist()
         plane = CuttingPlane((x, y, z), self.normal)
-        if isinstance(body, IntrinsicBody):
-            return line_section_loads(body, solution.bodies[body.name], plane)
-        assert self.model is not None  # `_body` has looked
-        return section_loads(body, self.model, solution.bodies[body.name], plane)
+        return self._sections(system).loads(solution.bodies[self.place.body], plane)
 
-    def _body(self, system: System) -> IntrinsicBody | ReducedBody | FullBody:
-        """The body, whose sections have forces that are known."""
+    def _sections(self, system: System) -> Sections:
         body = self.place.body_of(system, self.name)
-        if not isinstance(body, IntrinsicBody | ReducedBody | FullBody):
-            raise ModelError(
-                f"sensor '{self.name}': body '{body.name}' is {body.kind}, which has no section forces; read "
-                "the force of a joint, or split the body there"
-            )
-        if self.model is None and not isinstance(body, IntrinsicBody):
-            raise ModelError(
-                f"sensor '{self.name}': the elements of body '{body.name}' are not known, and section forces "
-                "are theirs; give its model, or read the force of a joint or a spring"
-            )
-        return body
+        try:
+            return body.sections(self.model)
+        except ModelError as error:
+            raise ModelError(f"sensor '{self.name}': {error}") from error
