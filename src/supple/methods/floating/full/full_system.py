@@ -633,11 +633,11 @@ class FullSystem:
         bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
         none = tuple(np.zeros(6) for _ in self.interiors)
         still, targets = np.zeros(self.n), (-bias, none)
-        # What is found is the whole of them, not a change of those that an earlier step left.
-        state = state._replace(acceleration=still, frame_multipliers=none)
+        # The correction from no acceleration is the acceleration; a march may have left another one.
+        begun = state._replace(acceleration=still, frame_multipliers=none)
 
         def answered(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
-            at = self.evaluate(state._replace(multipliers=carried), 0.0)
+            at = self.evaluate(begun._replace(multipliers=carried), 0.0)
             change, more, frames = self.correction(at, targets, still, StepFactors(0.0, 0.0))
             return change, carried + more, frames
 
