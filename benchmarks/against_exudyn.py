@@ -24,8 +24,8 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, Mesh, block
+from supple.quantities import node_positions
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
-from supple.results import node_positions
 from supple.simulation import simulate
 
 DURATION, STEP, OUTPUT_STEP, N_MODES, TOLERANCE = 2.0, 1e-3, 0.02, 12, 1e-6

@@ -31,8 +31,8 @@ from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Joint, Placed, Revolute, System
 from supple.mesh import CellType, cylinder
+from supple.quantities import TensorModes, stress_modes
 from supple.reduction import NoDerivatives, NoLoads, ReducedBody, Rubin, reduce
-from supple.results import StressModes, stress_modes
 from supple.simulation import simulate
 from supple.viz import skin_of
 
@@ -46,7 +46,7 @@ class Pendulum:
     """The reduced link, its stress, its mesh's outer triangles, and the node whose stress is compared."""
 
     link: ReducedBody
-    stress: StressModes
+    stress: TensorModes
     triangles: np.ndarray
     node: int
 

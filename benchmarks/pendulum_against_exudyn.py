@@ -27,8 +27,8 @@ from supple.export import interface_nodes, write_exudyn
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import System
 from supple.mesh import CellType
+from supple.quantities import node_positions
 from supple.reduction import ErrorControlled, NoDerivatives, NoLoads, ReducedBody, reduce
-from supple.results import node_positions
 from supple.simulation import simulate
 from supple_benchmarks.machines.quadruple_pendulum import GRAVITY, QuadruplePendulum
 

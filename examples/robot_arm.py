@@ -17,8 +17,8 @@ import numpy as np
 
 import supple as sp
 from supple import machine as m
+from supple.quantities import JointMotionSensor
 from supple.reduction import CraigBampton, ReducedBody
-from supple.sensors import JointMotionSensor
 from supple.units import SI
 from supple.viz import Panel, Series, plot_time_history
 

@@ -16,8 +16,8 @@ import numpy as np
 import supple as sp
 from supple import machine as m
 from supple.equations import balances
+from supple.quantities import DeflectionSensor, JointMotionSensor, Place
 from supple.reduction import CraigBampton, ReducedBody
-from supple.sensors import DeflectionSensor, JointMotionSensor, Place
 from supple.units import SI
 from supple.viz import Panel, Series, plot_time_history
 

@@ -24,6 +24,7 @@ import numpy as np
 from supple.equations import balances
 from supple.integrate import FixedStep, Run, Solution
 from supple.mesh import CellType, RodCells
+from supple.quantities import stress_modes
 from supple.reduction import (
     AttachmentModes,
     CraigBampton,
@@ -33,7 +34,6 @@ from supple.reduction import (
     ReducedBody,
     reduce,
 )
-from supple.results import stress_modes
 from supple.simulation import simulate
 from supple.units import SI
 from supple.viz import Panel, Series, plot_time_history

@@ -84,6 +84,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.methods.explicit import modal_subdomain as modal_subdomain
     from supple.methods.intrinsic import LoadPath as LoadPath
     from supple.methods.intrinsic import condense as condense
+    from supple.quantities import node_positions as node_positions
+    from supple.quantities import stress_modes as stress_modes
     from supple.reduction import AttachmentModes as AttachmentModes
     from supple.reduction import CompressedDerivatives as CompressedDerivatives
     from supple.reduction import CraigBampton as CraigBampton
@@ -94,9 +96,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import Rubin as Rubin
     from supple.reduction import SteadyLoads as SteadyLoads
     from supple.reduction import reduce as reduce
-    from supple.results import node_positions as node_positions
     from supple.results import rms_error as rms_error
-    from supple.results import stress_modes as stress_modes
     from supple.simulation import equilibrium as equilibrium
     from supple.simulation import simulate as simulate
     from supple.simulation import simulate_batch as simulate_batch
@@ -137,7 +137,8 @@ _NAMES = {
     "supple.simulation": "simulate simulate_batch equilibrium",
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
-    "supple.results": "node_positions rms_error stress_modes",
+    "supple.results": "rms_error",
+    "supple.quantities": "node_positions stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
     "supple.viz": "plot_mesh plot_contour animate skin_of displacement_magnitude stress_field",

@@ -61,8 +61,8 @@ from supple.machine import (
 )
 from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import BladeGrid, Mesh, loft_blade
+from supple.quantities import displacement_from_axes, node_positions
 from supple.reduction import ReducedBody
-from supple.results import displacement_from_axes, node_positions
 
 __all__ = [
     "CASES",

@@ -21,6 +21,7 @@ from supple.errors import ModelError
 from supple.fem import stress_recovery, von_mises
 from supple.integrate import FloatingMotion
 from supple.machine import Placed
+from supple.quantities import von_mises_history
 from supple.reduction import (
     CompleteBasis,
     NoDerivatives,
@@ -29,7 +30,6 @@ from supple.reduction import (
     project,
     reduction_basis,
 )
-from supple.results import von_mises_history
 
 KINDS = ("rigid", "full", "reduced")
 MASS = 2.0 * 0.4 * 0.02 * 2700.0

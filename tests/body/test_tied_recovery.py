@@ -20,8 +20,8 @@ from supple.fem import (
     stress_recovery,
 )
 from supple.mesh import CellType, block, box_beam
+from supple.quantities import von_mises_history
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
-from supple.results import von_mises_history
 
 ALUMINIUM = Isotropic(7e10, 0.3, 2700.0)
 ROOT, TIP = RigidInterface("root", "root"), RigidInterface("tip", "tip")

@@ -10,6 +10,7 @@ from supple.cases import read_case, run_case
 from supple.errors import CaseError
 from supple.importers.nastran import model as nastran
 from supple.mesh import strip
+from supple.quantities import Place
 from supple.simulation import simulate
 from supple.storage import read_solution
 
@@ -93,10 +94,10 @@ def test_a_reduction_without_a_size_has_a_start(case_folder):
 
 def test_a_place_is_an_interface_or_the_nodes_of_a_set(case_folder):
     case = read_case(case_folder / "strip.toml")
-    assert case.place("strip.root") == ("strip", "root")
-    name, nodes = case.place("strip.TIP")
-    assert name == "strip"
-    np.testing.assert_array_equal(nodes, case.meshes["strip"].nodes_of("TIP"))
+    assert case.place("strip.root") == Place("strip", "root")
+    tip = case.place("strip.TIP")
+    assert tip.body == "strip"
+    np.testing.assert_array_equal(tip.at, case.meshes["strip"].nodes_of("TIP"))
 
 
 @pytest.mark.slow

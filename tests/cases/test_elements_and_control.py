@@ -14,7 +14,7 @@ from supple.cases import modes_case, read_case
 from supple.cases.static_case import starting_system
 from supple.cli.main import app
 from supple.errors import CaseError, ControlWarning
-from supple.sensors import read_sensors
+from supple.quantities import read_sensors
 from supple.simulation import simulate
 
 CASE = """\

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from supple.cases import read_case
 from supple.cli.main import app
 from supple.errors import CaseError
-from supple.sensors import Maximum, Mean, Nearest
+from supple.quantities import Maximum, Mean, Nearest
 
 SENSORS = """
 [[sensor]]

@@ -10,9 +10,8 @@ from typer.testing import CliRunner
 
 from supple.cases import read_case
 from supple.cli.main import app
-from supple.error import Deflection, JointForce
 from supple.errors import CaseError
-from supple.results.judged_stress import JudgedStress
+from supple.quantities import JointForceSensor, PositionSensor, StressSensor
 from supple.storage import read_header, read_solution
 
 QUANTITIES = """
@@ -70,9 +69,9 @@ def test_quantities_are_judged_besides_the_bodies(case):
     with_errors(case, QUANTITIES)
     read = read_case(case)
     deflection, stress, force = read.study.quantities
-    assert isinstance(deflection, Deflection)
-    assert isinstance(stress, JudgedStress)
-    assert force == JointForce("clamp")
+    assert isinstance(deflection, PositionSensor)
+    assert isinstance(stress, StressSensor)
+    assert force == JointForceSensor("force of clamp", "clamp")
     call("run", case, "-o", case.parent / "out")
     errors = json.loads((case.parent / "out" / "strip.json").read_text())["errors"]
     assert set(errors) == {"strip", "strip.TIP", "stress at strip.ROOT", "force of clamp"}
@@ -89,7 +88,7 @@ def test_an_accuracy_may_be_that_of_a_joints_force(case):
     )
     case.write_text(text)
     start = read_case(case).starts["strip"]
-    assert start.target.of == JointForce("clamp")
+    assert start.target.of == JointForceSensor("force of clamp", "clamp")
     assert start.target.relative == 0.05
 
 

@@ -203,7 +203,7 @@ def test_a_run_of_a_body_that_corrects_itself_starts_in_its_equilibrium(tmp_path
     case = read_case(path)
     (placed,) = starting_system(case).bodies
     assert isinstance(placed.body, FullBody)
-    _, tip = case.place("strip.TIP")
+    tip = list(case.place("strip.TIP").at)
     assert placed.positions()[tip, 0].mean() - 1.0 == pytest.approx(STRETCH, rel=5e-3)
     assert placed.twist[5] == pytest.approx(RATE, rel=1e-12)
 

@@ -12,9 +12,9 @@ from error.equation.machines import NODAL, nodal_errors, reduced, rms, run_of, s
 from supple.body import FullBody, RayleighDamping
 from supple.error import estimate_batch_errors, estimate_error, state_batch_errors
 from supple.error.check_run import check_run
-from supple.error.judged_quantity import WholeBody
 from supple.errors import LockingWarning, ModelError
 from supple.machine import GROUND, At, DeadForce, Fixed, Penalty, Placed, SlideStop, System, Table
+from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import NoDerivatives, NormalModes, project, reduction_basis
 from supple.simulation import simulate, simulate_batch
 

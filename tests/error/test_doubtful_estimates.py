@@ -16,19 +16,19 @@ from supple.error import (
     ReductionStart,
     SelfCorrection,
     SelfCorrectionError,
-    WholeBody,
     estimate_error,
     self_correct,
     state_batch_errors,
     state_errors,
 )
 from supple.error.basis_error import BodyError
-from supple.error.judged_quantity import quantity_distance
 from supple.error.stopping import is_confirmed
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Ramp, System
 from supple.mesh import strip
+from supple.quantities import WholeBody
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import CompressedDerivatives, CraigBampton, PlainQuartic, project, reduction_basis
 from supple.simulation import simulate
 

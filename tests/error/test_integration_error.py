@@ -9,14 +9,12 @@ import numpy as np
 import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
-from supple.error import Deflection, JointForce, WholeBody
 from supple.error.integration_error import (
     floor_of,
     integration_errors,
     with_shorter_steps,
     with_tolerance,
 )
-from supple.error.judged_quantity import quantity_distance
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import AdaptiveStep, FixedStep, Newmark, Run, Tolerances
 from supple.machine import (
@@ -32,6 +30,8 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
+from supple.quantities import JointForceSensor, PositionSensor, WholeBody
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, reduce
 from supple.simulation import simulate
 
@@ -102,7 +102,7 @@ def test_of_another_integrator_and_other_quantities(small):
     system = pushed(small)
     run = Run(0.6, 0.02, step=FixedStep(0.01), method=Newmark(), tolerances=Tolerances(1e-9))
     solution = simulate(system, run)
-    quantities = [Deflection("beam", "tip"), JointForce("wall")]
+    quantities = [PositionSensor("beam.tip", "beam.tip"), JointForceSensor("force of wall", "wall")]
     told = integration_errors(system, run, solution, quantities)
     for each in quantities:
         true = truth(system, run, solution, each, with_shorter_steps(run, 1 / 16))

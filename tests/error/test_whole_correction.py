@@ -17,18 +17,14 @@ from supple.body import (
     flexible_body,
 )
 from supple.error import (
-    Deflection,
     ErrorStudy,
-    JointForce,
     ReductionStart,
     SelfCorrection,
     SelfCorrectionError,
-    WholeBody,
     self_correct,
     state_errors,
 )
 from supple.error.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
-from supple.error.judged_quantity import quantity_distance
 from supple.error.model_error import model_errors_by_limit
 from supple.error.round_archive import InMemoryArchive
 from supple.error.system_correction import Problem
@@ -50,6 +46,8 @@ from supple.machine import (
     TorqueBetween,
 )
 from supple.mesh import strip
+from supple.quantities import JointForceSensor, PositionSensor, StressSensor, WholeBody
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import (
     CompressedDerivatives,
     CondensedQuartic,
@@ -62,15 +60,15 @@ from supple.reduction import (
     reduce,
     reduction_basis,
 )
-from supple.results.judged_stress import JudgedStress
 from supple.simulation import simulate
 
 DAMPING = RayleighDamping(alpha=0.5, beta=1e-3)
 WALL = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
 MODEL = shell_model(strip(1.0, 0.1, 4, 2), WALL)
 MIDDLE = np.flatnonzero(MODEL.mesh.nodes[:, 0] == 0.5)
-STRESS = JudgedStress("beam", MODEL, MIDDLE, "middle")
-STUDY = ErrorStudy(quantities=(Deflection("beam", "tip"), JointForce("wall"), STRESS))
+STRESS = StressSensor("stress at middle", "beam", MODEL, MIDDLE)
+TIP, FORCE = PositionSensor("beam.tip", "beam.tip"), JointForceSensor("force of wall", "wall")
+STUDY = ErrorStudy(quantities=(TIP, FORCE, STRESS))
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +153,7 @@ def test_an_accuracy_is_that_of_the_sum(beam):
 def test_an_accuracy_of_a_quantity(beam):
     full = FullBody(beam, NodalFixedFrame("root"), DAMPING)
     run = Run(0.6, 0.02, step=FixedStep(0.01))
-    target = SelfCorrection(relative=0.02, of=JointForce("wall"))
+    target = SelfCorrection(relative=0.02, of=FORCE)
     corrected = self_correct(pushed(full), run, target, study=ErrorStudy())
     stated = corrected.solution.errors["force of wall"]
     assert stated.total <= stated.allowed == pytest.approx(0.02 * stated.size)

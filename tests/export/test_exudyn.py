@@ -10,8 +10,8 @@ from supple.errors import ModelError
 from supple.export import exudyn_arrays, interface_nodes, write_exudyn
 from supple.fem import HomogeneousSection, Isotropic, shell_model, stress_recovery
 from supple.mesh import strip
+from supple.quantities import stress_modes
 from supple.reduction import CompleteBasis, NoDerivatives, NoLoads, NormalModes, reduce
-from supple.results import stress_modes
 from supple_benchmarks.validation.rotors import disc_on_massless_shaft
 
 

@@ -18,7 +18,7 @@ from supple.machine import (
     System,
     Universal,
 )
-from supple.results import joint_loads, joint_meanings
+from supple.quantities import joint_loads, joint_meanings
 from supple.simulation import simulate
 
 GRAVITY = np.array([0.0, 0.3, -9.81])

@@ -10,7 +10,8 @@ from supple.body import RigidBody
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, Placed, Revolute, System
-from supple.results import summarize, tracked_places
+from supple.quantities import Place, tracked_places
+from supple.results import summarize
 from supple.results.run_tables import motion_table, place_table
 from supple.simulation import simulate
 from supple.viz import animate, animate_run, draw_run, glyphs_of, plot_machine
@@ -85,7 +86,7 @@ def test_nothing_to_draw_is_refused(tmp_path, pendulum):
 def test_the_track_of_a_rigid_body_is_its_motion_in_global_axes(pendulum):
     """A rod let go level falls on a circle: it is its place that is told, not a deflection of zero."""
     system, solution = pendulum
-    tracked = tracked_places(system, solution, {"rod.tip": ("rod", "tip")})
+    tracked = tracked_places(system, solution, {"rod.tip": Place("rod", "tip")})
     place = tracked["rod.tip"]
     assert not place.is_elastic
     np.testing.assert_allclose(np.linalg.norm(place.position, axis=1), LENGTH, rtol=1e-6)

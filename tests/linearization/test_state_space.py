@@ -36,8 +36,8 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
+from supple.quantities import tracked_motion
 from supple.reduction import CraigBampton, NoLoads, reduce
-from supple.results import tracked_motion
 from supple.simulation import equilibrium, simulate
 
 MASS, STIFFNESS, DAMPING = 3.0, 400.0, 8.0

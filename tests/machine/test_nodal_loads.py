@@ -22,8 +22,8 @@ from supple.machine import (
     System,
 )
 from supple.mesh import CellType, block
+from supple.quantities import node_positions
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
-from supple.results import node_positions
 from supple.simulation import simulate
 
 TIGHT = Tolerances(1e-10)

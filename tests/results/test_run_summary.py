@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from supple.machine import GROUND, At, Placed, Revolute, System
-from supple.results import joint_loads, summarize, tracked_motion
+from supple.quantities import joint_loads, tracked_motion
+from supple.results import summarize
 
 
 @pytest.fixture

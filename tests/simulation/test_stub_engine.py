@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from supple.body import RigidBody
 from supple.integrate import FloatingMotion, Leg, Run, Solution, Statistics
 from supple.machine import Placed, System
-from supple.results import node_positions
+from supple.quantities import node_positions
 from supple.simulation import register_engine, simulate
 from supple.simulation.engines import _ENGINES
 from supple.storage import read_header, read_solution

@@ -8,7 +8,7 @@ import pytest
 from supple.integrate import FloatingMotion, Solution, Statistics
 from supple.machine import Placed, System
 from supple.mesh import strip
-from supple.results import tracked_motion
+from supple.quantities import tracked_motion
 from supple.viz import animate_run, draw_run
 
 

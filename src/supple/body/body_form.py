@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.body.interface import Interface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
+from supple.body.sections import Sections
+from supple.fem import FiniteElementModel
 
 __all__ = ["BodyForm"]
 
@@ -126,6 +128,10 @@ class BodyForm(Protocol):
     @property
     def has_stress_modes(self) -> bool:
         """Whether its stress is a quadratic polynomial of its coordinates (`stress_modes`)."""
+        ...
+
+    def sections(self, model: FiniteElementModel | None, /) -> Sections:
+        """Its sections, by its elements where these carry the forces; ModelError of a form that has none."""
         ...
 
     def section_softness(self, interface: str, /) -> np.ndarray:

@@ -7,6 +7,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.body.sections import Sections
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel
+
 __all__ = ["FormDefaults"]
 
 Array = NDArray[np.float64]
@@ -63,6 +67,13 @@ class FormDefaults:
     def missing_centrifugal_stiffness(self) -> Array:
         """(3,) none."""
         return np.zeros(3)
+
+    def sections(self: Any, _model: FiniteElementModel | None, /) -> Sections:
+        """ModelError: it has no section forces."""
+        raise ModelError(
+            f"body '{self.name}' is {self.kind}, which has no section forces; read the force of a joint, or "
+            "split the body there"
+        )
 
     def section_softness(self, _interface: str, /) -> Array:
         """(3,) none."""

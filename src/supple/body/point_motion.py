@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from supple.body.floating_kinematics import (
 )
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import Interface, place_in_frame
+from supple.body.sections import ElementSections, Sections
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel
 from supple.integrate.motion import FloatingMotion
 
 __all__ = ["InterfaceMotion", "NodeMotion"]
@@ -64,6 +67,17 @@ class FloatingForm(FormDefaults):
     def interface_motion(self: Deforming, motion: FloatingMotion, name: str) -> InterfaceMotion:
         """Pose, velocities and acceleration (t, ...) of an interface in space."""
         return floating_interface_motion(self.interface(name), motion)
+
+    def sections(self: Any, model: FiniteElementModel | None, /) -> Sections:
+        """Those that its elements carry; ModelError of a rigid body, and without elements."""
+        if not self.n_coordinates:
+            return FormDefaults.sections(self, model)
+        if model is None:
+            raise ModelError(
+                f"the elements of body '{self.name}' are not known, and section forces are theirs; give its "
+                "model, or read the force of a joint or a spring"
+            )
+        return ElementSections(self, model)
 
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array

@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.body import BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import Body, checked_line
@@ -21,17 +20,17 @@ from supple.cases.reductions import reduction_start
 from supple.cases.sensors import SensedCase
 from supple.cases.split import SplitSource, split_source
 from supple.cases.split_tables import base_of, changed_frequencies, with_damping, with_parts
-from supple.cases.stated_error import Judged
-from supple.error import ErrorStudy, JudgedQuantity, ReductionStart
+from supple.cases.stated_error import OfInterest
+from supple.error import ErrorStudy, ReductionStart
 from supple.errors import CaseError, ModelError, SuppleError
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
+from supple.quantities import Place, QuantityOfInterest, Sensor
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
-from supple.sensors import Sensor
 from supple.simulation.full_rest import known_fulls
 from supple.storage.run_inputs import Inputs
 from supple.units import UnitSystem
@@ -91,13 +90,13 @@ class Case:
         """
         return inputs_of_case(self.tables, self.files, self.folder)
 
-    def place(self, text: str) -> tuple[str, str | NDArray[np.int64]]:
-        """The body of `BODY.PLACE`, and the name of its interface, or the nodes of the set of its mesh."""
+    def place(self, text: str) -> Place:
+        """`BODY.PLACE`: an interface of the body, or the nodes of a set of its mesh."""
         name, _, place = text.partition(".")
         body = next(table for table in self.parts.body if table.name == name)
         if place in [interface.name for interface in body.interface]:
-            return name, place
-        return name, self.meshes[name].nodes_of(place)
+            return Place(name, place)
+        return Place(name, tuple(self.meshes[name].nodes_of(place).tolist()))
 
     def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
         """One error that lists mistakes found after reading, such as a node set missing in a mesh."""
@@ -263,16 +262,16 @@ class Case:
     def starts(self) -> Mapping[str, ReductionStart]:
         """Of the bodies that stand in the system in full, to be reduced as far as their accuracy allows."""
         return {
-            table.name: reduction_start(table.reduction, self.flexible[table.name], self._judged_by(table))
+            table.name: reduction_start(table.reduction, self.flexible[table.name], self._of_interest(table))
             for table in self.parts.body
             if table.corrects_itself
         }
 
-    def _judged_by(self, table: Body) -> JudgedQuantity | None:
+    def _of_interest(self, table: Body) -> QuantityOfInterest | None:
         accuracy = getattr(table.reduction, "accuracy", None)
         return None if accuracy is None or accuracy.of is None else self._quantity(accuracy.of)
 
-    def _quantity(self, table: Judged) -> JudgedQuantity:
+    def _quantity(self, table: OfInterest) -> QuantityOfInterest:
         return table.quantity(self.place, self.elements)
 
     @cached_property
@@ -308,8 +307,8 @@ class Case:
     def study(self) -> ErrorStudy:
         """Which parts of the error are looked at, and in what.
 
-        Bodies of a fixed size are judged where that is asked for; the integration of machines with bodies in
-        full too, for each of the two runs costs as much as the first.
+        Bases of a fixed size where that is asked for; the integration of machines with bodies in full too,
+        for each of the two runs costs as much as the first.
         """
         given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))

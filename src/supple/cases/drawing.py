@@ -12,8 +12,8 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
+from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
-from supple.results import TrackedMotion
 from supple.units import UnitSystem
 
 __all__ = ["Drawing", "drawing_of"]

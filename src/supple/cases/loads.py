@@ -28,9 +28,7 @@ from supple.machine import (
 )
 from supple.mesh import Mesh
 from supple.mesh.outer_faces import outer_triangles
-
-Place = Callable[[str], tuple[str, Any]]
-"""The body of BODY.PLACE, and its interface or the nodes of its node set."""
+from supple.quantities import Place
 
 
 class Force(Made):
@@ -48,10 +46,10 @@ class Force(Made):
         context : the folder of the file of its law, and what finds its place
         """
         folder, place, *_ = context
-        body, at = place(self.at)
+        body, at = place(self.at).body, place(self.at).at
         factor, vector = self.law.build(folder), np.array(self.vector)
         if not isinstance(at, str):
-            return DeadForce(body=body, at=at, force=Scaled(vector / len(at), factor))
+            return DeadForce(body=body, at=np.array(at), force=Scaled(vector / len(at), factor))
         history = Scaled(vector, factor)
         match self.kind, self.follower:
             case "force", False:
@@ -64,9 +62,8 @@ class Force(Made):
                 return FollowerTorque(first=At(body, at), torque=history)
 
 
-def _faces(at: str, _: Path, place: Place, meshes: Mapping[str, Mesh]) -> np.ndarray:
-    body, nodes = place(at)
-    found = outer_triangles(meshes[body], nodes)
+def _faces(at: str, _: Path, place: Callable[[str], Place], meshes: Mapping[str, Mesh]) -> np.ndarray:
+    found = outer_triangles(meshes[place(at).body], np.array(place(at).at))
     if not len(found):
         raise ModelError(
             f"a pressure on '{at}' finds no outer face of a solid or shell with all corners in the set; "

@@ -12,10 +12,11 @@ from supple import reduction
 from supple.body import FlexibleBody
 from supple.cases.body_kinds import is_elastic, kind_of
 from supple.cases.damping import damps_all_modes
-from supple.cases.stated_error import Judged
+from supple.cases.stated_error import OfInterest
 from supple.cases.table import Key, Made, OneOf, table_of
-from supple.error import JudgedQuantity, ReductionStart, SelfCorrection
+from supple.error import ReductionStart, SelfCorrection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, names, table
+from supple.quantities import QuantityOfInterest
 from supple.reduction import DerivativeChoice, LinearBasisRecipe, QuarticChoice
 from supple.reduction.eigenvalues.mode_search import search_words
 
@@ -72,11 +73,11 @@ class Accuracy(CheckedTable):
     directions: int = Field(4, ge=1, description="columns added a round")
     largest_size: int = Field(60, ge=1, description="coordinates")
     max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
-    of: Judged | None = Field(
+    of: OfInterest | None = Field(
         None, description="the quantity whose error that is; the positions of all nodes if left out"
     )
 
-    def target(self, quantity: JudgedQuantity | None = None) -> SelfCorrection:
+    def target(self, quantity: QuantityOfInterest | None = None) -> SelfCorrection:
         """The error to reach, and how to get there; quantity is that of the table `of`."""
         given: dict[str, Any] = self.model_dump(exclude={"of"}) | {"of": quantity}
         if self.relative is None and self.absolute is None:
@@ -235,7 +236,7 @@ Reduction = Annotated[
 
 
 def reduction_start(
-    given: Basis | None, body: FlexibleBody, quantity: JudgedQuantity | None = None
+    given: Basis | None, body: FlexibleBody, quantity: QuantityOfInterest | None = None
 ) -> ReductionStart:
     """Where the reduction of a body starts that corrects itself, and where it may stop.
 

@@ -22,8 +22,15 @@ from supple.error import Round, SelfCorrectionError, correct_recorded, correctio
 from supple.errors import CaseError
 from supple.integrate import Solution, Validity
 from supple.machine import System
-from supple.results import TrackedMotion, stress_numbers, summarize, tracked_places
-from supple.sensors import Reading, read_sensors, write_readings, write_readings_hdf5
+from supple.quantities import (
+    Reading,
+    TrackedMotion,
+    read_sensors,
+    tracked_places,
+    write_readings,
+    write_readings_hdf5,
+)
+from supple.results import stress_numbers, summarize
 from supple.simulation import reduced_bodies, simulate_kept
 from supple.storage import write_errors, write_json
 from supple.storage.exclusive_lock import ExclusiveLock

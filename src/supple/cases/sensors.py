@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal, NamedTuple
 
-import numpy as np
 from pydantic import Field
 
-from supple import sensors
+from supple import quantities
 from supple.cases.body_kinds import at_elements
 from supple.cases.shared_rules import InterfaceOf, PlaceOf, joint_names, usable_names
 from supple.cases.stated_error import OF_STRESS
@@ -22,19 +21,13 @@ from supple.machine import At, ForceElement, as_end
 class SensedCase(NamedTuple):
     """What sensors find in a case."""
 
-    place: Callable[[str], tuple[str, Any]]
-    """The body of BODY.PLACE, and its interface or the nodes of its node set."""
+    place: Callable[[str], quantities.Place]
+    """Of BODY.PLACE"""
     bases: Mapping[str, At]
     """Interfaces from which the parts of split bodies are seen."""
     elements: Mapping[str, FiniteElementModel]
     springs: Mapping[str, ForceElement]
     """Those that have a name."""
-
-
-def _place(at: str, case: SensedCase) -> sensors.Place:
-    """The place that a sensor's `at` names."""
-    body, where = case.place(at)
-    return sensors.Place(body, where if isinstance(where, str) else tuple(np.asarray(where).tolist()))
 
 
 class SensorTable(Made):
@@ -55,12 +48,12 @@ class _Deflection(SensorTable):
         None, description="BODY.INTERFACE; the body's first one if left out"
     )
 
-    def build(self, *context: Any) -> sensors.Sensor:
+    def build(self, *context: Any) -> quantities.Sensor:
         """The sensor."""
         (case,) = context
-        at = _place(self.at, case)
+        at = case.place(self.at)
         base = case.bases.get(at.body) if self.seen_from is None else as_end(self.seen_from)
-        return sensors.DeflectionSensor(self.name, at, base)
+        return quantities.DeflectionSensor(self.name, at, base)
 
 
 class TensorSensor(SensorTable):
@@ -76,15 +69,15 @@ class TensorSensor(SensorTable):
         description="of the nodes of the set: largest magnitude, mean, or the node nearest the centroid",
     )
 
-    def build(self, *context: Any) -> sensors.Sensor:
+    def build(self, *context: Any) -> quantities.Sensor:
         """The sensor."""
         (case,) = context
-        body, where = case.place(self.at)
-        if body not in case.elements or isinstance(where, str):
+        body, nodes = case.place(self.at).body, case.place(self.at).at
+        if body not in case.elements or isinstance(nodes, str):
             raise ModelError(f"sensor '{self.name}': '{self.at}' is no node set of a body with elements")
-        made = sensors.StrainSensor if self.kind == "strain" else sensors.StressSensor
+        made = quantities.StrainSensor if self.kind == "strain" else quantities.StressSensor
         measure = _tensor_measure(self._component)
-        return made(self.name, body, case.elements[body], np.asarray(where), measure, self._over)
+        return made(self.name, body, case.elements[body], nodes, measure, self._over)
 
     @property
     def _component(self) -> str:
@@ -93,52 +86,59 @@ class TensorSensor(SensorTable):
         return self.component or stated or "von-mises"
 
     @property
-    def _over(self) -> sensors.OverNodes:
-        return _OVER.get(self.measure, sensors.Maximum())
+    def _over(self) -> quantities.OverNodes:
+        return _OVER.get(self.measure, quantities.Maximum())
 
 
-_OVER: Mapping[str, sensors.OverNodes] = {
-    "max": sensors.Maximum(),
-    "mean": sensors.Mean(),
-    "nearest": sensors.Nearest(),
+_OVER: Mapping[str, quantities.OverNodes] = {
+    "max": quantities.Maximum(),
+    "mean": quantities.Mean(),
+    "nearest": quantities.Nearest(),
 }
 
 
-def _tensor_measure(component: str) -> sensors.TensorMeasure:
-    own: Mapping[str, sensors.TensorMeasure] = {
-        "von-mises": sensors.VonMises(),
-        "principal": sensors.Principal(),
+def _tensor_measure(component: str) -> quantities.TensorMeasure:
+    own: Mapping[str, quantities.TensorMeasure] = {
+        "von-mises": quantities.VonMises(),
+        "principal": quantities.Principal(),
     }
-    return own.get(component) or sensors.Component(component)
+    return own.get(component) or quantities.Component(component)
 
 
 def _sensor(makes: Any, kind: str, **by_hand: Any) -> Any:
     return table_of(makes, kind, SensorTable, **by_hand)
 
 
-_AT = {"place": Key(PlaceOf, "BODY.INTERFACE or BODY.NODE_SET, whose mean is taken", "at", through=_place)}
+_AT = {
+    "place": Key(
+        PlaceOf,
+        "BODY.INTERFACE or BODY.NODE_SET, whose mean is taken",
+        "at",
+        through=lambda at, case: case.place(at),
+    )
+}
 _JOINT = {"joint": Key(description="its name")}
 _ELEMENT = {
     "element": Key(
         str, "name of a spring or an element", "spring", through=lambda name, case: case.springs[name]
     )
 }
-_ELEMENTS = Key(str, name="at", through=lambda at, case: case.elements.get(_place(at, case).body))
+_ELEMENTS = Key(str, name="at", through=lambda at, case: case.elements.get(case.place(at).body))
 Sensor = Annotated[
     SensorTable,
     OneOf(
-        _sensor(sensors.PositionSensor, "position", **_AT),
-        _sensor(sensors.VelocitySensor, "velocity", **_AT),
-        _sensor(sensors.AccelerationSensor, "acceleration", **_AT),
-        _sensor(sensors.AngularVelocitySensor, "angular-velocity", at=Key(InterfaceOf, "BODY.INTERFACE")),
+        _sensor(quantities.PositionSensor, "position", **_AT),
+        _sensor(quantities.VelocitySensor, "velocity", **_AT),
+        _sensor(quantities.AccelerationSensor, "acceleration", **_AT),
+        _sensor(quantities.AngularVelocitySensor, "angular-velocity", at=Key(InterfaceOf, "BODY.INTERFACE")),
         _Deflection,
-        _sensor(sensors.JointMotionSensor, "joint-motion", **_JOINT),
-        _sensor(sensors.JointForceSensor, "joint-force", **_JOINT),
-        _sensor(sensors.SectionForceSensor, "section-force", **_AT, model=_ELEMENTS),
-        _sensor(sensors.SpringForceSensor, "spring-force", **_ELEMENT),
-        _sensor(sensors.ElementEnergySensor, "element-energy", **_ELEMENT),
+        _sensor(quantities.JointMotionSensor, "joint-motion", **_JOINT),
+        _sensor(quantities.JointForceSensor, "joint-force", **_JOINT),
+        _sensor(quantities.SectionForceSensor, "section-force", **_AT, model=_ELEMENTS),
+        _sensor(quantities.SpringForceSensor, "spring-force", **_ELEMENT),
+        _sensor(quantities.ElementEnergySensor, "element-energy", **_ELEMENT),
         TensorSensor,
-        _sensor(sensors.EnergySensor, "energy"),
+        _sensor(quantities.EnergySensor, "energy"),
     ),
 ]
 

@@ -9,25 +9,22 @@ from pydantic import Field
 
 from supple.cases.body_kinds import at_elements
 from supple.cases.shared_rules import PlaceOf, joint_names
-from supple.error import Deflection, JointForce, JudgedQuantity
 from supple.fem import FiniteElementModel
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, table, tables, unknown
-from supple.results.judged_stress import JudgedStress
+from supple.quantities import JointForceSensor, Place, PositionSensor, QuantityOfInterest, StressSensor
 
-Place = Callable[[str], tuple[str, Any]]
-"""The body of BODY.PLACE, and its interface or the nodes of its node set."""
+Elements = Mapping[str, FiniteElementModel]
 
 
-class DeflectionOf(CheckedTable):
+class PositionOf(CheckedTable):
     """Positions of an interface, or of the nodes of a set."""
 
     kind: Literal["deflection"]
     at: PlaceOf = Field(description="BODY.INTERFACE or BODY.NODE_SET")
 
-    def quantity(self, place: Place, _: Mapping[str, FiniteElementModel]) -> JudgedQuantity:
-        """What is judged."""
-        body, where = place(self.at)
-        return Deflection(body, where if isinstance(where, str) else tuple(where), self.at)
+    def quantity(self, place: Callable[[str], Place], _: Elements) -> QuantityOfInterest:
+        """The sensor."""
+        return PositionSensor(self.at, place(self.at))
 
 
 class StressOf(CheckedTable):
@@ -36,10 +33,11 @@ class StressOf(CheckedTable):
     kind: Literal["stress"]
     at: PlaceOf = Field(description="BODY.NODE_SET")
 
-    def quantity(self, place: Place, elements: Mapping[str, FiniteElementModel]) -> JudgedQuantity:
-        """What is judged."""
-        body, where = place(self.at)
-        return JudgedStress(body, elements[body], where, self.at)
+    def quantity(self, place: Callable[[str], Place], elements: Elements) -> QuantityOfInterest:
+        """The sensor."""
+        body, nodes = place(self.at).body, place(self.at).at
+        assert not isinstance(nodes, str)  # by the rule on elements
+        return StressSensor(f"stress at {self.at}", body, elements[body], nodes)
 
 
 class JointForceOf(CheckedTable):
@@ -48,12 +46,12 @@ class JointForceOf(CheckedTable):
     kind: Literal["joint-force"]
     joint: str = Field(description="its name")
 
-    def quantity(self, _: Place, __: Mapping[str, FiniteElementModel]) -> JudgedQuantity:
-        """What is judged."""
-        return JointForce(self.joint)
+    def quantity(self, _: Callable[[str], Place], __: Elements) -> QuantityOfInterest:
+        """The sensor."""
+        return JointForceSensor(f"force of {self.joint}", self.joint)
 
 
-Judged = Annotated[DeflectionOf | StressOf | JointForceOf, Field(discriminator="kind")]
+OfInterest = Annotated[PositionOf | StressOf | JointForceOf, Field(discriminator="kind")]
 
 
 class StatedError(CheckedTable):
@@ -69,13 +67,13 @@ class StatedError(CheckedTable):
         "body is not reduced",
     )
     model: bool = Field(True, description="elements and ties that turn against their frame")
-    of: Annotated[tuple[Judged, ...], Field(strict=False)] = Field(
-        (), description="quantities that are judged besides"
+    of: Annotated[tuple[OfInterest, ...], Field(strict=False)] = Field(
+        (), description="quantities of interest besides"
     )
 
 
-def judged_places(raw: Raw) -> Iterator[tuple[KeyPath, Raw]]:
-    """Every table of a quantity that is judged, and where it stands."""
+def places_of_interest(raw: Raw) -> Iterator[tuple[KeyPath, Raw]]:
+    """Every table of a quantity of interest, and where it stands."""
     for position, each in enumerate(_listed(table(raw, "error").get("of"))):
         yield ("error", "of", position), each
     for path, body in tables(raw, "body"):
@@ -88,10 +86,10 @@ def _listed(given: Any) -> list[Raw]:
     return [each for each in given if isinstance(each, dict)] if isinstance(given, list) else []
 
 
-def _judged_joints_exist(raw: Raw) -> Mistakes:
-    """The rule that a joint whose force is judged is there."""
+def _joints_exist(raw: Raw) -> Mistakes:
+    """The rule that a joint whose force is of interest is there."""
     joints = joint_names(raw)
-    for path, each in judged_places(raw):
+    for path, each in places_of_interest(raw):
         name = each.get("joint")
         if isinstance(name, str) and name not in joints:
             yield (*path, "joint"), unknown("joint", name, joints)
@@ -99,6 +97,6 @@ def _judged_joints_exist(raw: Raw) -> Mistakes:
 
 OF_STRESS = ("whose stress it would be", "stress is that of")
 RULES = (
-    _judged_joints_exist,
-    lambda raw: at_elements(raw, judged_places(raw), {"stress": OF_STRESS}),
+    _joints_exist,
+    lambda raw: at_elements(raw, places_of_interest(raw), {"stress": OF_STRESS}),
 )

@@ -16,7 +16,8 @@ from supple.cases.notify import Progress, silent
 from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.machine import Controller, Spin, System
-from supple.results import TrackedMotion, summarize, tracked_places
+from supple.quantities import TrackedMotion, tracked_places
+from supple.results import summarize
 from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors

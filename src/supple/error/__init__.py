@@ -6,7 +6,6 @@ from supple.error.correction_folder import *
 from supple.error.correction_rounds import *
 from supple.error.error_estimate import *
 from supple.error.error_study import *
-from supple.error.judged_quantity import *
 from supple.error.recorded_correction import *
 from supple.error.residual_correction import *
 from supple.error.round_archive import *

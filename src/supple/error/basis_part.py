@@ -16,10 +16,10 @@ from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
 from supple.error.check_run import check_run
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
-from supple.error.judged_quantity import JudgedQuantity, quantity_distance
-from supple.error.run_distance import largest_displacement
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import System
+from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
+from supple.quantities.run_distance import largest_displacement
 from supple.reduction import ReductionBasis
 
 __all__ = ["basis_parts", "distances", "in_full", "stated_of"]
@@ -34,7 +34,7 @@ def basis_parts(
     solution: Solution,
     fulls: Mapping[str, FullBody],
     bases: Mapping[str, ReductionBasis],
-    quantities: Sequence[JudgedQuantity],
+    quantities: Sequence[QuantityOfInterest],
     *,
     progress: Callable[[str, float], None] | None = None,
 ) -> dict[str, ErrorPart]:
@@ -60,8 +60,8 @@ def basis_parts(
 
 
 def stated_of(
-    system: System, names: Collection[str], quantities: Sequence[JudgedQuantity]
-) -> list[JudgedQuantity]:
+    system: System, names: Collection[str], quantities: Sequence[QuantityOfInterest]
+) -> list[QuantityOfInterest]:
     """Those quantities of which the bases of some bodies are all that is missing.
 
     names : of the bodies whose bases are judged; what moves with others as well is not known from these
@@ -72,7 +72,7 @@ def stated_of(
 
 
 def distances(
-    system: System, solution: Solution, estimate: ErrorEstimate, quantities: Sequence[JudgedQuantity]
+    system: System, solution: Solution, estimate: ErrorEstimate, quantities: Sequence[QuantityOfInterest]
 ) -> dict[str, float]:
     """Error of a run in some quantities, by their names; infinite where the equation has no solution."""
     if estimate.corrected is None:

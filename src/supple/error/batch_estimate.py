@@ -39,7 +39,6 @@ from supple.error.error_estimate import (
     untold,
 )
 from supple.error.error_study import ErrorStudy, statements
-from supple.error.judged_quantity import WholeBody
 from supple.error.looked_at_instants import jittered
 from supple.error.residual_correction import system_corrections
 from supple.error.settled_error import is_small, settled
@@ -48,6 +47,7 @@ from supple.errors import ModelError
 from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
 from supple.machine import System
 from supple.methods.floating.compiled.every_step import every_step
+from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 

@@ -17,12 +17,12 @@ import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
-from supple.error.judged_quantity import JudgedQuantity, quantity_distance
 from supple.error.looked_at_instants import jittered
 from supple.error.residual_correction import system_corrections
 from supple.errors import SuppleWarning
 from supple.integrate import ErrorPart, Run, Solution, Validity
 from supple.machine import Placed, System
+from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
 from supple.reduction import (
     CompressedDerivatives,
     CondensedQuartic,
@@ -52,7 +52,7 @@ def check_run(
     solution: Solution,
     fulls: Mapping[str, FullBody],
     bases: Mapping[str, ReductionBasis],
-    quantities: Sequence[JudgedQuantity],
+    quantities: Sequence[QuantityOfInterest],
     *,
     progress: Callable[[str, float], None] | None = None,
 ) -> dict[str, ErrorPart]:

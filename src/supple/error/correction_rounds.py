@@ -9,10 +9,10 @@ import numpy as np
 
 from supple.algebra import read_only
 from supple.arguments import check_fields
-from supple.error.judged_quantity import JudgedQuantity, WholeBody
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import System
+from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
 from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,
@@ -47,7 +47,7 @@ class SelfCorrection:
                             direction left out locks the others, and costs a round
     largest_size : int      of the basis
     max_rounds : int        enrichments before giving up
-    of : JudgedQuantity     what the error is of; by default the positions of all nodes of the body
+    of : QuantityOfInterest     what the error is of; by default the positions of all nodes of the body
     Raises ModelError when both or none of absolute and relative are given, or a number is not positive.
     """
 
@@ -57,7 +57,7 @@ class SelfCorrection:
     directions: int = 4
     largest_size: int = 60
     max_rounds: int = 8
-    of: JudgedQuantity | None = None
+    of: QuantityOfInterest | None = None
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -71,7 +71,7 @@ class SelfCorrection:
         """The error to reach in a quantity of a size: of the whole body, its largest displacement."""
         return self.absolute or (self.relative or 0.0) * size
 
-    def quantity(self, body: str) -> JudgedQuantity:
+    def quantity(self, body: str) -> QuantityOfInterest:
         """What the error of a body is judged by."""
         return self.of or WholeBody(body)
 

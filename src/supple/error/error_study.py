@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from supple.arguments import checked_arguments
+from supple.arguments import check_fields, check_members, checked_arguments
 from supple.body.full_body import FullBody
 from supple.error.basis_part import basis_parts
 from supple.error.integration_error import integration_errors
-from supple.error.judged_quantity import JudgedQuantity, WholeBody
 from supple.error.line_parts import line_parts
 from supple.error.model_error import model_errors
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody, with_chosen_step
+from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
 from supple.reduction import ReductionBasis
 from supple.simulation.engines import refuse_explicit
 from supple.simulation.kept_basis import kept_bases
@@ -35,13 +35,19 @@ class ErrorStudy:
     integration : bool  two more runs: a tighter tolerance, and half the step besides; otherwise the floor of
                         the integration is all that is stated
     model : bool        at six instants the forces of all elements, and one solution of the whole system
-    quantities : what is judged besides the positions of every elastic body
+    quantities : of interest besides the positions of every elastic body
     """
 
     basis: bool = True
     integration: bool = True
     model: bool = True
-    quantities: tuple[JudgedQuantity, ...] = ()
+    quantities: tuple[QuantityOfInterest, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        for each in self.quantities:
+            known = "the sensor of a position, a joint's force or a stress, or WholeBody(body)"
+            check_members("ErrorStudy, quantities", each, ("at_points", "size"), known)
 
 
 @checked_arguments
@@ -80,7 +86,7 @@ def state_errors(
         fulls = {full.name: full for full in fulls}
     # What is found from equations of floating bodies alone is not found beside an intrinsic one.
     known = {} if system.bodies_of(IntrinsicBody) else _of_machine(system, fulls)
-    quantities = judged(system, study)
+    quantities = quantities_of_interest(system, study)
     bases = kept_bases(system, known)
     of_basis: Mapping[str, ErrorPart] = {}
     if study.basis and bases and solution.stopped is None:
@@ -91,9 +97,9 @@ def state_errors(
     )
 
 
-def judged(system: System, study: ErrorStudy) -> list[JudgedQuantity]:
-    """Every elastic body, and what is asked for besides."""
-    elastic: list[JudgedQuantity] = [
+def quantities_of_interest(system: System, study: ErrorStudy) -> list[QuantityOfInterest]:
+    """Every elastic body, and the quantities of the study."""
+    elastic: list[QuantityOfInterest] = [
         WholeBody(placed.body.name) for placed in system.bodies if placed.body.n_coordinates
     ]
     return elastic + list(study.quantities)
@@ -109,7 +115,7 @@ def statements(
     of_basis: Mapping[str, ErrorPart],
     *,
     allowed: Mapping[str, float] | None = None,
-    quantities: Sequence[JudgedQuantity] | None = None,
+    quantities: Sequence[QuantityOfInterest] | None = None,
     progress: Told | None = None,
 ) -> dict[str, ErrorStatement]:
     """The statements of a run whose part of the basis is known, by the names of the quantities.
@@ -117,7 +123,7 @@ def statements(
     of_basis : by quantity; a full body has no basis and no such part
     allowed : what the sums are to keep to
     """
-    quantities = judged(system, study) if quantities is None else quantities
+    quantities = quantities_of_interest(system, study) if quantities is None else quantities
     integration = integration_errors(
         system, run, solution, quantities, measured=study.integration, progress=progress
     )

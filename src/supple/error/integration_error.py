@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 from math import ceil
 
 from supple.equations.checks.step_resolution import fixed_step, jumps_in_steps
-from supple.error.judged_quantity import JudgedQuantity, quantity_distance
 from supple.errors import SuppleWarning
 from supple.integrate import (
     AdaptiveStep,
@@ -34,6 +33,7 @@ from supple.integrate import (
     Validity,
 )
 from supple.machine import System
+from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
 from supple.simulation.watched_run import watched_run
 
 __all__ = ["IntegrationError", "floor_of", "integration_errors", "with_shorter_steps", "with_tolerance"]
@@ -66,7 +66,7 @@ def integration_errors(
     system: System,
     run: Run,
     solution: Solution,
-    quantities: Sequence[JudgedQuantity],
+    quantities: Sequence[QuantityOfInterest],
     *,
     measured: bool = True,
     progress: Told | None = None,

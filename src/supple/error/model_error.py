@@ -29,7 +29,6 @@ import numpy as np
 from supple.body import BodyForm, MeanAxisFrame, frame_projector, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.turned_elements import turned_force
-from supple.error.judged_quantity import Deflection, JudgedQuantity, WholeBody
 from supple.error.missing_motion import MissingMotionSearch
 from supple.error.residual_correction import (
     ResidualCorrections,
@@ -37,10 +36,11 @@ from supple.error.residual_correction import (
     expanded_states,
     static_answer,
 )
-from supple.error.run_distance import blocks_of_times, largest_displacement
 from supple.integrate import ErrorPart, FloatingMotion, Solution
 from supple.integrate.engine import Progress
 from supple.machine import System
+from supple.quantities import PositionSensor, QuantityOfInterest, WholeBody
+from supple.quantities.run_distance import blocks_of_times, largest_displacement
 from supple.reduction import ReductionBasis
 
 __all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]
@@ -58,7 +58,7 @@ def model_errors(
     fulls: Mapping[str, FullBody],
     bases: Mapping[str, ReductionBasis],
     solution: Solution,
-    quantities: Sequence[JudgedQuantity],
+    quantities: Sequence[QuantityOfInterest],
     *,
     progress: Progress | None = None,
 ) -> dict[str, ErrorPart]:
@@ -145,7 +145,7 @@ def _widest_turn(body: BodyForm, motion: FloatingMotion) -> np.ndarray:
 
 
 def _part(
-    quantity: JudgedQuantity,
+    quantity: QuantityOfInterest,
     system: System,
     solution: Solution,
     fulls: Mapping[str, FullBody],
@@ -154,15 +154,13 @@ def _part(
 ) -> ErrorPart:
     name = quantity.body
     remedy = _remedy(system, name)
-    if isinstance(quantity, WholeBody) and name in missed:
-        value = max(float(missed[quantity.body].rms.max()), _shortening(system, name, limits))
-        return ErrorPart(value, "elements and ties turned exactly", remedy)
-    if isinstance(quantity, Deflection) and name in missed:
-        full = fulls[quantity.body]
-        at = quantity.nodes
-        nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
-        moved = _moved(full, missed[quantity.body])[:, nodes]
-        value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
+    if isinstance(quantity, WholeBody | PositionSensor) and name in missed:
+        value = float(missed[quantity.body].rms.max())
+        if isinstance(quantity, PositionSensor):
+            full, at = fulls[quantity.body], quantity.place.at
+            nodes = list(full.interface(at).node_ids if isinstance(at, str) else at)
+            moved = _moved(full, missed[quantity.body])[:, nodes]
+            value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
         value = max(value, _shortening(system, name, limits))
         return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.error.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
-from supple.error.error_study import ErrorStudy, judged
+from supple.error.error_study import ErrorStudy, quantities_of_interest
 from supple.error.round_archive import InMemoryArchive, RoundArchive
 from supple.error.system_correction import Accepted, Announce, CorrectionProgress, Problem, correct
 from supple.error.whole_correction import correct_wholly
@@ -88,7 +88,7 @@ def self_correct(
     )
     if study is None:
         return _without_room(correct(problem))
-    problem = replace(problem, besides=tuple(judged(system, study)))
+    problem = replace(problem, besides=tuple(quantities_of_interest(system, study)))
     corrected = correct_wholly(problem, study)
     return _without_room(corrected)
 

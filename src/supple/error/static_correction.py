@@ -16,10 +16,10 @@ import numpy as np
 from supple.body import FullBody
 from supple.equations import StaticSearch
 from supple.error.correction_rounds import ReductionStart, SelfCorrection, SelfCorrectionError
-from supple.error.judged_quantity import quantity_distance
 from supple.error.start_deformation import with_reduced
 from supple.errors import BasisWarning, LockingWarning, ModelError
 from supple.machine import Spin, System
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
 from supple.simulation import Equilibrium, equilibrium
 

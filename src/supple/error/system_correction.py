@@ -22,13 +22,13 @@ from supple.error.correction_rounds import (
     SelfCorrectionError,
 )
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
-from supple.error.judged_quantity import JudgedQuantity, WholeBody, quantity_distance
 from supple.error.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.error.start_deformation import with_reduced, with_start
 from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine.system import System
+from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody, quantity_distance
 from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
 from supple.reduction.tensor_memory import require_tensor_memory
 
@@ -72,7 +72,7 @@ class Problem:
     spent: Mapping[str, float] = field(default_factory=dict)
     accepted: Accepted | None = None
     confirmed: frozenset[str] = frozenset()
-    besides: tuple[JudgedQuantity, ...] = ()
+    besides: tuple[QuantityOfInterest, ...] = ()
 
     def report(self, step: str, fraction: float) -> None:
         """Say how far a step has come."""
@@ -247,7 +247,7 @@ def _enriched(
     return next_bases
 
 
-def _error(quantity: JudgedQuantity, name: str, run: _Run, estimate: ErrorEstimate) -> float:
+def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEstimate) -> float:
     """The error of a quantity: to the motion that the error equation tells, and what that cannot know.
 
     Infinite where the second correction is over a third of the first: an order of magnitude then.

@@ -18,7 +18,7 @@ import numpy as np
 
 from supple.error.basis_error import ASK_FOR_LESS
 from supple.error.correction_rounds import CorrectedSystem, Round, SelfCorrected, SelfCorrectionError
-from supple.error.error_study import ErrorStudy, judged, statements
+from supple.error.error_study import ErrorStudy, quantities_of_interest, statements
 from supple.error.integration_error import TIGHTEST, with_shorter_steps, with_tolerance
 from supple.error.round_archive import RoundBases
 from supple.error.system_correction import Problem, correct
@@ -100,7 +100,7 @@ def _stated(problem: Problem, corrected: CorrectedSystem, study: ErrorStudy) -> 
         of_basis[quantity.name] = ErrorPart(last.estimated_error, "the error equation", ASK_FOR_LESS)
         allowed[quantity.name] = last.allowed
     targets = [problem.target(name).quantity(name) for name in corrected.bodies]
-    others = [each for each in judged(system, study) if each.name not in allowed]
+    others = [each for each in quantities_of_interest(system, study) if each.name not in allowed]
     bases = {name: own.basis for name, own in corrected.bodies.items()}
     return statements(
         system,

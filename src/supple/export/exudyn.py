@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
+from supple.quantities import TensorModes
 from supple.reduction import ReducedBody
-from supple.results import StressModes
 from supple.storage.atomic_write import replacing
 
 __all__ = ["exudyn_arrays", "interface_nodes", "write_exudyn"]
@@ -41,7 +41,7 @@ def write_exudyn(
     body: ReducedBody,
     *,
     triangles: ArrayLike | None = None,
-    stress: StressModes | None = None,
+    stress: TensorModes | None = None,
 ) -> Path:
     """Write a linear reduced body as the .npz file that Exudyn loads; returns the path.
 
@@ -55,7 +55,7 @@ def write_exudyn(
     ----------
     body : ReducedBody              linear, for Exudyn's is
     triangles : int array (T, 3)    what is drawn of the body; nothing when omitted
-    stress : StressModes            of all nodes of a solid: Exudyn shows the stress, too
+    stress : TensorModes            of all nodes of a solid: Exudyn shows the stress, too
 
     Raises
     ------
@@ -72,7 +72,7 @@ def write_exudyn(
 
 
 def exudyn_arrays(
-    body: ReducedBody, *, triangles: ArrayLike | None = None, stress: StressModes | None = None
+    body: ReducedBody, *, triangles: ArrayLike | None = None, stress: TensorModes | None = None
 ) -> dict[str, Any]:
     """The arrays of write_exudyn by the names that Exudyn gives them.
 
@@ -143,11 +143,10 @@ def _carried(motion: Array, arms: Array) -> Array:
     return translation + np.cross(rotation.T, arms[:, None]).swapaxes(1, 2)
 
 
-def _stress_columns(body: ReducedBody, stress: StressModes | None) -> dict[str, Any]:
+def _stress_columns(body: ReducedBody, modes: TensorModes | None) -> dict[str, Any]:
     """Exudyn's modes for output: a row per node, the six components of each mode after one another."""
-    if stress is None:
+    if modes is None:
         return {}
-    modes = stress.modes
     n_nodes = len(body.nodes)
     if modes.quadratic is not None or not np.array_equal(modes.nodes, np.arange(n_nodes)):
         raise ModelError(

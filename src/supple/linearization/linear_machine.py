@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from supple.equations.control_linearization import LinearControl
-from supple.machine import Placed, Spin, System
+from supple.integrate import Solution, Statistics
+from supple.machine import Spin, System
 
 if TYPE_CHECKING:
     from supple.linearization.sparse_machine import SparseMachine
@@ -74,15 +76,20 @@ class LinearMachine:
         """Number k of independent coordinates."""
         return len(self.mass)
 
-    def motions_of(self, body: str, owner: str) -> tuple[Placed, Array]:
-        """A body as it is placed, and its motions p (6 + r, k) by independent coordinates.
+    def motion_near(self, displacements: Array, rates: Array, times: Array | None = None) -> Solution:
+        """The motion of small motions p (t, n) about the equilibrium, at rates p' (t, n) as at p = 0."""
+        bodies, first = {}, 0
+        for placed in self.system.bodies:
+            after = first + 6 + placed.body.n_coordinates
+            pose = placed.position, placed.rotation, placed.coordinates
+            own, first = slice(first, after), after
+            bodies[placed.body.name] = placed.body.motion_near(*pose, displacements[:, own], rates[:, own])
+        return Solution(np.zeros(len(rates)) if times is None else times, bodies, {}, Statistics())
 
-        Raises ModelError for a name that no body has, of the owner that asks.
-        """
-        number = self.system.body_index(body, owner)
-        sizes = [6 + placed.body.n_coordinates for placed in self.system.bodies]
-        first = sum(sizes[:number])
-        return self.system.bodies[number], self.basis[first : first + sizes[number]]
+    @cached_property
+    def unit_rates(self) -> Solution:
+        """The equilibrium, at the rate of each independent coordinate alone: k instants."""
+        return self.motion_near(np.zeros_like(self.basis.T), self.basis.T)
 
     def coordinates_of(self, motions: np.ndarray) -> np.ndarray:
         """Independent coordinates (k, ..) of motions (n, ..), the nearest ones where these open joints."""

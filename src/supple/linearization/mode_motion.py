@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from supple.errors import ModelError
-from supple.integrate import Solution, Statistics
+from supple.integrate import Solution
 from supple.linearization.machine_modes import MachineModes
 
 __all__ = ["mode_motion"]
@@ -38,29 +38,16 @@ def mode_motion(
     phases = np.linspace(0, 2 * np.pi * n_periods, n_periods * n_instants + 1)[:-1]
     swing = np.real(np.outer(np.exp(1j * phases), shape))
     swing *= amplitude / max(_largest_translation(modes, number), 1e-300)
-    bodies, first = {}, 0
-    for placed in machine.system.bodies:
-        after = first + 6 + placed.body.n_coordinates
-        pose = placed.position, placed.rotation, placed.coordinates
-        own, first = swing[:, first:after], after
-        bodies[placed.body.name] = placed.body.motion_near(*pose, own, np.zeros_like(own))
-    return Solution(
-        times=phases / (2 * np.pi) * period,
-        bodies=bodies,
-        joint_forces={},
-        statistics=Statistics(steps=0, iterations=0, rejected_steps=0, seconds=0.0),
-    )
+    return machine.motion_near(swing, np.zeros_like(swing), phases / (2 * np.pi) * period)
 
 
 def _largest_translation(modes: MachineModes, number: int) -> float:
     """Of any node, interface or frame in a mode of the scale that it has."""
-    shape, largest, first = modes.shapes[:, number], 0.0, 0
-    for placed in modes.machine.system.bodies:
-        body = placed.body
-        own, first = shape[first : first + 6 + body.n_coordinates], first + 6 + body.n_coordinates
-        rates = np.array([np.real(own), np.imag(own)])
-        pose = placed.position, placed.rotation, placed.coordinates
-        motion = body.motion_near(*pose, np.zeros_like(rates), rates)
+    shape, largest = modes.shapes[:, number], 0.0
+    rates = np.array([np.real(shape), np.imag(shape)])
+    moving = modes.machine.motion_near(np.zeros_like(rates), rates)
+    for body in (placed.body for placed in modes.machine.system.bodies):
+        motion = moving.bodies[body.name]
         real, imaginary = np.concatenate(
             [
                 motion.velocity[:, None],

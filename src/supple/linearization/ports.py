@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from supple.body import InterfaceMotion
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.machine import GROUND, At, as_end
@@ -48,7 +49,7 @@ class TranslationPort:
 
     def row(self, machine: LinearMachine) -> Array:
         """`b` (k,), `b y` in units of length."""
-        return np.asarray(self.direction) @ _motions(machine, self.at)[0]
+        return np.asarray(self.direction) @ _rates(machine, self.at).velocity.T
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class RotationPort:
 
     def row(self, machine: LinearMachine) -> Array:
         """`b` (k,), `b y` in rad."""
-        return np.asarray(self.axis) @ _motions(machine, self.at)[1]
+        return np.asarray(self.axis) @ _rates(machine, self.at).angular_velocity.T
 
 
 def _check(port: Any, name: str) -> None:
@@ -94,10 +95,7 @@ def _direction(vector: tuple[float, float, float]) -> str:
     return "(" + ", ".join(f"{part:.4g}" for part in vector) + ")"
 
 
-def _motions(machine: LinearMachine, at: At) -> tuple[Array, Array]:
-    """Displacement and rotation of an interface by independent coordinates, (3, k) each, global."""
-    placed, own = machine.motions_of(at.body, "port")
-    placed.body.interface(at.interface)
-    near = placed.position, placed.rotation, placed.coordinates, np.zeros_like(own.T), own.T
-    rates = placed.body.interface_motion(placed.body.motion_near(*near), at.interface)
-    return rates.velocity.T, rates.angular_velocity.T
+def _rates(machine: LinearMachine, at: At) -> InterfaceMotion:
+    """Of an interface at the rate of each independent coordinate, (k, ...), global."""
+    body = machine.system.bodies[machine.system.body_index(at.body, "port")].body
+    return body.interface_motion(machine.unit_rates.bodies[at.body], at.interface)

@@ -14,13 +14,13 @@ from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
+from supple.quantities.joint_loads import joint_loads, joint_meanings
+from supple.quantities.stress_history import largest_stress
+from supple.quantities.tracked_motion import TrackedMotion
 from supple.reduction import Locking, ReducedBody, body_modes, clamped_modes
 from supple.results.explicit_fields import largest_part_stress
 from supple.results.explicit_numbers import march_numbers, part_numbers
-from supple.results.joint_loads import joint_loads, joint_meanings
 from supple.results.run_start import start_numbers
-from supple.results.stress_history import largest_stress
-from supple.results.tracked_motion import TrackedMotion
 from supple.units import UNNAMED, UnitSystem, headed
 
 __all__ = ["body_numbers", "stress_numbers", "summarize", "unit_names"]

@@ -16,7 +16,8 @@ from supple.equations.joint_closure import joints_assembled
 from supple.equations.start_change import Moved
 from supple.equations.starting_machine import StartingMachine
 from supple.machine import System
-from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.intrinsic import IntrinsicBody
+from supple.simulation.seen_machine import full_system
 
 __all__ = ["AssembledMachine", "assemble"]
 
@@ -50,8 +51,8 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     ConvergenceError    joints that do not fit: the worst one, and by how much it stays open
     Source: [Nikravesh1988] section 3.2 (Newton's method on the constraint equations).
     """
-    full = system.bodies_of(FullBody)
-    machine: StartingMachine = FullSystem(system) if full else CompiledMachine(system, build_model(system))
+    sparse = system.bodies_of(FullBody) or system.bodies_of(IntrinsicBody)
+    machine: StartingMachine = full_system(system) if sparse else CompiledMachine(system, build_model(system))
     found = joints_assembled(machine, time, placed_configuration(system))
     bodies, moved = [], []
     for placed, position, rotation in zip(system.bodies, found.origins, found.rotations, strict=True):

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from supple.fem import FiniteElementModel
 from supple.methods.explicit.modal_stress import isotropic_materials
-from supple.results import von_mises_history, without_noise
+from supple.quantities import von_mises_history
+from supple.results import without_noise
 from supple.results.explicit_fields import element_means
 from supple.units import UnitSystem, labelled
 

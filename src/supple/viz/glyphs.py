@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from supple.body import RigidBody, in_space
 from supple.integrate import Solution
 from supple.machine import GROUND, At, Joint, System
-from supple.results import tracked_motion
+from supple.quantities import tracked_motion
 from supple.viz.camera import Camera
 from supple.viz.style import COLOURS, INK, PALE_INK
 

@@ -16,8 +16,7 @@ from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.methods.explicit import ENERGIES, OBSTACLES, Energies
 from supple.methods.intrinsic import IntrinsicBody
-from supple.reduction import BodyModes, ReducedBody, clamped_modes
-from supple.results import (
+from supple.quantities import (
     TrackedMotion,
     deflections,
     joint_loads,
@@ -25,8 +24,9 @@ from supple.results import (
     node_positions,
     observer_of,
     von_mises_history,
-    without_noise,
 )
+from supple.reduction import BodyModes, ReducedBody, clamped_modes
+from supple.results import without_noise
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from supple.arguments import checked_arguments
-from supple.sensors import Quantity, Reading
+from supple.quantities import Quantity, Reading
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.time_history import Panel, Series, plot_time_history
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.quantities import node_positions, stress_modes
 from supple.reduction import CraigBampton, modal_derivatives, rayleigh_ritz
-from supple.results import node_positions, stress_modes
 from supple.units import SI
 from supple.viz import (
     REFERENCE,

@@ -18,7 +18,7 @@ from supple.errors import SuppleError
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, RungeKutta4
 from supple.machine import Fixed, Placed, System
 from supple.methods.intrinsic import IntrinsicBody, LoadPath, condense
-from supple.results import node_positions
+from supple.quantities import node_positions
 from supple.simulation import simulate
 
 __all__ = ["box_against_shells", "parabolic_velocity"]

@@ -9,8 +9,8 @@ import numpy as np
 from supple.body import FullBody
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
+from supple.quantities import node_positions
 from supple.reduction import ReducedBody
-from supple.results import node_positions
 from supple.simulation import simulate
 from supple_benchmarks.invariance.box import BOX_LENGTH, SECTION, beam_stiffness, box_of_beams, weak_bending
 from supple_benchmarks.invariance.clamped import FRAMES, clamped_body

@@ -9,7 +9,7 @@ import numpy as np
 
 from supple.body import in_space
 from supple.integrate import Solution
-from supple.results import node_positions, von_mises_history
+from supple.quantities import node_positions, von_mises_history
 from supple.units import SI
 from supple.viz.animation import Traces, animate
 from supple.viz.contour import plot_contour

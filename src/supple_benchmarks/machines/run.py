@@ -14,8 +14,8 @@ from supple.equations import balances, joint_residuals
 from supple.fem import Isotropic
 from supple.integrate import Solution
 from supple.machine import System
+from supple.quantities import von_mises_history
 from supple.reduction import ReducedBody
-from supple.results import von_mises_history
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
 
 __all__ = [

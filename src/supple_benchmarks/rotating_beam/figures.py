@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from supple.results.recovery import node_positions
+from supple.quantities.tracked_motion import node_positions
 from supple.units import SI
 from supple.viz.animation import Traces, animate
 from supple.viz.camera import Camera

@@ -16,6 +16,7 @@ from supple.body import (
 from supple.integrate import FixedStep, Run, Solution
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
+from supple.quantities.tracked_motion import displacement_from_axes, node_positions
 from supple.reduction import (
     AmplitudeProduct,
     CompressedDerivatives,
@@ -29,7 +30,6 @@ from supple.reduction import (
     StaticLoad,
 )
 from supple.results.error_measures import MotionError, motion_error
-from supple.results.recovery import displacement_from_axes, node_positions
 from supple.simulation import simulate
 from supple_benchmarks.as_far_as_it_goes import as_far_as_it_goes
 from supple_benchmarks.compared_tensors import reduce_to_compare

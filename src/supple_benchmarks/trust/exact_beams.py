@@ -16,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import Frame, FullBody, MeanAxisFrame, NodalFixedFrame, RigidInterface, flexible_body
-from supple.error import Deflection, ErrorStudy, state_errors
+from supple.error import ErrorStudy, state_errors
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import PARTS, FixedStep, Run, Solution
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, Table
 from supple.mesh import strip
+from supple.quantities import PositionSensor
 from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,
@@ -46,7 +47,7 @@ class ExactBeamCase:
     """A strip and its run, and the motion of its tip in space by a geometrically exact beam."""
 
     name: str
-    made: Callable[[], tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, Deflection]]
+    made: Callable[[], tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, PositionSensor]]
     exact: Callable[[], Array]
     """Positions of the tip (t, 3) at the output times"""
 
@@ -80,8 +81,8 @@ def judge_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
     }
 
 
-def _places(tip: Deflection, system: System, solution: Solution) -> Array:
-    return tip.values(system, solution)[:, 0]
+def _places(tip: PositionSensor, system: System, solution: Solution) -> Array:
+    return tip.values(system, solution)
 
 
 LENGTH, WIDTH, THICKNESS = 1.0, 0.1, 0.01
@@ -100,7 +101,7 @@ def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
         over = np.where(times < push, np.sin(np.pi * times / push) ** 2, 0.0)
         return times, force * over[:, None] * [0.0, 0.0, 1.0]
 
-    def made() -> tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, Deflection]:
+    def made() -> tuple[FullBody, Callable[[Any], System], DerivativeChoice, Run, PositionSensor]:
         ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
         model = shell_model(
             strip(LENGTH, WIDTH, 24, 2), HomogeneousSection(Isotropic(MODULUS, 0.0, DENSITY), THICKNESS)
@@ -114,7 +115,7 @@ def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
             lambda form: System((Placed(form),), (wall,), (load,)),
             CompressedDerivatives(15),
             Run(1.2 * push, STEP, step=FixedStep(STEP / HALF)),
-            Deflection("body", "tip", label=TIP),
+            PositionSensor(TIP, "body.tip"),
         )
 
     def exact() -> Array:

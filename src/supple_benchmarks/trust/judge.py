@@ -19,16 +19,16 @@ from supple.error import (
     ErrorStudy,
     ReductionStart,
     Round,
-    WholeBody,
     self_correct,
     system_corrections,
 )
 from supple.error.integration_error import with_shorter_steps, with_tolerance
-from supple.error.judged_quantity import quantity_distance
-from supple.error.run_distance import largest_distance
 from supple.errors import SuppleError, SuppleWarning
 from supple.integrate import PARTS, Run, Solution
 from supple.machine import System
+from supple.quantities import WholeBody
+from supple.quantities.quantity_of_interest import quantity_distance
+from supple.quantities.run_distance import largest_distance
 from supple.simulation import simulate
 from supple_benchmarks.trust.trust_case import TrustCase
 

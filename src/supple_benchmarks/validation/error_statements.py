@@ -12,25 +12,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, RigidInterface, flexible_body
-from supple.error import (
-    Deflection,
-    ErrorStudy,
-    JointForce,
-    JudgedQuantity,
-    ReductionStart,
-    SelfCorrection,
-    WholeBody,
-    self_correct,
-    state_errors,
-)
-from supple.error.judged_quantity import quantity_distance
+from supple.error import ErrorStudy, ReductionStart, SelfCorrection, self_correct, state_errors
 from supple.errors import SuppleWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, ForceBetween, Placed, Prismatic, Ramp, System
 from supple.mesh import strip
+from supple.quantities import JointForceSensor, PositionSensor, QuantityOfInterest, StressSensor, WholeBody
+from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import CompressedDerivatives, CraigBampton
-from supple.results.judged_stress import JudgedStress
 from supple.simulation import simulate
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
 
@@ -56,7 +46,7 @@ def _pushed(body: FullBody, force: tuple[float, float, float], rise: float) -> S
 
 
 def _corrected(
-    system: System, run: Run, start: ReductionStart, quantities: tuple[JudgedQuantity, ...]
+    system: System, run: Run, start: ReductionStart, quantities: tuple[QuantityOfInterest, ...]
 ) -> list[Comparison]:
     """Basis parts of an accepted run beside the distances to the full run."""
     study = ErrorStudy(integration=False, model=False, quantities=quantities)
@@ -79,9 +69,9 @@ def _bent_far() -> list[Comparison]:
     """A strip pushed by its tip to 0.3 rad: whole, tip, stress in its middle, force of its wall."""
     middle = np.flatnonzero(_MODEL.mesh.nodes[:, 0] == 0.5)
     quantities = (
-        Deflection("strip", "tip"),
-        JudgedStress("strip", _MODEL, middle, "middle"),
-        JointForce("wall"),
+        PositionSensor("strip.tip", "strip.tip"),
+        StressSensor("stress at middle", "strip", _MODEL, middle),
+        JointForceSensor("force of wall", "wall"),
     )
     run = Run(0.4, 0.02, step=FixedStep(0.02), tolerances=Tolerances(1e-9))
     start = ReductionStart(SelfCorrection(relative=0.05), CraigBampton(1), CompressedDerivatives(2))

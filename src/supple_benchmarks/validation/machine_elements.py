@@ -34,7 +34,7 @@ from supple.machine import (
     System,
     TorqueBetween,
 )
-from supple.sensors import JointMotionSensor
+from supple.quantities import JointMotionSensor
 from supple.simulation import simulate
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 

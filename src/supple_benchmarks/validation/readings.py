@@ -35,7 +35,7 @@ from supple.machine import (
     split_body,
 )
 from supple.mesh import AlongAxis, CellType, Mesh, block, cylinder, strip
-from supple.sensors import AccelerationSensor, Component, Mean, Place, StressSensor, read_sensors
+from supple.quantities import AccelerationSensor, Component, Mean, Place, StressSensor, read_sensors
 from supple.simulation import equilibrium, simulate
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 

@@ -30,7 +30,7 @@ from supple.machine import (
     System,
     Universal,
 )
-from supple.sensors import JointMotionSensor
+from supple.quantities import JointMotionSensor
 from supple.simulation import simulate
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference
 

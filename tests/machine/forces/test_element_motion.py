@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from supple import machine as m
 from supple.body import RigidBody
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
-from supple.sensors import ElementEnergySensor
+from supple.quantities import ElementEnergySensor
 from supple.simulation import simulate
 
 MASS, INERTIA = 2.0, 0.3

@@ -9,8 +9,8 @@ from supple.integrate import FixedStep, Run
 from supple.machine import Placed, System
 from supple.mesh import CellType
 from supple.methods.explicit import modal_subdomain
+from supple.quantities import AccelerationSensor, AngularVelocitySensor, Place, PositionSensor, VelocitySensor
 from supple.reduction import NormalModes
-from supple.sensors import AccelerationSensor, AngularVelocitySensor, Place, PositionSensor, VelocitySensor
 from supple.simulation import simulate
 
 RATE = 0.02

@@ -27,7 +27,7 @@ from supple.machine import (
     System,
     Universal,
 )
-from supple.sensors import ElementEnergySensor
+from supple.quantities import ElementEnergySensor, SpringForceSensor
 from supple.simulation import simulate, simulate_batch
 
 G = 9.81
@@ -60,7 +60,11 @@ def test_a_block_stays_where_the_incline_is_flatter_than_friction():
     """It creeps at `w s / sqrt(1 - s^2)`, `s = tan a / mu`."""
     angle, mu, width = 0.2, 0.3, 1e-3
     machine, down = incline(angle, mu, width)
+    (friction,) = machine.loads
     found = simulate(machine, Run(0.5, 0.1, step=FixedStep(1e-3)))
+    # A sensor reads what holds the block: friction on the second end, up the incline.
+    held = SpringForceSensor("friction", friction).values(machine, found)[-1, :3]
+    assert held == pytest.approx(-3.0 * G * np.sin(angle) * down, rel=1e-6)
     share = np.tan(angle) / mu
     assert found.bodies["block"].velocity[-1] @ down == pytest.approx(
         width * share / np.sqrt(1 - share**2), rel=1e-6

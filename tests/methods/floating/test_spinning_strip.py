@@ -16,8 +16,8 @@ from supple.integrate import FixedStep, GeneralizedAlpha, Run
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.machine.laws.spin_up import SpinUp
 from supple.mesh import strip
+from supple.quantities import displacement_from_axes, node_positions
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, Rubin, reduce
-from supple.results import displacement_from_axes, node_positions
 from supple.simulation import simulate
 from supple_benchmarks.beam_motion import spin_up_beam
 from supple_benchmarks.planar_beam import ROTATING_BEAM

@@ -13,7 +13,7 @@ from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, Revolu
 from supple.mesh.strip import strip
 from supple.methods.intrinsic import BALL, FREE, LoadPath, condense, intrinsic_body, released
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.sensors import (
+from supple.quantities import (
     AccelerationSensor,
     AngularVelocitySensor,
     EnergySensor,

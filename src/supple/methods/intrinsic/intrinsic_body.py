@@ -20,6 +20,7 @@ from supple.body.interface import UntiedInterface, interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
 from supple.errors import ModelError
+from supple.fem import FiniteElementModel
 from supple.machine import Placed
 from supple.methods.intrinsic.condensed_line import CondensedLine
 from supple.methods.intrinsic.expansion import Expansion, expansion_of_stations
@@ -28,6 +29,7 @@ from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import section_forces, section_strains
 from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.methods.intrinsic.line_model import LineModel, line_model
+from supple.methods.intrinsic.line_sections import LineSections
 from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
@@ -271,6 +273,10 @@ class IntrinsicBody(FormDefaults):
         return IntrinsicMotion(
             *frames[:2], coordinates + displacement[:, 6:], *frames[2:], amplitudes, *still
         )
+
+    def sections(self, _model: FiniteElementModel | None = None) -> LineSections:
+        """Its sections, which need no elements."""
+        return LineSections(self)
 
     def section_loads(self, motion: IntrinsicMotion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.

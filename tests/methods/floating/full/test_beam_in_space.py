@@ -12,7 +12,7 @@ from supple.fem import BeamSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System, TimeFunction
 from supple.mesh import CellType, Mesh
-from supple.results.recovery import node_positions
+from supple.quantities.tracked_motion import node_positions
 from supple.simulation import simulate
 from supple_benchmarks.references.simo_reissner import straight_beam, swung
 

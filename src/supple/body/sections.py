@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from supple.arguments import check_fields
-from supple.body import FullBody
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, QuadraticStrain
 from supple.fem.quadratic_strain import internal_forces
 from supple.integrate.motion import FloatingMotion
-from supple.methods.intrinsic import IntrinsicBody, IntrinsicMotion
-from supple.reduction import ReducedBody
 
-__all__ = ["CuttingPlane", "line_section_loads", "section_loads"]
+__all__ = ["CuttingPlane", "ElementSections", "Sections"]
 
 Array = NDArray[np.float64]
 
@@ -70,82 +67,67 @@ class _Layer(NamedTuple):
     """(k, 3) of these nodes, undeformed"""
 
 
-def section_loads(
-    body: ReducedBody | FullBody, model: FiniteElementModel, motion: FloatingMotion, plane: CuttingPlane
-) -> Array:
-    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, in the body's axes.
+class Sections(Protocol):
+    """The sections of a body, across which it carries forces."""
 
-        F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
+    @property
+    def axes(self) -> str:
+        """What forces are along, in words."""
+        ...
 
-    over the nodes n that elements on both sides share, where f, m are the internal forces of the elements
-    before the plane, and those beyond with the other sign: their mean, which differs by the loads on these
-    very nodes. So the balance of either part is met however coarse the mesh, and loads spread over the body
-    cost an error of second order. An element is where the mean of its nodes is. `p` is the point of the
-    plane, moved by the mean displacement of the nodes.
+    def loads(self, motion: Any, plane: CuttingPlane) -> Array:
+        """Force and moment (t, 6) of what lies beyond a plane on what lies before it.
 
-    Parameters
-    ----------
-    model : the one the body was made of
+        Raises ModelError for a plane across which the body has no forces.
+        """
+        ...
 
-    Raises
-    ------
-    ModelError   a model of other nodes; a plane that cuts nothing, or cuts beside a rigid interface
+
+@dataclass(frozen=True, eq=False)
+class ElementSections:
+    """Sections of a reduced or full body, whose elements carry the forces.
+
+    body : BodyForm     model : of its elements
     """
-    if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
-        raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
-    layer = _layer(body, model, plane)
-    coordinates = np.asarray(motion.coordinates)
-    elements = sum(block.B[..., 0].size + block.G[..., 0].size for block in layer.blocks)
-    rows = max(1, ROOM // max(1, elements))
-    found = np.empty((len(coordinates), 6))
-    for first in range(0, len(coordinates), rows):
-        part = slice(first, first + rows)
-        found[part] = _resultants(layer, plane, *body.nodal_fields(coordinates[part], layer.freedoms))
-    return found
+
+    body: Any
+    model: FiniteElementModel
+
+    @property
+    def axes(self) -> str:
+        """The body's."""
+        return f"axes of {self.body.name}"
+
+    def loads(self, motion: FloatingMotion, plane: CuttingPlane) -> Array:
+        """Force and moment (t, 6) of what lies beyond a plane on what lies before it, in the body's axes.
+
+            F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
+
+        over the nodes n that elements on both sides share, where f, m are the internal forces of the elements
+        before the plane, and those beyond with the other sign: their mean, which differs by the loads on
+        these very nodes. So the balance of either part is met however coarse the mesh, and loads spread over
+        the body cost an error of second order. An element is where the mean of its nodes is. `p` is the point
+        of the plane, moved by the mean displacement of the nodes.
+
+        Raises
+        ------
+        ModelError   a model of other nodes; a plane that cuts nothing, or cuts beside a rigid interface
+        """
+        body, model = self.body, self.model
+        if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
+            raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
+        layer = _layer(body, model, plane)
+        coordinates = np.asarray(motion.coordinates)
+        elements = sum(block.B[..., 0].size + block.G[..., 0].size for block in layer.blocks)
+        rows = max(1, ROOM // max(1, elements))
+        found = np.empty((len(coordinates), 6))
+        for first in range(0, len(coordinates), rows):
+            part = slice(first, first + rows)
+            found[part] = _resultants(layer, plane, *body.nodal_fields(coordinates[part], layer.freedoms))
+        return found
 
 
-def line_section_loads(body: IntrinsicBody, motion: IntrinsicMotion, plane: CuttingPlane) -> Array:
-    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, along material axes.
-
-    The section forces of the segment that the plane cuts, their moment taken from its middle to the point of
-    the plane; at a station the mean of the segments before and beyond it.
-
-    Raises
-    ------
-    ModelError   a plane that cuts no segment, or several
-    """
-    tree = body.line.tree
-    heights = plane.heights(tree.points)
-    found = [
-        _of_segment(body, motion, plane, outside)
-        for outside in (heights >= 0, heights > 0)
-        if (outside[1:] != outside[tree.inner]).any()
-    ]
-    if not found:
-        raise ModelError(
-            f"body '{body.name}': the plane through {plane.point} across {plane.normal} cuts no segment of "
-            "its line; move it, or turn its normal along the line"
-        )
-    return np.mean(found, axis=0)
-
-
-def _of_segment(
-    body: IntrinsicBody, motion: IntrinsicMotion, plane: CuttingPlane, outside: NDArray[np.bool_]
-) -> Array:
-    tree = body.line.tree
-    segments = np.flatnonzero(outside[1:] != outside[tree.inner])
-    if len(segments) > 1:
-        raise ModelError(
-            f"body '{body.name}': a section cuts one segment of its line, and the plane through "
-            f"{plane.point} across {plane.normal} cuts {len(segments)}; turn its normal along the line"
-        )
-    (segment,) = segments
-    loads = body.section_loads(motion)[:, segment] * (1.0 if outside[segment + 1] else -1.0)
-    arm = tree.middles[segment] - plane.point
-    return np.hstack([loads[:, :3], loads[:, 3:] + np.cross(arm, loads[:, :3])])
-
-
-def _layer(body: ReducedBody | FullBody, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
+def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
     d, nodes = model.dofs_per_node, model.mesh.nodes
     cells = [block.dofs[:, ::d] // d for block in model.blocks]
     beyond = [plane.heights(nodes[each].mean(axis=1)) >= 0 for each in cells]
@@ -176,7 +158,7 @@ def _layer(body: ReducedBody | FullBody, model: FiniteElementModel, plane: Cutti
     )
 
 
-def _refuse_tied(body: ReducedBody | FullBody, around: NDArray[np.int64]) -> None:
+def _refuse_tied(body: Any, around: NDArray[np.int64]) -> None:
     for interface in body.interfaces:
         if np.isin(interface.tied_nodes, around).any():
             raise ModelError(

@@ -28,7 +28,7 @@ from supple.machine import (
 )
 from supple.machine.laws import SpinUp
 from supple.mesh import strip
-from supple.sensors import (
+from supple.quantities import (
     AccelerationSensor,
     AngularVelocitySensor,
     Component,
@@ -281,6 +281,11 @@ def test_places_and_ends_are_read_as_joints_read_them(spun):
     assert DeflectionSensor("d", "blade.tip", "blade.root").seen_from == At("blade", "root")
     assert AngularVelocitySensor("w", "blade.tip").at == At("blade", "tip")
     assert AccelerationSensor("a", Place("blade", np.array([3, 5]))).place.at == (3, 5)
+
+
+def test_a_place_without_nodes_is_refused():
+    with pytest.raises(ModelError, match="a place of body 'blade': name an interface, or give node numbers"):
+        Place("blade", ())
 
 
 @pytest.mark.parametrize(

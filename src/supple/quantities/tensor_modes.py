@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,15 +13,42 @@ from scipy.sparse import csr_array
 from supple.body.floating_kinematics import node_numbers
 from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
 from supple.errors import ModelError
-from supple.fem import QuadraticStrain, StressRecovery
+from supple.fem import (
+    FiniteElementModel,
+    QuadraticStrain,
+    StressRecovery,
+    strain_recovery,
+    stress_recovery,
+    von_mises,
+    von_mises_strain,
+)
 from supple.fem.stress import SectionStress
 from supple.reduction import ReducedBody
+
+__all__ = ["TensorModes", "strain_modes", "stress_modes"]
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 # Numbers of the field held at a time (32 MiB), for a long run of a large body would not fit.
 _FIELD_NUMBERS = 2**22
+
+
+class NodalTensor(NamedTuple):
+    """A symmetric tensor at nodes, xx yy zz yz xz xy in the body's frame.
+
+    recovery : of a model, by displacements
+    equivalent : von Mises' number (...) of tensors (..., 6)
+    """
+
+    recovery: Callable[[FiniteElementModel], StressRecovery]
+    equivalent: Callable[[Array], Array]
+
+
+STRESS = NodalTensor(stress_recovery, von_mises)
+"""Second Piola-Kirchhoff stress, Pa."""
+STRAIN = NodalTensor(strain_recovery, von_mises_strain)
+"""Green-Lagrange strain, with engineering shears."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +63,14 @@ class TensorModes:
                                         columns, then of the m fields of the condensed motion
     quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
     amplitudes : (m, n2)                of the fields of the condensed motion; m = 0 where there is none
+    tensor : NodalTensor                stress or strain
     """
 
     nodes: IntArray
     linear: Array
     quadratic: Array | None
     amplitudes: Array
+    tensor: NodalTensor
 
     def __post_init__(self) -> None:
         for array in (self.nodes, self.linear, self.quadratic, self.amplitudes):
@@ -58,11 +88,12 @@ class TensorModes:
         field = self._field(gamma.reshape(-1, self.r))
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
 
-    def largest(self, coordinates: ArrayLike, measure: Callable[[Array], Array]) -> Array:
-        """The largest measure (..., N) over the layers; the field is formed for a block of times at a time.
+    def von_mises(self, coordinates: ArrayLike) -> Array:
+        """The equivalent of von Mises (..., N), the largest over the layers; in blocks of times that fit in
+        memory.
 
-        measure : maps tensors (..., 6) to numbers (...); convex, as von Mises stress is. The field is linear
-            through a shell, so that the largest lies on its bottom or its top: no other layer is looked at.
+        It is convex and the field linear through a shell, so that the largest lies on its bottom or its top:
+        no other layer is looked at.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
@@ -71,7 +102,7 @@ class TensorModes:
         n_rows = max(1, _FIELD_NUMBERS // max(1, faces.linear[..., 0].size))
         for start in range(0, len(rows), n_rows):
             block = slice(start, start + n_rows)
-            found[block] = measure(faces._field(rows[block])).max(axis=2)
+            found[block] = self.tensor.equivalent(faces._field(rows[block])).max(axis=2)
         return found.reshape(*gamma.shape[:-1], -1)
 
     def _faces(self) -> TensorModes:
@@ -80,9 +111,7 @@ class TensorModes:
         if step == 1:
             return self
         quadratic = None if self.quadratic is None else np.ascontiguousarray(self.quadratic[:, ::step])
-        return TensorModes(
-            self.nodes, np.ascontiguousarray(self.linear[:, ::step]), quadratic, self.amplitudes
-        )
+        return replace(self, linear=np.ascontiguousarray(self.linear[:, ::step]), quadratic=quadratic)
 
     def _field(self, gamma: Array) -> Array:
         """(t, N, l, 6) of (t, r)."""
@@ -103,8 +132,38 @@ class TensorModes:
         return gamma
 
 
-def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike | None = None) -> TensorModes:
-    """The modes of what a recovery finds in a body, at some of its nodes or all.
+def stress_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> TensorModes:
+    """Stress modes of a reduced body: computed once, then a small matrix product per instant.
+
+        sigma(gamma) = S1 gamma + S2 (gamma gamma) + S3 z(gamma)
+
+    S1 holds the stress of each column, S2 that of each pair of columns by the quadratic part of the strain,
+    without which a body that turns far against its frame, as a bent blade does, shows stress that it does
+    not have. S3 holds that of the condensed motion z, which takes back the stress of stiff motion that the
+    columns lack. A linear body has S1 alone, the stress that belongs to its K gamma. Memory: N l 6 r numbers,
+    and N 6 r(r+1)/2 and N l 6 m (m fields of z) for a nonlinear body; choose nodes where that is much.
+
+    Parameters
+    ----------
+    model : FiniteElementModel      the one the body was made of
+    nodes : int array (N,)          numbers of the nodes of interest; all of them when omitted
+
+    Raises
+    ------
+    ModelError   a model of other nodes or freedoms, a node number outside it, a laminate
+    """
+    return tensor_modes(STRESS, body, model, nodes)
+
+
+def strain_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> TensorModes:
+    """Strain modes of a reduced body: as stress_modes, with the same parameters and errors."""
+    return tensor_modes(STRAIN, body, model, nodes)
+
+
+def tensor_modes(
+    tensor: NodalTensor, body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None
+) -> TensorModes:
+    """The modes of a tensor of a body, at some of its nodes or all; errors as for `stress_modes`.
 
     With the columns V of the body at the points of an element, e = B V and a = G V, the strain is
 
@@ -113,11 +172,14 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
     without remainder, and stress and its mean at the nodes are linear in it. The motion z that the body's
     tensors let follow its columns adds B z to it, as it does to the energy; z turns no interface.
     Elements beside rigid interfaces see their second-order ties (`tied_recovery`).
-
-    Raises
-    ------
-    ModelError   node numbers outside the body
     """
+    same_count = body.nodal_basis.shape[0] == model.n_dofs and body.nodes.shape == model.mesh.nodes.shape
+    if not (same_count and np.array_equal(body.nodes, model.mesh.nodes)):
+        raise ModelError(
+            f"body '{body.name}' ({len(body.nodes)} nodes of {body.dofs_per_node} freedoms) was not made of "
+            f"this model ({model.mesh.n_nodes} nodes of {model.dofs_per_node}); give the model it was made of"
+        )
+    recovery = tensor.recovery(model)
     chosen = _chosen(nodes, recovery.n_nodes)
     n_layers, r = recovery.n_layers, body.r
     rows = (chosen[:, None] * n_layers + np.arange(n_layers)).ravel()
@@ -144,6 +206,7 @@ def tensor_modes(body: ReducedBody, recovery: StressRecovery, nodes: ArrayLike |
         linear=linear.reshape(layered),
         quadratic=None if quadratic is None else quadratic.reshape(layered),
         amplitudes=amplitudes,
+        tensor=tensor,
     )
 
 

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
-from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_recovery, von_mises, von_mises_strain
 from supple.integrate import Solution
 from supple.machine import System
-from supple.results.point_words import point_words
-from supple.results.stress_history import strain_blocks, stress_blocks
-from supple.sensors.end_motion import body_named
-from supple.sensors.over_nodes import Maximum, MeasuredBlock, OverNodes
-from supple.sensors.reading import Channel, Located, Quantity
+from supple.quantities.over_nodes import Maximum, MeasuredBlock, OverNodes
+from supple.quantities.place import body_named
+from supple.quantities.point_words import point_words
+from supple.quantities.reading import Channel, Located, Quantity
+from supple.quantities.stress_history import tensor_blocks
+from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor, TensorModes, tensor_modes
 
 __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeasure", "VonMises"]
 
@@ -106,7 +107,10 @@ class Principal:
 
 @dataclass(frozen=True, eq=False)
 class _TensorSensor(ABC):
-    """A tensor at nodes of a body, averaged over the elements at each; of a shell at its three layers."""
+    """A tensor at nodes of a body, averaged over the elements at each; of a shell at its three layers.
+
+    Of interest is what is measured at each of the nodes, of a shell in the layer where it is largest.
+    """
 
     name: str
     body: str
@@ -114,8 +118,12 @@ class _TensorSensor(ABC):
     nodes: int | Sequence[int] | NDArray[np.int64]
     measure: TensorMeasure = field(default_factory=VonMises)
     over: OverNodes = field(default_factory=Maximum)
+    _modes: WeakKeyDictionary[Any, TensorModes] = field(
+        default_factory=WeakKeyDictionary, init=False, repr=False
+    )
 
     quantity: ClassVar[Quantity]
+    tensor: ClassVar[NodalTensor]
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -137,13 +145,11 @@ class _TensorSensor(ABC):
 
     def located(self, system: System, solution: Solution) -> Located:
         """(t, l k), layer by layer, and the ids and undeformed places of the nodes that they were read at."""
-        form = _elastic(system, self.body, self.name)
-        mesh, given = self.model.mesh, self._numbers()
-        chosen = given[self.over.read(mesh.nodes[given])]
+        form, mesh, chosen = _elastic(system, self.body, self.name), self.model.mesh, self._chosen()
         coordinates = solution.bodies[self.body].coordinates
         blocks = (
-            MeasuredBlock(times, nodes, values.reshape(*values.shape[:2], -1))
-            for times, nodes, values in self._measured(form, coordinates, chosen)
+            MeasuredBlock(times, nodes, self._measured(field).reshape(*field.shape[:2], -1))
+            for times, nodes, field in tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
         )
         n_channels = len(self.channels(system))
         values, at = self.over.combined(blocks, (len(coordinates), len(chosen), n_channels))
@@ -151,9 +157,32 @@ class _TensorSensor(ABC):
             return Located(values, None, None)
         return Located(values, mesh.node_ids[chosen[at]], mesh.nodes[chosen[at]])
 
+    @property
+    def words(self) -> str:
+        """The quantity and its norm."""
+        return f"{' and '.join(self.measure.names)} {self.name}: RMS over its nodes, largest over the run"
+
+    def at_points(self, system: System, solution: Solution) -> Array:
+        """What is measured (t, N, k) at each of the nodes."""
+        form, chosen = _elastic(system, self.body, self.name), self._chosen()
+        coordinates = solution.bodies[self.body].coordinates
+        if form.has_stress_modes and form not in self._modes:
+            self._modes[form] = tensor_modes(self.tensor, form, self.model, chosen)
+        if form.has_stress_modes:
+            found = self._measured(self._modes[form].at(coordinates))
+        else:
+            blocks = tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
+            found = np.concatenate([self._measured(field) for _, _, field in blocks])
+        largest = np.abs(found).argmax(axis=2)
+        return np.take_along_axis(found, largest[:, :, None], axis=2)[:, :, 0]
+
+    def size(self, system: System, solution: Solution) -> float:
+        """The largest magnitude there."""
+        return float(np.abs(self.at_points(system, solution)).max())
+
     @abstractmethod
-    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
-        """Blocks of (t, N, l, k)."""
+    def _measured(self, tensors: Array) -> Array:
+        """Numbers (..., k) of tensors (..., 6)."""
 
     def _numbers(self) -> IntArray:
         try:
@@ -164,9 +193,13 @@ class _TensorSensor(ABC):
             raise ModelError(f"sensor '{self.name}' has no node; give one or several")
         return numbers
 
+    def _chosen(self) -> IntArray:
+        """Numbers of the nodes that are read."""
+        given = self._numbers()
+        return given[self.over.read(self.model.mesh.nodes[given])]
+
     def _place(self) -> str:
-        mesh, given = self.model.mesh, self._numbers()
-        chosen = given[self.over.read(mesh.nodes[given])]
+        mesh, given, chosen = self.model.mesh, self._numbers(), self._chosen()
         of_how_many = f"{self.over.words} of {len(given)} nodes" if len(given) > 1 else ""
         if len(chosen) > 1:
             return of_how_many
@@ -183,24 +216,22 @@ class StressSensor(_TensorSensor):
     over : of several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid
     """
 
-    quantity = Quantity.STRESS
+    quantity, tensor = Quantity.STRESS, STRESS
 
-    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
-        for times, some, tensors in stress_blocks(form, self.model, coordinates, nodes):
-            yield MeasuredBlock(times, some, self.measure.of_stress(tensors))
+    def _measured(self, tensors: Array) -> Array:
+        return self.measure.of_stress(tensors)
 
 
 class StrainSensor(_TensorSensor):
     """Strain at nodes of a body: as a `StressSensor`, such as a strain gauge reads."""
 
-    quantity = Quantity.STRAIN
+    quantity, tensor = Quantity.STRAIN, STRAIN
 
-    def _measured(self, form: BodyForm, coordinates: Array, nodes: IntArray) -> Iterator[MeasuredBlock]:
-        for times, some, tensors in strain_blocks(form, self.model, coordinates, nodes):
-            yield MeasuredBlock(times, some, self.measure.of_strain(tensors))
+    def _measured(self, tensors: Array) -> Array:
+        return self.measure.of_strain(tensors)
 
 
-def _elastic(system: System, body: str, sensor: str) -> BodyForm:
+def _elastic(system: System, body: str, sensor: str) -> Any:
     form = body_named(system, body, sensor)
     if not form.n_coordinates:
         raise ModelError(f"sensor '{sensor}': body '{body}' is {form.kind}: it has no stress")

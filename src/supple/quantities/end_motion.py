@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.build_model import initial_points
+from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
 from supple.machine import GROUND, At, Joint, System
 from supple.machine.forces import ForceElement
 from supple.machine.pose import Pose
+from supple.quantities.place import body_named
 
-__all__ = ["body_named", "both_ends", "check_ends", "end_poses"]
+__all__ = ["both_ends", "check_ends", "end_poses", "joint_named"]
 
 
-def body_named(system: System, body: str, sensor: str) -> Any:
-    """The form of a body; ModelError names the nearest where there is none."""
-    return system.bodies[system.body_index(body, f"sensor '{sensor}'")].body
+def joint_named(system: System, name: str, sensor: str) -> Joint:
+    """A joint of the machine; ModelError names the nearest where there is none."""
+    for joint in system.joints:
+        if joint.name == name:
+            return joint
+    known = [joint.name for joint in system.joints]
+    raise ModelError(f"sensor '{sensor}': there is no joint '{name}'{did_you_mean(name, known)}")
 
 
 def check_ends(system: System, sensor: str, element: Joint | ForceElement) -> None:

@@ -8,13 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from supple.body import floating_kinematics, floating_positions
 from supple.errors import ModelError
-from supple.results import (
-    displacement_from_axes,
-    motion_error,
-    node_positions,
-    relative_error,
-    rms_error,
-)
+from supple.quantities import displacement_from_axes, node_positions
+from supple.results import motion_error, relative_error, rms_error
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
@@ -11,28 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
 from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
-from supple.fem import (
-    FiniteElementModel,
-    StressRecovery,
-    strain_recovery,
-    stress_recovery,
-    von_mises,
-    von_mises_strain,
-)
+from supple.fem import FiniteElementModel, StressRecovery, stress_recovery, von_mises
+from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor, tensor_modes
 from supple.reduction import ReducedBody
-from supple.results.stress_modes import StrainModes, StressModes, strain_modes, stress_modes
 
-__all__ = [
-    "LargestStress",
-    "TensorBlock",
-    "largest_stress",
-    "strain_blocks",
-    "strain_history",
-    "stress_blocks",
-    "stress_history",
-    "von_mises_history",
-    "von_mises_strain_history",
-]
+__all__ = ["LargestStress", "largest_stress", "von_mises_history", "von_mises_strain_history"]
 
 Array = NDArray[np.float64]
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
@@ -73,9 +56,7 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if _has_modes(body):
-        return stress_modes(body, model, nodes).von_mises(coordinates)
-    return _measured(body, stress_recovery(model), von_mises, coordinates, nodes)
+    return _equivalent(STRESS, body, model, coordinates, nodes)
 
 
 def von_mises_strain_history(
@@ -85,41 +66,26 @@ def von_mises_strain_history(
     nodes: ArrayLike | None = None,
 ) -> Array:
     """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    if _has_modes(body):
-        return strain_modes(body, model, nodes).von_mises(coordinates)
-    return _measured(body, strain_recovery(model), von_mises_strain, coordinates, nodes)
+    return _equivalent(STRAIN, body, model, coordinates, nodes)
 
 
-def stress_blocks(
-    body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
+def tensor_blocks(
+    tensor: NodalTensor, body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
 ) -> Iterator[TensorBlock]:
-    """Stress at N nodes over t instants, a block that fits in memory at a time; errors as von_mises_history.
+    """A tensor at N nodes over t instants, a block that fits in memory at a time.
 
-    Components xx yy zz yz xz xy in the body's axes, of l layers: 1 of solids, 3 of shells (bottom, middle,
-    top). Every pair of an instant and a node is in one block.
+    Of l layers: 1 of solids, 3 of shells (bottom, middle, top). Every pair of an instant and a node is in
+    one block. Errors are those of `von_mises_history`.
     """
-    if _has_modes(body):
-        return _of_modes(body, lambda some: stress_modes(body, model, some), coordinates, nodes)
-    return _recovered(body, stress_recovery(model), coordinates, nodes)
-
-
-def strain_blocks(
-    body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
-) -> Iterator[TensorBlock]:
-    """Strain with engineering shears: as stress_blocks."""
-    if _has_modes(body):
-        return _of_modes(body, lambda some: strain_modes(body, model, some), coordinates, nodes)
-    return _recovered(body, strain_recovery(model), coordinates, nodes)
-
-
-def stress_history(body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike) -> Array:
-    """Stress (t, N, l, 6) of all blocks of `stress_blocks` at once, for few nodes or instants."""
-    return _whole(stress_blocks(body, model, coordinates, nodes), len(coordinates), np.size(nodes))
-
-
-def strain_history(body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike) -> Array:
-    """Strain (t, N, l, 6) with engineering shears: as stress_history."""
-    return _whole(strain_blocks(body, model, coordinates, nodes), len(coordinates), np.size(nodes))
+    if not _has_modes(body):
+        yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
+        return
+    chosen = node_numbers(nodes, len(body.nodes))
+    per_node = 6 * _MOST_LAYERS * (body.r * (body.r + 3) // 2 + _n_condensed(body))
+    for some in _slices(len(chosen), _MODE_NUMBERS // per_node):
+        modes = tensor_modes(tensor, body, model, chosen[some])
+        for times in _slices(len(coordinates), _FIELD_NUMBERS // modes.linear[..., 0].size):
+            yield TensorBlock(times, some, modes.at(coordinates[times]))
 
 
 class LargestStress(NamedTuple):
@@ -132,7 +98,7 @@ class LargestStress(NamedTuple):
 
 
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
-    """The largest von Mises stress over nodes of cells, layers and instants; errors as stress_blocks.
+    """The largest von Mises stress over nodes of cells, layers and instants; errors as that history.
 
     At a hundred instants, evenly spread, all nodes are looked at; at all instants the hundred nodes whose
     stress is largest then. So it is exact of runs of a hundred outputs.
@@ -144,7 +110,7 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
         highest = np.maximum(highest, von_mises(block.field).max(axis=(0, 2)))
     candidates = nodes[np.sort(np.argsort(-highest, kind="stable")[:_SEARCHED])]
     largest = LargestStress(-1.0, 0, int(candidates[0]))
-    for times, some, field in stress_blocks(body, model, coordinates, candidates):
+    for times, some, field in tensor_blocks(STRESS, body, model, coordinates, candidates):
         values = von_mises(field).max(axis=2)
         instant, node = np.unravel_index(int(values.argmax()), values.shape)
         if values[instant, node] > largest.value:
@@ -153,42 +119,21 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
     return largest
 
 
-def _whole(blocks: Iterator[TensorBlock], n_times: int, n_nodes: int) -> Array:
-    found: Array | None = None
-    for times, nodes, field in blocks:
-        if found is None:
-            found = np.zeros((n_times, n_nodes, *field.shape[2:]))
-        found[times, nodes] = field
-    return np.zeros((n_times, n_nodes, 1, 6)) if found is None else found
-
-
-def _measured(
+def _equivalent(
+    tensor: NodalTensor,
     body: BodyForm,
-    recovery: StressRecovery,
-    measure: Callable[[Array], Array],
+    model: FiniteElementModel,
     coordinates: Array,
     nodes: ArrayLike | None,
 ) -> Array:
+    """The equivalent of von Mises (t, N), the largest over the layers."""
+    if _has_modes(body):
+        return tensor_modes(tensor, body, model, nodes).von_mises(coordinates)
     n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
     found = np.zeros((len(coordinates), n_nodes))
-    for block in _recovered(body, recovery, coordinates, nodes):
-        found[block.times, block.nodes] = measure(block.field).max(axis=2)
+    for block in _recovered(body, tensor.recovery(model), coordinates, nodes):
+        found[block.times, block.nodes] = tensor.equivalent(block.field).max(axis=2)
     return found
-
-
-def _of_modes(
-    body: ReducedBody,
-    modes_of: Callable[[ArrayLike], StressModes | StrainModes],
-    coordinates: Array,
-    nodes: ArrayLike,
-) -> Iterator[TensorBlock]:
-    """Of a reduced body, by its stress modes at some nodes after the others."""
-    chosen = node_numbers(nodes, len(body.nodes))
-    per_node = 6 * _MOST_LAYERS * (body.r * (body.r + 3) // 2 + _n_condensed(body))
-    for some in _slices(len(chosen), _MODE_NUMBERS // per_node):
-        modes = modes_of(chosen[some])
-        for times in _slices(len(coordinates), _FIELD_NUMBERS // modes.modes.linear[..., 0].size):
-            yield TensorBlock(times, some, modes.at(coordinates[times]))
 
 
 def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:

@@ -21,6 +21,7 @@ from supple.fem import (
     von_mises_strain,
 )
 from supple.mesh import CellType, Mesh, block, box_beam, strip
+from supple.quantities import strain_modes, stress_modes, tensor_modes
 from supple.reduction import (
     CompressedDerivatives,
     Guyan,
@@ -30,7 +31,6 @@ from supple.reduction import (
     Rubin,
     reduce,
 )
-from supple.results import strain_modes, stress_modes, tensor_modes
 
 STEEL = Isotropic(youngs_modulus=2.1e11, poissons_ratio=0.3, density=7800.0)
 ALLOY = Isotropic(youngs_modulus=7.0e10, poissons_ratio=0.35, density=2700.0)
@@ -100,7 +100,7 @@ def test_modes_give_what_the_whole_body_gives(model, modes_of, recovery_of, meas
     np.testing.assert_allclose(modes.at(gamma), full, atol=1e-12 * np.abs(full).max())
     np.testing.assert_allclose(modes.at(gamma[2]), full[2], atol=1e-12 * np.abs(full).max())
     np.testing.assert_allclose(modes.von_mises(gamma), measure(full).max(axis=2), rtol=1e-9)
-    without = replace(modes.modes, quadratic=None).at(gamma)
+    without = replace(modes, quadratic=None).at(gamma)
     assert np.abs(without - full).max() > 0.02 * np.abs(full).max()
 
 
@@ -108,7 +108,7 @@ def test_a_linear_body_has_the_stress_of_its_linear_strain(model):
     body = flexible_body("beam", model, [RigidInterface("root", "root")]).linearized()
     body = reduce(body, MeanAxisFrame(), NormalModes(4), derivatives=NoDerivatives(), loads=NoLoads)
     modes = stress_modes(body, model)
-    assert modes.modes.quadratic is None
+    assert modes.quadratic is None
     tiny = 1e-7 * large_motion(body)
     full = np.array([stress_recovery(model).at_nodes(body.nodal_basis @ g) for g in tiny])
     np.testing.assert_allclose(1e7 * modes.at(tiny), modes.at(1e7 * tiny), rtol=1e-9)
@@ -140,7 +140,7 @@ def test_a_turned_solid_has_no_stress(cell_type):
     model = solid(cell_type)
     modes = stress_modes(affine(model), model)
     turn = (Rotation.from_rotvec([0.3, -0.9, 0.9]).as_matrix() - np.eye(3)).ravel()
-    wrong = replace(modes, modes=replace(modes.modes, quadratic=None)).von_mises(turn)
+    wrong = replace(modes, quadratic=None).von_mises(turn)
     assert wrong.min() > 0.1 * STEEL.youngs_modulus
     assert np.abs(modes.at(turn)).max() < 1e-13 * STEEL.youngs_modulus
 
@@ -158,16 +158,16 @@ def test_blocks_of_times_change_nothing(model, monkeypatch):
     body = reduced(model)
     modes, gamma = stress_modes(body, model), large_motion(body, n_times=11)
     whole = modes.von_mises(gamma)
-    monkeypatch.setattr(tensor_modes, "_FIELD_NUMBERS", 2 * modes.modes.linear[..., 0].size)
+    monkeypatch.setattr(tensor_modes, "_FIELD_NUMBERS", 2 * modes.linear[..., 0].size)
     np.testing.assert_allclose(modes.von_mises(gamma), whole, rtol=1e-12)
     np.testing.assert_allclose(modes.von_mises(gamma.reshape(1, 11, -1)), whole[None], rtol=1e-12)
 
 
 def test_modes_formed_in_parts_are_the_same(model, monkeypatch):
     body = reduced(model)
-    whole = stress_modes(body, model).modes
+    whole = stress_modes(body, model)
     monkeypatch.setattr(tensor_modes, "_FIELD_NUMBERS", 500)
-    parts = stress_modes(body, model).modes
+    parts = stress_modes(body, model)
     for name in ("linear", "quadratic"):
         one, other = getattr(whole, name), getattr(parts, name)
         np.testing.assert_allclose(other, one, atol=1e-13 * np.abs(one).max())

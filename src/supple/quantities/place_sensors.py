@@ -4,128 +4,98 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.arguments import check_sequence, check_text, given
-from supple.body import NodeMotion
-from supple.body.floating_kinematics import node_numbers
-from supple.errors import ArgumentError, ModelError
+from supple.arguments import check_text
+from supple.errors import ModelError
 from supple.integrate import Solution
-from supple.machine import GROUND as THE_GROUND
-from supple.machine import At, BaseAcceleration, System, as_end
-from supple.results.tracked_motion import observer_of, tracked_motion
-from supple.sensors.end_motion import body_named, end_poses
-from supple.sensors.reading import Channel, Quantity
-from supple.sensors.sensor import vector_channels
+from supple.machine import GROUND, At, BaseAcceleration, System, as_end
+from supple.quantities.place import Place, as_place, body_named
+from supple.quantities.reading import Channel, Quantity
+from supple.quantities.run_distance import largest_displacement
+from supple.quantities.sensor import vector_channels
+from supple.quantities.tracked_motion import observer_of, tracked_motion
 
 __all__ = [
     "AccelerationSensor",
     "AngularVelocitySensor",
     "DeflectionSensor",
-    "Place",
     "PositionSensor",
     "VelocitySensor",
 ]
 
 Array = NDArray[np.float64]
-GLOBAL = "global"
 
 
 @dataclass(frozen=True)
-class Place:
-    """A place of a body: an interface by its name, or the mean of some nodes by their numbers."""
-
-    body: str
-    at: str | tuple[int, ...]
-
-    def __post_init__(self) -> None:
-        check_text("Place, body", self.body, "the name of a body")
-        if not isinstance(self.at, str):
-            check_sequence("Place, at", self.at, "the name of an interface, or node numbers")
-            object.__setattr__(self, "at", tuple(np.asarray(self.at).tolist()))
-
-    def body_of(self, system: System, sensor: str) -> Any:
-        """The form of the body; ModelError where the machine has none, or it has no such place."""
-        body = body_named(system, self.body, sensor)
-        if isinstance(self.at, str):
-            body.interface(self.at)
-        else:
-            node_numbers(self.at, len(body.nodes))
-        return body
-
-    def motion(self, system: System, solution: Solution, sensor: str) -> NodeMotion:
-        """Position, velocity and acceleration (t, 3) in space."""
-        body, motion = body_named(system, self.body, sensor), solution.bodies[self.body]
-        if isinstance(self.at, str):
-            moving = body.interface_motion(motion, self.at)
-            return NodeMotion(moving.position, moving.velocity, moving.acceleration)
-        return NodeMotion(*(each.mean(axis=1) for each in body.node_motion(motion, self.at)))
-
-
-def as_place(what: str, value: Any) -> Place:
-    """The place meant by a `Place`, or by "BODY.INTERFACE" or an `At`, as of joints; or ArgumentError."""
-    if isinstance(value, Place):
-        return value
-    if isinstance(value, At) or (isinstance(value, str) and "." in value):
-        end = as_end(value)
-        return Place(end.body, end.interface)
-    expected = 'Place(body, at) with an interface or node numbers, or "BODY.INTERFACE"'
-    raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
-
-
 class _AtPlace:
-    """What sensors at a place check when they are made."""
+    """A vector at a place, global components x, y, z."""
 
     name: str
-    place: Place
+    place: Place | Any
+
+    quantity: ClassVar[Quantity]
 
     def __post_init__(self) -> None:
         kind = type(self).__name__
         check_text(f"{kind}, name", self.name, "the name of the sensor")
         object.__setattr__(self, "place", as_place(f"{kind} '{self.name}', place", self.place))
 
-
-@dataclass(frozen=True)
-class PositionSensor(_AtPlace):
-    """Position of a place in space, (t, 3)."""
-
-    name: str
-    place: Place
-
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
         self.place.body_of(system, self.name)
-        return vector_channels(Quantity.LENGTH, GLOBAL)
+        return vector_channels(self.quantity, self._axes(system))
+
+    def _axes(self, _system: System) -> str:
+        return "global"
+
+
+class PositionSensor(_AtPlace):
+    """Position of a place in space, (t, 3); of interest is that of each of its nodes."""
+
+    quantity = Quantity.LENGTH
 
     def values(self, system: System, solution: Solution) -> Array:
         """R (t, 3)."""
-        body = body_named(system, self.place.body, self.name)
-        return tracked_motion(body, solution.bodies[self.place.body], self.place.at).position
+        return self.at_points(system, solution).mean(axis=1)
+
+    @property
+    def body(self) -> str:
+        """Of the place."""
+        return self.place.body
+
+    @property
+    def words(self) -> str:
+        """The quantity and its norm."""
+        norm = "" if isinstance(self.place.at, str) or len(self.place.at) == 1 else "RMS over its nodes, "
+        return f"position of {self.name}: {norm}largest over the run"
+
+    def at_points(self, system: System, solution: Solution) -> Array:
+        """Positions (t, k, 3) of the nodes, or of the interface."""
+        return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
+
+    def size(self, system: System, solution: Solution) -> float:
+        """Largest displacement of its nodes, or of the body's, seen from the first interface."""
+        form, nodes = body_named(system, self.body, self.name), self.place.at
+        some = slice(None) if isinstance(nodes, str) else np.array(nodes)
+        return largest_displacement(form, solution.bodies[self.body], some)
 
 
-@dataclass(frozen=True)
 class VelocitySensor(_AtPlace):
     """Velocity of a place in space, (t, 3)."""
 
-    name: str
-    place: Place
-
-    def channels(self, system: System) -> Sequence[Channel]:
-        """x, y, z."""
-        self.place.body_of(system, self.name)
-        return vector_channels(Quantity.VELOCITY, GLOBAL)
+    quantity = Quantity.VELOCITY
 
     def values(self, system: System, solution: Solution) -> Array:
         """dr/dt (t, 3)."""
         return self.place.motion(system, solution, self.name).velocity
 
 
-@dataclass(frozen=True)
 class AccelerationSensor(_AtPlace):
     """Acceleration of a place in space, (t, 3); an accelerometer shows it less gravity, in its own axes.
 
@@ -133,13 +103,7 @@ class AccelerationSensor(_AtPlace):
     from it; the acceleration has that of the base added.
     """
 
-    name: str
-    place: Place
-
-    def channels(self, system: System) -> Sequence[Channel]:
-        """x, y, z."""
-        self.place.body_of(system, self.name)
-        return vector_channels(Quantity.ACCELERATION, GLOBAL)
+    quantity = Quantity.ACCELERATION
 
     def values(self, system: System, solution: Solution) -> Array:
         """d2r/dt2 (t, 3)."""
@@ -175,14 +139,16 @@ class AngularVelocitySensor:
 
     def channels(self, system: System) -> Sequence[Channel]:
         """x, y, z."""
-        if self.at != THE_GROUND:
+        if self.at != GROUND:
             body_named(system, self.at.body, self.name).interface(self.at.interface)
-        return vector_channels(Quantity.ANGULAR_VELOCITY, GLOBAL)
+        return vector_channels(Quantity.ANGULAR_VELOCITY, "global")
 
     def values(self, system: System, solution: Solution) -> Array:
         """W (t, 3)."""
-        still = np.zeros(3)
-        return np.asarray(end_poses(system, solution, self.at, np.eye(3), still, self.name).angular_velocity)
+        if self.at == GROUND:
+            return np.zeros((len(solution.times), 3))
+        body = body_named(system, self.at.body, self.name)
+        return body.interface_motion(solution.bodies[self.at.body], self.at.interface).angular_velocity
 
 
 @dataclass(frozen=True)
@@ -192,26 +158,23 @@ class DeflectionSensor(_AtPlace):
     seen_from : At | None   the body's first interface where it is left out
     """
 
-    name: str
-    place: Place
     seen_from: At | None = None
+
+    quantity = Quantity.LENGTH
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.seen_from is not None:
             object.__setattr__(self, "seen_from", as_end(self.seen_from))
 
-    def channels(self, system: System) -> Sequence[Channel]:
-        """x, y, z."""
-        self.place.body_of(system, self.name)
-        return vector_channels(Quantity.LENGTH, f"mesh axes turning with {self._base(system)}")
-
     def values(self, system: System, solution: Solution) -> Array:
         """`A_p^T (r - r_p) - (x - x_p)`, (t, 3)."""
-        body = body_named(system, self.place.body, self.name)
-        base = self._base(system)
+        body, base = body_named(system, self.place.body, self.name), self._base(system)
         seen = observer_of(system, solution, self.place.body, {} if base is None else {self.place.body: base})
         return tracked_motion(body, solution.bodies[self.place.body], self.place.at, seen).deflection
+
+    def _axes(self, system: System) -> str:
+        return f"mesh axes turning with {self._base(system)}"
 
     def _base(self, system: System) -> At | None:
         if self.seen_from is not None:

@@ -2,30 +2,39 @@
 
 from __future__ import annotations
 
-import sys
+from dataclasses import replace
 
 import h5py
 import numpy as np
 import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
+from supple.error import ErrorStudy
 from supple.errors import ArgumentError, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, von_mises
 from supple.machine import GROUND, At, Fixed, Placed, System
 from supple.mesh import strip
-from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
-from supple.results import largest_stress, stress_history, von_mises_history
-from supple.sensors import (
+from supple.quantities import (
     Component,
+    JointForceSensor,
     Maximum,
     Mean,
     Nearest,
+    Place,
+    PositionSensor,
     StrainSensor,
     StressSensor,
+    VelocitySensor,
     as_dataset,
+    largest_stress,
     read_sensors,
+    stress_history,
+    von_mises_history,
     write_readings_hdf5,
 )
+from supple.quantities.stress_history import tensor_blocks
+from supple.quantities.tensor_modes import STRESS
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import equilibrium
 from supple.units import UnitSystem
 
@@ -112,10 +121,34 @@ def test_node_and_place_stand_in_report_file_and_data_set(bent, two_rows, tmp_pa
     assert as_dataset([found])["bolts.top xx"].attrs["place"] == "largest of 6 nodes"
 
 
+def test_sensors_are_quantities_of_interest_at_their_points(bent, two_rows):
+    """Against the cantilever under its weight w: w/8 L^3/EI at its tip, w at its joint."""
+    (system, solution), model = bent
+    stress = StressSensor("stress", "strip", model, two_rows)
+    expected = von_mises_history(system.bodies[0].body, model, solution.bodies["strip"].coordinates, two_rows)
+    np.testing.assert_allclose(stress.at_points(system, solution)[..., 0], expected, rtol=1e-12)
+    assert stress.size(system, solution) == expected.max()
+    signed = StressSensor("stress", "strip", model, two_rows, Component("xx"))
+    layers = read_sensors([signed], system, solution)[0].values[0]
+    at_points = signed.at_points(system, solution)
+    assert at_points.shape == (1, 6, 1)
+    assert np.abs(at_points).max() == np.abs(layers).max()
+    weight = DENSITY * HEIGHT * 0.1 * LENGTH * GRAVITY
+    force = JointForceSensor("force", system.joints[0].name)
+    assert force.size(system, solution) == pytest.approx(weight, rel=1e-6)
+    ends = np.flatnonzero(np.isclose(model.mesh.nodes[:, 0], LENGTH))
+    tip = PositionSensor("tip", Place("strip", ends))
+    np.testing.assert_array_equal(tip.at_points(system, solution).mean(axis=1), tip.values(system, solution))
+    deflection = weight * LENGTH**3 / (8 * 2.1e11 * 0.1 * HEIGHT**3 / 12)
+    assert tip.size(system, solution) == pytest.approx(deflection, rel=0.01)
+    with pytest.raises(ArgumentError, match="ErrorStudy, quantities: expected the sensor of a position"):
+        ErrorStudy(quantities=(VelocitySensor("tip", Place("strip", ends)),))
+
+
 @pytest.mark.parametrize("is_reduced", [False, True])
 def test_blocks_of_nodes_and_instants_change_nothing(bent, two_rows, monkeypatch, is_reduced):
     """Many nodes over many instants are read in parts: the parts are those of the whole."""
-    module = sys.modules["supple.results.stress_history"]  # behind the function of its name
+    module = stress_history
     (system, solution), model = bent
     form = system.bodies[0].body
     coordinates = np.linspace(0.1, 1.0, 7)[:, None] * solution.bodies["strip"].coordinates
@@ -124,19 +157,29 @@ def test_blocks_of_nodes_and_instants_change_nothing(bent, two_rows, monkeypatch
             form.body, NodalFixedFrame("root"), CraigBampton(3), derivatives=NoDerivatives(), loads=NoLoads
         )
         coordinates = np.random.default_rng(0).normal(size=(7, form.r)) * 1e-4
-    whole = stress_history(form, model, coordinates, two_rows)
+
+    def stresses():
+        found = np.full((7, len(two_rows), 3, 6), np.nan)
+        for times, nodes, field in tensor_blocks(STRESS, form, model, coordinates, two_rows):
+            found[times, nodes] = field
+        return found
+
+    whole = stresses()
     largest = largest_stress(form, model, coordinates)
     everywhere = von_mises_history(form, model, coordinates)
     assert largest.value == pytest.approx(everywhere.max(), rel=1e-9)
     assert everywhere[largest.instant, largest.node] == pytest.approx(everywhere.max(), rel=1e-9)
     monkeypatch.setattr(module, "_MODE_NUMBERS", 1)
     monkeypatch.setattr(module, "_FIELD_NUMBERS", 1)
-    np.testing.assert_allclose(
-        stress_history(form, model, coordinates, two_rows), whole, rtol=1e-9, atol=1e-3
-    )
+    np.testing.assert_allclose(stresses(), whole, rtol=1e-9, atol=1e-3)
     values = von_mises(whole).max(axis=2)
     np.testing.assert_allclose(everywhere[:, two_rows], values, rtol=1e-9)
     assert largest_stress(form, model, coordinates)[1:] == largest[1:]
+    of_interest = StressSensor("s", "strip", model, two_rows)
+    machine = replace(system, bodies=(Placed(form),))
+    still = replace(solution.bodies["strip"], coordinates=coordinates)
+    at_points = of_interest.at_points(machine, replace(solution, bodies={"strip": still}))
+    np.testing.assert_allclose(at_points[..., 0], values, rtol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -8,22 +8,57 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from supple.body import BodyForm, node_displacements
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import At, System
-from supple.results.recovery import displacement_from_axes, node_positions
+from supple.quantities.place import Place
 
 __all__ = [
     "Observer",
     "TrackedMotion",
     "deflections",
+    "displacement_from_axes",
+    "node_positions",
     "observer",
     "observer_of",
     "tracked_motion",
     "tracked_places",
 ]
+
+Array = NDArray[np.float64]
+
+
+def node_positions(body: BodyForm, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> Array:
+    """Positions (t, k, 3) of some nodes (k,), or all, in space, as the body's form has them.
+
+    Raises
+    ------
+    ModelError  a node number outside the body
+    Source: [Wu2019] (1)
+    """
+    return body.positions(motion, nodes)
+
+
+def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array, rest: ArrayLike) -> Array:
+    """Displacement A^T (r - R) - q_0 of points against moving axes, as an observer on them sees it.
+
+    The tip displacement of [Wu2019] (51) is the tip's against the axes of the driven root, in whichever
+    floating frame the body was computed.
+
+    Parameters
+    ----------
+    positions : array (t, ..., 3)   r, in space
+    origin : array                  R, of a shape that suits the positions
+    rotation : array (t, 3, 3)      A, axes to space
+    rest : array (..., 3)           q_0, where the undeformed points lie in the axes
+
+    Returns
+    -------
+    array (t, ..., 3)
+    """
+    return np.einsum("tji,t...j->t...i", rotation, positions - np.asarray(origin)) - np.asarray(rest)
 
 
 class Observer(NamedTuple):
@@ -36,9 +71,9 @@ class Observer(NamedTuple):
     """
 
     name: str
-    rest: np.ndarray
-    origin: np.ndarray
-    axes: np.ndarray
+    rest: Array
+    origin: Array
+    axes: Array
 
 
 def observer(body: BodyForm, motion: Any, interface: str) -> Observer:
@@ -54,7 +89,7 @@ def observer_of(
     bases: Mapping[str, At] = MappingProxyType({}),
     rows: slice | np.ndarray = slice(None),
 ) -> Observer | None:
-    """Who sees the deflections of a body: its first interface, or the one that `bases` names for it.
+    """The observer of the deflections of a body: its first interface, or that which `bases` names for it.
 
     A part of a split body is seen from the first interface of the whole, which another part may have.
 
@@ -85,9 +120,9 @@ class TrackedMotion:
     is_elastic : bool        whether the body deforms
     """
 
-    position: np.ndarray
+    position: Array
     seen_from: str
-    deflection: np.ndarray
+    deflection: Array
     is_elastic: bool = True
 
 
@@ -109,44 +144,41 @@ def tracked_motion(
     ------
     ModelError  a node number outside the body, an interface that it does not have
     """
-    if isinstance(at, str):
-        place = observer(body, motion, at)
-        rest, position = place.rest, place.origin
-    else:
-        nodes = np.asarray(at)
-        rest, position = body.nodes[nodes].mean(axis=0), body.positions(motion, nodes).mean(axis=1)
+    place = Place(body.name, at if isinstance(at, str) else tuple(np.asarray(at).tolist()))
+    position = place.points(body, motion).mean(axis=1)
     if not body.n_coordinates or not body.has_frame:
         return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
     if seen_from is None and body.interfaces:
         seen_from = observer(body, motion, body.interfaces[0].name)
     if seen_from is None:
         seen_from = Observer("", np.zeros(3), motion.position, motion.rotation)
-    deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest - seen_from.rest)
+    rest = place.rest(body) - seen_from.rest
+    deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest)
     return TrackedMotion(position, seen_from.name, deflection)
 
 
 def tracked_places(
     system: System,
     solution: Solution,
-    places: Mapping[str, tuple[str, str | ArrayLike]],
+    places: Mapping[str, Place],
     bases: Mapping[str, At] = MappingProxyType({}),
 ) -> dict[str, TrackedMotion]:
-    """`tracked_motion` of places by their names; of each the name of its body, and where on the body.
+    """`tracked_motion` of places by their names.
 
     bases : as of `observer_of`
     """
     return {
-        place: tracked_motion(
-            system.bodies[system.body_index(name)].body,
-            solution.bodies[name],
-            at,
-            observer_of(system, solution, name, bases),
+        name: tracked_motion(
+            system.bodies[system.body_index(place.body)].body,
+            solution.bodies[place.body],
+            place.at,
+            observer_of(system, solution, place.body, bases),
         )
-        for place, (name, at) in places.items()
+        for name, place in places.items()
     }
 
 
-def deflections(body: BodyForm, motion: Any, seen_from: Observer | None = None) -> np.ndarray:
+def deflections(body: BodyForm, motion: Any, seen_from: Observer | None = None) -> Array:
     """Displacements (t, N, 3) of all nodes, seen from the body's first interface, or else from its frame.
 
     seen_from : another interface, of this or another body, at the same times
@@ -155,5 +187,5 @@ def deflections(body: BodyForm, motion: Any, seen_from: Observer | None = None) 
         if not body.interfaces:
             return node_displacements(body, motion.coordinates)
         seen_from = observer(body, motion, body.interfaces[0].name)
-    apart = node_positions(body, motion) - seen_from.origin[:, None]
-    return np.einsum("tji,tnj->tni", seen_from.axes, apart) - (body.nodes - seen_from.rest)
+    origin, rest = seen_from.origin[:, None], body.nodes - seen_from.rest
+    return displacement_from_axes(body.positions(motion), origin, seen_from.axes, rest)

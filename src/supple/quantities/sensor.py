@@ -12,7 +12,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
-from supple.sensors.reading import Channel, Located, Quantity, Reading
+from supple.quantities.reading import Channel, Located, Quantity, Reading
 
 __all__ = ["Channel", "LocatedSensor", "Quantity", "Sensor", "read_sensors"]
 

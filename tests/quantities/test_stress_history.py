@@ -9,8 +9,8 @@ from supple.body import FullBody, MeanAxisFrame, flexible_body
 from supple.errors import ModelError
 from supple.fem import Isotropic, solid_model, stress_recovery, von_mises
 from supple.mesh import CellType, block
+from supple.quantities import von_mises_history, von_mises_strain_history
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
-from supple.results import von_mises_history, von_mises_strain_history
 
 
 @pytest.fixture

@@ -17,8 +17,8 @@ from supple.integrate import Solution, Statistics
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
 from supple.mesh import CellType, Mesh, block, strip
 from supple.methods.intrinsic import CLAMPED, intrinsic_body
+from supple.quantities import Place, SectionForceSensor, read_sensors, write_readings, write_readings_hdf5
 from supple.reduction import CraigBampton, NoLoads, reduce
-from supple.sensors import Place, SectionForceSensor, read_sensors, write_readings, write_readings_hdf5
 from supple.simulation import equilibrium
 from supple.units import UnitSystem
 

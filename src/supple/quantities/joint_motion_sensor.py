@@ -5,28 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import jax
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
-from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
-from supple.machine import Joint, System
-from supple.sensors.end_motion import both_ends, check_ends
-from supple.sensors.reading import Channel, Quantity
+from supple.machine import System
+from supple.machine.forces.relative_motion import axial_motion
+from supple.quantities.end_motion import both_ends, check_ends, joint_named
+from supple.quantities.reading import Channel, Quantity
 
 __all__ = ["JointMotionSensor"]
 
 Array = NDArray[np.float64]
-
-
-def joint_named(system: System, name: str, sensor: str) -> Joint:
-    """A joint of the machine; ModelError names the nearest where there is none."""
-    for joint in system.joints:
-        if joint.name == name:
-            return joint
-    known = [joint.name for joint in system.joints]
-    raise ModelError(f"sensor '{sensor}': there is no joint '{name}'{did_you_mean(name, known)}")
 
 
 @dataclass(frozen=True)
@@ -63,25 +55,12 @@ class JointMotionSensor:
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 4)."""
         joint = joint_named(system, self.joint, self.name)
-        first, second = both_ends(system, solution, joint, self.name)
-        one, other = np.asarray(first.axes), np.asarray(second.axes)
-        turn = np.einsum("tij,tik->tjk", one, other)
-        axis = one[..., 2]
-        apart = np.asarray(second.point) - np.asarray(first.point)
-        turning = np.asarray(second.angular_velocity) - np.asarray(first.angular_velocity)
-        # Seen in axes that turn with the first end.
-        moving = np.asarray(second.velocity) - np.asarray(first.velocity)
-        moving = moving - np.cross(np.asarray(first.angular_velocity), apart)
-        angle = np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1])
-        rate = (axis * turning).sum(axis=1)
-        return np.column_stack(
-            [
-                _counted(np.asarray(solution.times), angle, rate),
-                rate,
-                (axis * apart).sum(axis=1),
-                (axis * moving).sum(axis=1),
-            ]
-        )
+        ends = both_ends(system, solution, joint, self.name)
+        angle, rate, slide, speed = (np.asarray(part) for part in _axial_motions(*ends))
+        return np.column_stack([_counted(np.asarray(solution.times), angle, rate), rate, slide, speed])
+
+
+_axial_motions = jax.jit(jax.vmap(axial_motion))
 
 
 def _counted(times: Array, angle: Array, rate: Array) -> Array:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from supple.equations import balances
 from supple.integrate import Solution
 from supple.machine import System
-from supple.sensors.reading import Channel, Quantity
+from supple.quantities.reading import Channel, Quantity
 
 __all__ = ["EnergySensor"]
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from supple.integrate import FloatingMotion
-from supple.results import deflections, node_positions, observer, tracked_motion
+from supple.quantities import deflections, node_positions, observer, tracked_motion
 
 T = 4
 

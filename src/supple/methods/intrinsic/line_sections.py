@@ -1,0 +1,70 @@
+"""Force and moment across a section of an intrinsic body: those of a segment of its line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body.sections import CuttingPlane
+from supple.errors import ModelError
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+
+__all__ = ["LineSections"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class LineSections:
+    """Sections of an intrinsic body, whose coordinates are the forces.
+
+    body : IntrinsicBody
+    """
+
+    body: Any
+
+    @property
+    def axes(self) -> str:
+        """They turn with the section."""
+        return f"axes of the section of {self.body.name}"
+
+    def loads(self, motion: IntrinsicMotion, plane: CuttingPlane) -> Array:
+        """Force and moment (t, 6) of what lies beyond a plane on what lies before it, along material axes.
+
+        The section forces of the segment that the plane cuts, their moment taken from its middle to the point
+        of the plane; at a station the mean of the segments before and beyond it.
+
+        Raises
+        ------
+        ModelError   a plane that cuts no segment, or several
+        """
+        body, tree = self.body, self.body.line.tree
+        heights = plane.heights(tree.points)
+        found = [
+            _of_segment(body, motion, plane, outside)
+            for outside in (heights >= 0, heights > 0)
+            if (outside[1:] != outside[tree.inner]).any()
+        ]
+        if not found:
+            raise ModelError(
+                f"body '{body.name}': the plane through {plane.point} across {plane.normal} cuts no segment "
+                "of its line; move it, or turn its normal along the line"
+            )
+        return np.mean(found, axis=0)
+
+
+def _of_segment(body: Any, motion: IntrinsicMotion, plane: CuttingPlane, outside: NDArray[np.bool_]) -> Array:
+    tree = body.line.tree
+    segments = np.flatnonzero(outside[1:] != outside[tree.inner])
+    if len(segments) > 1:
+        raise ModelError(
+            f"body '{body.name}': a section cuts one segment of its line, and the plane through "
+            f"{plane.point} across {plane.normal} cuts {len(segments)}; turn its normal along the line"
+        )
+    (segment,) = segments
+    loads = body.section_loads(motion)[:, segment] * (1.0 if outside[segment + 1] else -1.0)
+    arm = tree.middles[segment] - plane.point
+    return np.hstack([loads[:, :3], loads[:, 3:] + np.cross(arm, loads[:, :3])])

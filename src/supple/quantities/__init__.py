@@ -1,0 +1,17 @@
+"""What is read off a machine: sensors, tracked places, stress, and the quantities whose error is stated."""
+
+from supple.quantities.energy_sensor import *
+from supple.quantities.force_sensors import *
+from supple.quantities.joint_loads import *
+from supple.quantities.joint_motion_sensor import *
+from supple.quantities.over_nodes import *
+from supple.quantities.place import *
+from supple.quantities.place_sensors import *
+from supple.quantities.quantity_of_interest import *
+from supple.quantities.reading import *
+from supple.quantities.section_sensor import *
+from supple.quantities.sensor import *
+from supple.quantities.stress_history import *
+from supple.quantities.stress_sensor import *
+from supple.quantities.tensor_modes import *
+from supple.quantities.tracked_motion import *

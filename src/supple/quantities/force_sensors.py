@@ -1,0 +1,151 @@
+"""Forces and moments in joints, springs and other elements; what elements store, and their power."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import check_fields
+from supple.equations.build_model import initial_points
+from supple.integrate import JOINT_AXES, Solution
+from supple.machine import System
+from supple.machine.forces import ForceElement, JointFriction
+from supple.machine.pose import Pose, Wrench
+from supple.quantities.end_motion import both_ends, check_ends, joint_named
+from supple.quantities.reading import Channel, Quantity
+
+__all__ = ["ElementEnergySensor", "JointForceSensor", "SpringForceSensor"]
+
+Array = NDArray[np.float64]
+
+
+def six_channels(axes: str) -> tuple[Channel, ...]:
+    """Of a force and a moment."""
+    parts = (("F", Quantity.FORCE), ("M", Quantity.MOMENT))
+    return tuple(Channel(f"{letter}{axis}", quantity, axes) for letter, quantity in parts for axis in "xyz")
+
+
+@dataclass(frozen=True)
+class JointForceSensor:
+    """Force and moment of a joint on its second end, along its axes on the first end, (t, 6).
+
+    Of interest is the force.
+
+    joint : its name
+    """
+
+    name: str
+    joint: str
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """Fx, Fy, Fz, Mx, My, Mz."""
+        joint_named(system, self.joint, self.name)
+        return six_channels(JOINT_AXES)
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 6)."""
+        joint_named(system, self.joint, self.name)
+        return np.asarray(solution.joint_forces[self.joint])
+
+    @property
+    def body(self) -> None:
+        """None: it is between two."""
+
+    @property
+    def words(self) -> str:
+        """The quantity and its norm."""
+        return f"force of joint '{self.joint}': largest over the run"
+
+    def at_points(self, system: System, solution: Solution) -> Array:
+        """Force (t, 1, 3)."""
+        return self.values(system, solution)[:, None, :3]
+
+    def size(self, system: System, solution: Solution) -> float:
+        """The largest force."""
+        return float(np.linalg.norm(self.at_points(system, solution), axis=2).max())
+
+
+@dataclass(frozen=True, eq=False)
+class _OfElement:
+    """A sensor of an element between two ends."""
+
+    name: str
+    element: ForceElement
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def _read(self, system: System, solution: Solution) -> Array:
+        """Force and moment on the second end, global, energy stored, power on both ends; (t, 8)."""
+        element = self.element.assembled(*initial_points(system, self.element))
+        ends = both_ends(system, solution, element, self.name)
+        law, parameters = element.law, jax.tree.map(jnp.asarray, element.parameters)
+        times = jnp.asarray(solution.times)
+        carried = jnp.zeros((len(times), 2))
+        if isinstance(element, JointFriction):
+            carried = jnp.asarray(solution.joint_forces[element.joint.name])[:, :2]
+        return np.asarray(_of_element(type(element), law, parameters, *ends, times, carried))
+
+
+class SpringForceSensor(_OfElement):
+    """Force and moment of a spring, damper or torque on its second end, global components, (t, 6).
+
+    element : ForceElement      of the machine's loads, or one that is only imagined there
+    """
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """Fx, Fy, Fz, Mx, My, Mz."""
+        check_ends(system, self.name, self.element)
+        return six_channels("global")
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 6)."""
+        return self._read(system, solution)[:, :6]
+
+
+class ElementEnergySensor(_OfElement):
+    """Energy stored in a spring, stop, contact, ..., and the power of its forces on both of its ends, (t, 2).
+
+    What the element dissipates is `-power - d(stored)/dt`; of one that is driven by a law of time or by a
+    controller this is what it is fed with as well. Of an element that a controller drives only the law of
+    time is known here.
+
+    element : ForceElement      of the machine's loads, or one that is only imagined there
+    """
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """stored, power."""
+        check_ends(system, self.name, self.element)
+        return (Channel("stored", Quantity.ENERGY, ""), Channel("power", Quantity.POWER, ""))
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 2)."""
+        return self._read(system, solution)[:, 6:]
+
+
+@partial(jax.jit, static_argnums=0)
+def _of_element(
+    kind: type[ForceElement], law: Any, parameters: Any, first: Any, second: Any, times: Any, carried: Any
+) -> jax.Array:
+    def at(one: Pose, other: Pose, time: Any, reaction: Any) -> jax.Array:
+        value = (reaction if kind.reads_reaction else None) if law is None else law(time)
+        loads = kind.wrenches(one, other, value, parameters)
+        stored = jnp.asarray(kind.energy(one, other, value, parameters), dtype=float)
+        power = _power(one, loads[0]) + _power(other, loads[1])
+        return jnp.concatenate([*loads[1], jnp.stack([stored, power])])
+
+    return jax.vmap(at)(first, second, times, carried)
+
+
+def _power(end: Pose, load: Wrench) -> Any:
+    return load.force @ end.velocity + load.moment @ end.angular_velocity

@@ -1,0 +1,81 @@
+"""Places of bodies: an interface, a node, or the mean of some nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import check_sequence, check_text, given
+from supple.body import BodyForm, NodeMotion
+from supple.body.floating_kinematics import node_numbers
+from supple.errors import ArgumentError, ModelError
+from supple.integrate import Solution
+from supple.machine import At, System, as_end
+
+__all__ = ["Place"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place of a body: an interface by its name, or the mean of some nodes by their numbers."""
+
+    body: str
+    at: str | tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        check_text("Place, body", self.body, "the name of a body")
+        if not isinstance(self.at, str):
+            check_sequence("Place, at", self.at, "the name of an interface, or node numbers")
+            object.__setattr__(self, "at", tuple(np.asarray(self.at).tolist()))
+        if not self.at:
+            raise ModelError(f"a place of body '{self.body}': name an interface, or give node numbers")
+
+    def body_of(self, system: System, sensor: str) -> Any:
+        """The form of the body; ModelError where the machine has none, or it has no such place."""
+        body = body_named(system, self.body, sensor)
+        if isinstance(self.at, str):
+            body.interface(self.at)
+        else:
+            node_numbers(self.at, len(body.nodes))
+        return body
+
+    def rest(self, body: BodyForm) -> Array:
+        """Where it lies undeformed, (3,), mesh axes."""
+        if isinstance(self.at, str):
+            return body.interface(self.at).position
+        return body.nodes[list(self.at)].mean(axis=0)
+
+    def points(self, body: BodyForm, motion: Any) -> Array:
+        """Positions (t, k, 3) in space of the k nodes, or of the interface alone."""
+        if isinstance(self.at, str):
+            return body.interface_motion(motion, self.at).position[:, None]
+        return body.positions(motion, self.at)
+
+    def motion(self, system: System, solution: Solution, sensor: str) -> NodeMotion:
+        """Position, velocity and acceleration (t, 3) in space."""
+        body, motion = body_named(system, self.body, sensor), solution.bodies[self.body]
+        if isinstance(self.at, str):
+            moving = body.interface_motion(motion, self.at)
+            return NodeMotion(moving.position, moving.velocity, moving.acceleration)
+        return NodeMotion(*(each.mean(axis=1) for each in body.node_motion(motion, self.at)))
+
+
+def as_place(what: str, value: Any) -> Place:
+    """The place meant by a `Place`, or by "BODY.INTERFACE" or an `At`, as of joints; or ArgumentError."""
+    if isinstance(value, Place):
+        return value
+    if isinstance(value, At) or (isinstance(value, str) and "." in value):
+        end = as_end(value)
+        return Place(end.body, end.interface)
+    expected = 'Place(body, at) with an interface or node numbers, or "BODY.INTERFACE"'
+    raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
+
+
+def body_named(system: System, body: str, sensor: str) -> Any:
+    """The form of a body; ModelError names the nearest where there is none."""
+    return system.bodies[system.body_index(body, f"sensor '{sensor}'")].body

@@ -1,0 +1,84 @@
+"""Quantities of interest, whose error is stated: positions, the force of a joint, stress at nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.integrate import Solution
+from supple.machine import System
+from supple.quantities.place import body_named
+from supple.quantities.run_distance import blocks_of_times, largest_displacement
+
+__all__ = ["QuantityOfInterest", "WholeBody"]
+
+Array = NDArray[np.float64]
+
+
+class QuantityOfInterest(Protocol):
+    """A quantity of a run, as of a sensor; its error is the largest over time of the RMS over its points."""
+
+    @property
+    def name(self) -> str:
+        """Under which its error is stated; of a whole body that of the body."""
+        ...
+
+    @property
+    def words(self) -> str:
+        """What it is and in which norm, in words."""
+        ...
+
+    @property
+    def body(self) -> str | None:
+        """The body that it is of; None of a quantity of the machine."""
+        ...
+
+    def at_points(self, system: System, solution: Solution, /) -> Array:
+        """At the output times, (t, points, components)."""
+        ...
+
+    def size(self, system: System, solution: Solution, /) -> float:
+        """What an error in it is small against."""
+        ...
+
+
+def quantity_distance(
+    quantity: QuantityOfInterest, system: System, solution: Solution, other_system: System, other: Solution
+) -> float:
+    """Largest distance of two runs in a quantity, RMS over its points; infinite where one broke off."""
+    if solution.stopped is not None or other.stopped is not None or len(solution.times) != len(other.times):
+        return np.inf
+    largest = 0.0
+    for rows in blocks_of_times(len(solution.times)):
+        found = quantity.at_points(system, solution.at(rows))
+        apart = found - quantity.at_points(other_system, other.at(rows))
+        largest = max(largest, float(np.mean(np.sum(apart**2, axis=2), axis=1).max()))
+    return float(np.sqrt(largest))
+
+
+@dataclass(frozen=True)
+class WholeBody:
+    """Positions of all nodes of a body in space."""
+
+    body: str
+
+    @property
+    def name(self) -> str:
+        """That of the body."""
+        return self.body
+
+    @property
+    def words(self) -> str:
+        """The quantity and its norm."""
+        return f"positions of body '{self.body}': RMS over its nodes, largest over the run"
+
+    def at_points(self, system: System, solution: Solution) -> Array:
+        """Positions (t, N, 3)."""
+        return body_named(system, self.body, self.name).positions(solution.bodies[self.body])
+
+    def size(self, system: System, solution: Solution) -> float:
+        """Largest displacement of a node, seen from the first interface."""
+        return largest_displacement(body_named(system, self.body, self.name), solution.bodies[self.body])

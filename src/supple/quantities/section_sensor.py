@@ -1,0 +1,61 @@
+"""Force and moment across a section of an elastic body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import check_fields
+from supple.body.sections import CuttingPlane, Sections
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel
+from supple.integrate import Solution
+from supple.machine import System
+from supple.quantities.force_sensors import six_channels
+from supple.quantities.place import Place, as_place
+from supple.quantities.reading import Channel
+
+__all__ = ["SectionForceSensor"]
+
+
+@dataclass(frozen=True, eq=False)
+class SectionForceSensor:
+    """Force and moment that what lies beyond a section exerts on what lies before it, (t, 6).
+
+    The section is the plane through a place, undeformed, across a normal in the axes of the mesh. It cuts the
+    whole body. Moments are about the place. Components are along the body's axes; of an intrinsic body
+    along those that turn with the section.
+
+    place : Place       an interface, or the mean of some nodes
+    normal : (3,)       towards what lies beyond
+    model : FiniteElementModel | None    the body's elements; an intrinsic body needs none
+    """
+
+    name: str
+    place: Place
+    normal: tuple[float, float, float]
+    model: FiniteElementModel | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "place", as_place(f"SectionForceSensor '{self.name}', place", self.place))
+        check_fields(self)
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """Fx, Fy, Fz, Mx, My, Mz."""
+        return six_channels(self._sections(system).axes)
+
+    def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
+        """(t, 6)."""
+        x, y, z = self.place.rest(self.place.body_of(system, self.name)).tolist()
+        plane = CuttingPlane((x, y, z), self.normal)
+        return self._sections(system).loads(solution.bodies[self.place.body], plane)
+
+    def _sections(self, system: System) -> Sections:
+        body = self.place.body_of(system, self.name)
+        try:
+            return body.sections(self.model)
+        except ModelError as error:
+            raise ModelError(f"sensor '{self.name}': {error}") from error
