@@ -241,11 +241,6 @@ class System:
                 if isinstance(each, Tie):
                     self.body_index(each.on, what)
 
-    @property
-    def has_parts(self) -> bool:
-        """Whether it has parts of an explicit march."""
-        return any(placed.body.kind in _EXPLICIT for placed in self.bodies)
-
     def check_has_frames(self) -> None:
         """ModelError for explicit finite elements, whose equations no other method has."""
         for body in (placed.body for placed in self.bodies):
