@@ -87,7 +87,7 @@ def distances(
 
 
 def _negligible(system: System, solution: Solution, name: str) -> float:
-    body = system.bodies[system.body_index(name)].body
+    body = system.placed(name).body
     return NEGLIGIBLE * largest_displacement(body, solution.bodies[name])
 
 

@@ -274,7 +274,7 @@ class ErrorEstimator:
 
 def reduced_form(system: System, name: str) -> ReducedBody:
     """A body of a run as it was reduced; ModelError for another form."""
-    body = system.bodies[system.body_index(name, "error estimate")].body
+    body = system.placed(name, "error estimate").body
     if not isinstance(body, ReducedBody):
         raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
     return body

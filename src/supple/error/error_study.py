@@ -152,7 +152,7 @@ def statements(
 def _of_machine(system: System, fulls: Mapping[str, FullBody]) -> dict[str, FullBody]:
     """The full bodies that the machine has reduced."""
     for name, full in fulls.items():
-        body = system.bodies[system.body_index(name, "stated error")].body
+        body = system.placed(name, "stated error").body
         if len(body.nodes) != len(full.nodes):
             raise ModelError(
                 f"stated error: body '{name}' has {len(full.nodes)} nodes in full and {len(body.nodes)} in "

@@ -165,7 +165,7 @@ def _part(
         return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]
     for body, limit in limits.items():
-        size = largest_displacement(system.bodies[system.body_index(body)].body, solution.bodies[body])
+        size = largest_displacement(system.placed(body).body, solution.bodies[body])
         own = limit
         if body in missed:
             own = max(float(missed[body].rms.max()), _shortening(system, body, limits))
@@ -184,7 +184,7 @@ def _remedy(system: System, name: str | None) -> str:
 
 def _shortening(system: System, name: str | None, limits: Mapping[str, float]) -> float:
     """What a linear body lacks of its shortening by bending; none of a nonlinear one."""
-    if name is None or not system.bodies[system.body_index(name)].body.is_linear:
+    if name is None or not system.placed(name).body.is_linear:
         return 0.0
     return limits[name]
 

@@ -113,7 +113,7 @@ def _starts(
 
 
 def _full(system: System, name: str) -> FullBody:
-    body = system.bodies[system.body_index(name, "self-correction")].body
+    body = system.placed(name, "self-correction").body
     fulls = system.bodies_of(FullBody)
     if name not in fulls:
         raise ModelError(

@@ -158,7 +158,7 @@ def _first_bases(problem: Problem) -> RoundBases:
         problem.report(step, 0.0)
         start = problem.starts[name]
         basis = reduction_basis(full.body, full.frame, start.basis, derivatives=start.derivatives)
-        bases[name] = with_start(problem.system.bodies[problem.system.body_index(name)], full, basis)
+        bases[name] = with_start(problem.system.placed(name), full, basis)
         problem.report(step, 1.0)
     return RoundBases(bases)
 
