@@ -11,6 +11,7 @@ import pytest
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine, compiled_start
 from supple.equations.consistent_start import consistent_start
 from supple.equations.start_velocity import change_by_levels
 from supple.errors import LockingWarning, StartWarning
@@ -30,7 +31,6 @@ from supple.machine import (
     System,
 )
 from supple.mesh import strip
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine, compiled_start
 from supple.methods.floating.full.full_system import FullSystem
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, Rubin, reduce
 from supple.simulation import simulate, simulate_batch

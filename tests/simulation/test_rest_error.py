@@ -34,7 +34,7 @@ from supple.reduction import (
     reduce,
     reduction_basis,
 )
-from supple.simulation import equilibrium
+from supple.simulation import equilibrium, full_rest
 
 LENGTH, E, DENSITY, RATE = 1.0, 1e9, 1000.0, 20.0
 STRETCH = DENSITY * RATE**2 * LENGTH**3 / (3 * E)
@@ -76,6 +76,20 @@ def test_a_basis_without_axial_modes_says_what_it_misses_of_a_stretch(bar):
         system.bodies[0].positions() - placed.positions(), error.displacement, atol=1e-6 * STRETCH
     )
     assert solution.bodies["bar"].coordinates.shape == (1, bar.n)
+
+
+def test_a_rest_out_of_reach_of_the_reduced_one_is_found_from_the_start(bar, monkeypatch):
+    """The same equilibrium, and so the same error, though the search near the reduced rest is given up."""
+    reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
+    errors = []
+    for rate in (full_rest.CONTRACTS, -1.0):
+        monkeypatch.setattr(full_rest, "CONTRACTS", rate)
+        with pytest.warns(BasisWarning, match="at rest a node is off by"):
+            errors.append(equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(bar, ROOT)]).errors["bar"])
+        monkeypatch.setattr(full_rest, "NEAR_BY", 1)
+    near, far = errors
+    assert far.known
+    assert far.displacement == pytest.approx(near.displacement, abs=1e-6 * near.worst)
 
 
 def test_a_reduction_as_it_comes_holds_steady_loads(bar):

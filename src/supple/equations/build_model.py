@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 import jax
@@ -39,6 +39,7 @@ __all__ = [
     "is_on_full_nodes",
     "row_scales",
     "seen_coordinates",
+    "station_model",
     "system_length",
 ]
 
@@ -83,6 +84,23 @@ def build_model(
         active=tuple(range(n_equations)) if active is None else active,
         controllers=tuple(_control_law(system, controller, places) for controller in system.controllers),
     )
+
+
+def station_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:
+    """The model of floating bodies and, behind them, of stations, whose mass and inertia are taken away."""
+    model = build_model(seen, active)
+    return replace(model, groups=tuple(_weightless(group, n_floating) for group in model.groups))
+
+
+def _weightless(group: BodyGroup, n_floating: int) -> BodyGroup:
+    kept = np.array([float(member < n_floating) for member in group.members])
+    if kept.all():
+        return group
+    gram, inertia = jax.tree.map(
+        lambda array: np.asarray(array) * kept.reshape(-1, *[1] * (np.ndim(array) - 1)),
+        (group.gram, group.inertia),
+    )
+    return replace(group, gram=gram, inertia=inertia)
 
 
 def _are(own: Sequence[Any], others: Sequence[Any]) -> bool:

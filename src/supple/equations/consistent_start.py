@@ -118,7 +118,13 @@ def _check_nearby(
     check_redundant_nearby(
         row_labels(machine.system),
         sorted(set(every.model.active) - set(machine.model.active)),
-        list(neighbours(machine.model, machine.joint_terms(time, configuration, velocity).jacobian)),
+        list(
+            neighbours(
+                float(machine.model.length),
+                machine.seen_slices,
+                machine.joint_terms(time, configuration, velocity).jacobian,
+            )
+        ),
         closed,
         lambda at: every.joint_terms(time, at, velocity).residual / row_scales(machine.system),
     )

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.joint_wrench import joint_wrenches
 from supple.errors import ModelError
-from supple.integrate import FloatingMotion, Solution, Statistics
+from supple.integrate import FloatingMotion, Motion, Solution, Statistics
 from supple.machine import System
 
 __all__ = [
     "LastInstant",
+    "SeenMotions",
     "body_motions",
     "failure_message",
     "floating_solution",
@@ -31,19 +32,25 @@ def floating_solution(
     motion: SystemMotion,
     statistics: Statistics,
     engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
+    seen: SeenMotions | None = None,
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution, with the forces of the joints.
 
     slices : where the velocities of each body stand
     active : constraint equations that were kept, to which the multipliers belong
     engine_state : what an exact resume needs besides these numbers
+    seen : of bodies that are seen at stations, if there are any
     """
-    bodies = body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
+    bodies: dict[str, Any] = dict(
+        body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
+    )
+    bodies |= {} if seen is None else seen.bodies
+    ends, of_ends = (system, bodies) if seen is None else (seen.system, bodies | dict(seen.stations))
     multipliers = joint_multipliers(system, active, motion.multipliers)
     return Solution(
         times=motion.time,
         bodies=bodies,
-        joint_forces=joint_wrenches(system, motion.time, bodies, multipliers),
+        joint_forces=joint_wrenches(ends, motion.time, of_ends, multipliers),
         multipliers=multipliers,
         statistics=statistics,
         engine_state=engine_state,
@@ -90,6 +97,14 @@ def joint_multipliers(
     return {name: every[..., rows] for name, rows in system.constraint_slices.items()}
 
 
+class SeenMotions(NamedTuple):
+    """Motions of bodies that are seen at stations, and of these, by name; and the system that has them."""
+
+    system: System
+    bodies: Mapping[str, Motion]
+    stations: Mapping[str, FloatingMotion]
+
+
 class LastInstant(NamedTuple):
     """The state of a system at the end of a recorded part."""
 
@@ -103,7 +118,7 @@ class LastInstant(NamedTuple):
 
 def last_instant(system: System, done: Solution) -> LastInstant:
     """Where a recorded part ends; ModelError when it has other bodies or joints than the system."""
-    last = done.bodies
+    last, known = done.bodies, done.engine_state
     names = [placed.body.name for placed in system.bodies]
     if set(names) != set(last) or {joint.name for joint in system.joints} != set(done.multipliers):
         raise ModelError(
@@ -120,8 +135,12 @@ def last_instant(system: System, done: Solution) -> LastInstant:
             rotations=np.array([last[name].rotation[-1] for name in names]),
             coordinates=joined("coordinates"),
         ),
-        velocity=joined("velocity", "angular_velocity", "coordinate_rates"),
-        acceleration=joined("acceleration", "angular_acceleration", "coordinate_accelerations"),
+        velocity=known["velocity"]
+        if "velocity" in known
+        else joined("velocity", "angular_velocity", "coordinate_rates"),
+        acceleration=known["acceleration"]
+        if "acceleration" in known
+        else joined("acceleration", "angular_acceleration", "coordinate_accelerations"),
         multipliers=np.concatenate(
             [np.zeros(0)] + [done.multipliers[joint.name][-1] for joint in system.joints]
         ),

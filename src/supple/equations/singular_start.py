@@ -14,7 +14,6 @@ import numpy as np
 import scipy.linalg
 
 from supple.equations.configuration import Configuration
-from supple.equations.model import Model
 from supple.errors import ConvergenceError, ModelError
 
 __all__ = ["check_redundant_nearby", "neighbours"]
@@ -27,21 +26,22 @@ DIRECTIONS = 3
 """Combinations of the free motions that are tried: one alone may be the one that opens nothing."""
 
 
-def neighbours(model: Model, jacobian: np.ndarray) -> np.ndarray:
+def neighbours(length: float, parts: Sequence[slice], jacobian: np.ndarray) -> np.ndarray:
     """Small motions of the bodies' frames (k, nb, 6) that the joints allow to first order.
 
-    jacobian : (m, n)   of the constraint equations that are kept, for the velocities of `model`
+    length : size of the system
+    parts : where the velocities of each body stand in the columns of the jacobian, its frame's six first
+    jacobian : (m, n)   of the constraint equations that are kept
     """
-    length = float(model.length)
-    scale = np.tile(np.concatenate([np.full(3, length), np.ones(3)]), len(model.slices))
-    columns = [jacobian[:, part.start : part.start + 6] for part in model.slices]
+    scale = np.tile(np.concatenate([np.full(3, length), np.ones(3)]), len(parts))
+    columns = [jacobian[:, part.start : part.start + 6] for part in parts]
     free = scipy.linalg.null_space(np.hstack(columns) * scale, rcond=1e-9)
     if not free.shape[1]:
-        return np.zeros((0, len(model.slices), 6))
+        return np.zeros((0, len(parts), 6))
     random = np.random.default_rng(0).standard_normal((DIRECTIONS, free.shape[1]))
     moves = random @ free.T
     moves *= MOVED_BY / np.abs(moves).max(axis=1, keepdims=True)
-    return (moves * scale).reshape(DIRECTIONS, len(model.slices), 6)
+    return (moves * scale).reshape(DIRECTIONS, len(parts), 6)
 
 
 def check_redundant_nearby(

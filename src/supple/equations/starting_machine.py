@@ -71,16 +71,21 @@ class StartingMachine(Protocol):
         ...
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Constraints and their derivatives as NumPy arrays; the Jacobian for `model`'s velocities."""
+        """Constraints and their derivatives as NumPy arrays; the Jacobian for velocities in `seen_slices`."""
         ...
 
     def metric(self, configuration: Configuration) -> np.ndarray:
-        """Positive matrix for `model`'s velocities, in whose inverse rows of the Jacobian are compared."""
+        """Positive matrix in whose inverse rows of the Jacobian are compared."""
         ...
 
     @property
     def slices(self) -> tuple[slice, ...]:
         """Where each body's freedoms stand in the engine's vectors, its frame's six first."""
+        ...
+
+    @property
+    def seen_slices(self) -> tuple[slice, ...]:
+        """Where each body's velocities stand in the Jacobian's columns, its frame's six first."""
         ...
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:

@@ -31,7 +31,9 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 from supple.equations.configuration import AnyArray, Configuration
+from supple.equations.model import Model
 from supple.errors import AccuracyError, ConvergenceError
+from supple.integrate import Solution
 
 __all__ = ["StaticSearch"]
 
@@ -58,8 +60,10 @@ direct search that takes more has lost its way, and load and spin are followed u
 _OF_A_SHARE = 12
 """Iterations with one share of them."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
-_FASTER = 1.5
-"""What the next step may be over one that was found."""
+_WANTED = 5
+"""Iterations that a step should take: the next one is longer or shorter in proportion."""
+_SLOWER, _FASTER = 0.5, 1.5
+"""What the next step is at least and at most over one that was found."""
 _ON_THE_WAY = 1e-6
 """Residual of equilibria that are only on the way."""
 
@@ -110,6 +114,8 @@ class Unbalance(NamedTuple):
     """Largest of the joints' and frames' equations, over the size of the system"""
     terms: Any
     """What the correction needs of it"""
+    size: float = 0.0
+    """Largest term in balance, as work in a large motion"""
     unrest: Mapping[str, float] = MappingProxyType({})
     """States of controllers, in words: their rates over the largest part of each"""
 
@@ -127,8 +133,30 @@ class StaticCorrection(NamedTuple):
     """Known to go uphill: the tangent of the step has negative directions"""
 
 
-class StaticMachine(Protocol):
-    """A machine at rest in the hands of one engine."""
+class Equations(Protocol):
+    """The equations of a machine at rest, or turning steadily, as one method has them.
+
+    Its vectors (n,) are the method's own. Statics, modes and batches ask for nothing else.
+    """
+
+    @property
+    def model(self) -> Model:
+        """What joints and forces see of it."""
+        ...
+
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where the motions of each body stand in its linear equations."""
+        ...
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether forces act on velocities that differ from those that have mass, by what a mesh leaves."""
+        ...
+
+    def start(self) -> StaticState:
+        """As its bodies are placed, without any force in the joints."""
+        ...
 
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
@@ -162,6 +190,14 @@ class StaticMachine(Protocol):
         """The equations of motion, linearised about a state."""
         ...
 
+    def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
+        """Derivatives of the equations of joints, then of frames, by increments, (m, n)."""
+        ...
+
+    def solution(self, state: StaticState, time: float, iterations: int) -> Solution:
+        """The steady motion at one instant."""
+        ...
+
     @property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
@@ -169,7 +205,7 @@ class StaticMachine(Protocol):
 
 
 def search_equilibrium(
-    machine: StaticMachine,
+    machine: Equations,
     state: StaticState,
     time: float,
     search: StaticSearch,
@@ -210,7 +246,8 @@ def search_equilibrium(
         except ConvergenceError:
             step, iterations = step / 2, iterations + most
             continue
-        share, step, iterations = asked, _FASTER * step, iterations + used
+        faster = min(max(_WANTED / max(used, 1), _SLOWER), _FASTER)
+        share, step, iterations = asked, faster * (asked - share), iterations + used
     if share == 1:
         return state, iterations
     # A free body that spins falls outwards before Newton's method brings it back: then only patience helps.
@@ -227,7 +264,7 @@ def _counted(progress: Callable[[int, float], None], before: int, iteration: int
 
 
 def _downhill(
-    machine: StaticMachine,
+    machine: Equations,
     state: StaticState,
     time: float,
     search: StaticSearch,
@@ -303,7 +340,7 @@ def _downhill(
     )
 
 
-def moved_state(machine: StaticMachine, state: StaticState, change: StaticCorrection) -> StaticState:
+def moved_state(machine: Equations, state: StaticState, change: StaticCorrection) -> StaticState:
     """The state after a correction."""
     frames = zip(state.frame_multipliers, change.frame_multipliers, strict=True)
     return StaticState(
@@ -312,6 +349,19 @@ def moved_state(machine: StaticMachine, state: StaticState, change: StaticCorrec
         tuple(own + more for own, more in frames),
         state.control + change.control,
     )
+
+
+def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
+    """As the bodies are placed, the joints carrying what is unbalanced; and what part they cannot."""
+    state, weights = machine.start(), machine.position_scale
+    found = machine.unbalance(state, time)
+    unbalanced = weights * machine.residual(state, time)
+    carried = weights[:, None] * machine.constraint_rows(state, time).T
+    forces = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
+    left = float(np.linalg.norm(unbalanced + carried @ forces)) / (found.size or 1.0)
+    joints, frames = np.split(forces, [len(state.multipliers)])
+    state = state._replace(multipliers=joints, frame_multipliers=tuple(frames.reshape(-1, 6)))
+    return state, max(left, *found.unrest.values(), 0.0)
 
 
 def _largest(found: Unbalance) -> float:

@@ -71,10 +71,14 @@ class LinearEquations(NamedTuple):
     """(n, n), with the gyroscopic terms"""
     stiffness: AnyArray
     """(n, n), with the centrifugal terms and those of the forces that are carried"""
-    jacobian: AnyArray
-    """(m, n)"""
+    constraint: AnyArray
+    """`G` (m, n)"""
     control: LinearControl
     """States z of controllers: `z' = E_p p + E_v p' + E_z z`"""
+
+    def damped(self, motions: AnyArray) -> AnyArray:
+        """`C p` of motions (n, k)."""
+        return self.damping @ motions
 
 
 def steady_motion(
@@ -133,7 +137,7 @@ def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms
         mass=mass,
         damping=damping + mass @ (frames + translations),
         stiffness=stiffness + damping @ frames + mass @ translations @ frames,
-        jacobian=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
+        constraint=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
         control=control._replace(by_position=control.by_position + control.by_velocity @ frames),
     )
 

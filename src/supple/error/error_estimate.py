@@ -10,6 +10,7 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_log
 from supple.body import FullBody, ModalDamping
+from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
 from supple.error.basis_error import FIRST_ORDER, BasisError, BodyError
@@ -33,7 +34,6 @@ from supple.error.stopping import withheld
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
 from supple.machine import ForceElement, System
-from supple.methods.floating.compiled.compiled_machine import compiled_start
 from supple.methods.floating.compiled.every_step import as_outputs, every_step
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.intrinsic import IntrinsicBody

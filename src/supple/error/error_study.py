@@ -17,6 +17,7 @@ from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody, with_chosen_step
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
 from supple.reduction import ReductionBasis
+from supple.simulation.engines import refuse_explicit
 from supple.simulation.kept_basis import kept_bases
 
 __all__ = ["ErrorStudy", "state_errors"]
@@ -79,7 +80,7 @@ def state_errors(
     """
     if isinstance(run.method, Kinematic):  # nothing was integrated, and no body has deformed
         return solution
-    system.check_has_frames()
+    refuse_explicit(system, run, "an error estimate")
     study, run = study or ErrorStudy(), with_chosen_step(system, run)
     if not isinstance(fulls, Mapping):
         fulls = {full.name: full for full in fulls}

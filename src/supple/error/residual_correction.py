@@ -29,13 +29,13 @@ import numpy as np
 from supple.algebra import read_only
 from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
+from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
 from supple.error.missing_motion import FOLLOWED, SETTLED, MissingMotionSearch
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Progress, Solution, StepFactors
 from supple.integrate.motion import FloatingMotion
 from supple.machine.system import System
-from supple.methods.floating.compiled.compiled_machine import compiled_start
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.reduction import Condensation, ReducedBody, ReductionBasis

@@ -14,27 +14,18 @@ from scipy.spatial.transform import Rotation
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations import StaticSearch
-from supple.equations.build_model import build_model
-from supple.equations.consistent_start import placed_configuration
-from supple.equations.control_linearization import LinearControl, control_at_rest, unrest
-from supple.equations.coordinate_scales import position_scale
-from supple.equations.joint_force import constraint_rows
-from supple.equations.static_search import StaticState
+from supple.equations.control_linearization import LinearControl
+from supple.equations.static_search import carried_state
 from supple.equations.steady_motion import (
     LinearEquations,
-    steady_motion,
-    work_of_turning,
 )
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
 from supple.machine.forces import JointFriction
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
-from supple.methods.floating.compiled.statics import CompiledStatics, balanced
-from supple.methods.floating.full.full_system import FullSystem
-from supple.methods.floating.full.statics import FullStatics, carried_state
-from supple.methods.intrinsic.line_statics import LineStatics, line_statics
+from supple.methods.floating.full.linear_equations import SparseEquations
+from supple.simulation.equations_of import equations_of
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest, resting_state
@@ -86,17 +77,19 @@ def linearize(
             "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
         )
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
-    if system.bodies_of(FullBody):
-        return _sparse(found, time, spin)
-    equations = _equations(found, time)
-    basis = _free_motions(equations)
+    equations = found.equations.linear_equations(found.state, time)
+    sparse = None
+    if isinstance(equations, SparseEquations):
+        sparse = SparseMachine(placed_at_rest(found), spin, time, equations)
+        # The motions that are slow are those in which a change would be seen.
+        basis = sparse.slow.motions
+    else:
+        basis = _free_motions(equations)
     projected = _Projected.of(equations, basis)
     if spin is not None and spin.rate:
-        later, left = _carried(_turned_on(found, time, spin), found, time)
-        again = _equations(later, time)
-        masses = np.diag(equations.mass)
-        changed = _Projected.of(again, basis)
-        _check_constant(projected, changed, again.jacobian, masses, basis, spin, left)
+        _check_constant(found, projected, basis, time, spin)
+    if sparse is not None:
+        return sparse
     return LinearMachine(
         system=placed_at_rest(found),
         spin=spin,
@@ -126,10 +119,9 @@ def _full_machine(
     warn_of_rest(errors)
     if full.found is None:
         return None
-    statics = FullStatics(FullSystem(full.found.system, full.found.model.active), full.found.turning)
-    equations = statics.linear_equations(full.found.state, time)
+    equations = full.found.equations.linear_equations(full.found.state, time)
     blocks, bodies = [], {}
-    for placed, part in zip(found.system.bodies, full.found.slices, strict=True):
+    for placed, part in zip(found.system.bodies, full.found.equations.slices, strict=True):
         name = placed.body.name
         own: Any = eye_array(part.stop - part.start)
         if name in full.bases:
@@ -138,69 +130,6 @@ def _full_machine(
         blocks.append(own)
     machine = SparseMachine(placed_at_rest(full.found), spin, time, equations)
     return FullMachine(machine, csr_array(block_diag(blocks)), bodies, errors)
-
-
-def _sparse(found: RestingState, time: float, spin: Spin | None) -> SparseMachine:
-    """The linearised machine with full bodies."""
-    active, turning = found.model.active, found.turning
-    equations = FullStatics(FullSystem(found.system, active), turning).linear_equations(found.state, time)
-    machine = SparseMachine(placed_at_rest(found), spin, time, equations)
-    if spin is not None and spin.rate:
-        turned = _turned_on(found, time, spin)
-        there = FullSystem(turned, active)
-        state, left = carried_state(
-            there, turning, time, found.state._replace(configuration=placed_configuration(turned))
-        )
-        later = FullStatics(there, turning).linear_equations(state, time)
-        # The motions that are slow are those in which a change would be seen.
-        basis = machine.slow.motions
-        parts = replace(machine, equations=later).along(basis)
-        again = _Projected(parts.mass, parts.damping, parts.stiffness, parts.control)
-        parts = machine.along(basis)
-        _check_constant(
-            _Projected(parts.mass, parts.damping, parts.stiffness, parts.control),
-            again,
-            later.constraint,
-            later.mass.diagonal(),
-            basis,
-            spin,
-            left,
-        )
-    return machine
-
-
-def _equations(found: RestingState, time: float) -> LinearEquations:
-    return found.machine.linear_equations(found.state, time)
-
-
-def _carried(system: System, found: RestingState, time: float) -> tuple[RestingState, float]:
-    """A system where it is placed, its joints carrying what is unbalanced; and what part they cannot."""
-    if isinstance(found.machine, LineStatics):
-        still = replace(system, bodies=tuple(map(at_rest, system.bodies)))
-        there = line_statics(still, found.turning, time, found.model.active)
-        state, left = there.carried_state()
-        return found._replace(machine=there, state=state), left
-    model = build_model(system, found.model.active)
-    configuration, none = placed_configuration(system), np.zeros(len(found.model.active))
-    motion = steady_motion(model, found.turning, time, configuration, none, found.state.control)
-    terms = balanced(model, motion)
-    rows = np.asarray(constraint_rows(model, terms.linearization.joints))
-    weights = np.asarray(position_scale(model))
-    unbalanced = weights * np.asarray(terms.residual)
-    carried = weights[:, None] * rows.T
-    multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
-    largest = max(
-        float(np.linalg.norm(weights * part)) for part in (terms.inertia, terms.internal, terms.applied)
-    )
-    # What is in balance may vanish, as the torque on a rotor that turns freely does: rounding is left then.
-    largest = max(largest, _CONSTANT * work_of_turning(model, found.turning))
-    left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / (largest or 1.0)
-    rest = unrest(
-        system, control_at_rest(model, motion), position_scale(model), motion.velocity, found.state.control
-    )
-    state = StaticState(configuration, multipliers, control=found.state.control)
-    machine = CompiledStatics(CompiledMachine(system, model), found.turning)
-    return found._replace(model=model, state=state, machine=machine), max(left, *rest.values(), 0.0)
 
 
 class _Projected(NamedTuple):
@@ -212,17 +141,17 @@ class _Projected(NamedTuple):
     control: LinearControl
 
     @classmethod
-    def of(cls, equations: LinearEquations, basis: Array) -> _Projected:
-        """`N^T M N` and the like of dense equations, N (n, k)."""
-        parts = equations.mass, equations.damping, equations.stiffness
-        mass, damping, stiffness = (basis.T @ part @ basis for part in parts)
+    def of(cls, equations: LinearEquations | SparseEquations, basis: Array) -> _Projected:
+        """`N^T M N` and the like, N (n, k)."""
+        images = equations.mass @ basis, equations.damped(basis), equations.stiffness @ basis
+        mass, damping, stiffness = (basis.T @ each for each in images)
         return cls(mass, damping, stiffness, equations.control.along(basis))
 
 
 def _free_motions(equations: LinearEquations) -> Array:
     """`N` (n, k), the null space of `G`; its columns of the size of unit kinetic energy."""
     size = 1 / np.sqrt(np.diag(equations.mass))
-    return size[:, None] * scipy.linalg.null_space(equations.jacobian * size)
+    return size[:, None] * scipy.linalg.null_space(equations.constraint * size)
 
 
 def _turned_on(found: RestingState, time: float, spin: Spin) -> System:
@@ -255,15 +184,15 @@ def _turned_on(found: RestingState, time: float, spin: Spin) -> System:
 
 
 def _check_constant(
-    projected: _Projected,
-    again: _Projected,
-    jacobian: Any,
-    masses: Array,
-    basis: Array,
-    spin: Spin,
-    unbalanced: float,
+    found: RestingState, projected: _Projected, basis: Array, time: float, spin: Spin
 ) -> None:
     """ModelError where the equations, or what is in balance, change as the machine turns."""
+    system = _turned_on(found, time, spin)
+    system = replace(system, bodies=tuple(map(at_rest, system.bodies)))
+    later = equations_of(system, found.turning, time, found.equations.model.active)
+    state, unbalanced = carried_state(later, time)
+    equations = later.linear_equations(state, time)
+    again, jacobian, masses = _Projected.of(equations, basis), equations.constraint, equations.mass.diagonal()
     size = np.sqrt(np.abs(np.diag(projected.stiffness)) + spin.rate**2 * np.diag(projected.mass))
     changes = {
         "mass": (again.mass - projected.mass) * spin.rate**2,

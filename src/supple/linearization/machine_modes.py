@@ -20,7 +20,7 @@ __all__ = ["MachineModes", "machine_modes"]
 _MOTIONLESS = 1e-12
 """Part of a mode that is motion, below which controllers alone change in it."""
 
-_ROUNDING = 64.0
+_ROUNDING = 512.0
 """Of stiffness in units of the floating-point precision: what may be left of terms that cancel."""
 
 
@@ -152,7 +152,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     values, left, right = scipy.linalg.eig(balanced, left=True)  # pyright: ignore[reportAssignmentType]
     motions = graded @ scipy.linalg.solve_triangular(lower.T, scales[:k, None] * right[:k])
     zero = _is_zero(values, left, right, unit / np.sqrt(k)) | _is_rigid(machine, values, motions)
-    values, vectors = _one_of_each(np.where(zero, 0.0, values), right, k)
+    values, vectors = _one_of_each(np.where(zero, 0.0, values), right, scales, k)
     still = np.linalg.norm(vectors[: 2 * k], axis=0) < _MOTIONLESS
     vectors = scales[:, None] * vectors
     # Of modes as slow as each other to rounding, those that grow come first.
@@ -229,7 +229,7 @@ def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
     return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)
 
 
-def _one_of_each(values: Any, vectors: Any, k: int) -> tuple[Any, Any]:
+def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any, Any]:
     """Of a conjugate pair the one above the real axis; of zeros as many as they have vectors.
 
     Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
@@ -238,7 +238,10 @@ def _one_of_each(values: Any, vectors: Any, k: int) -> tuple[Any, Any]:
     kept = (values.imag >= 0) & ~zero
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
     at_zero[k : 2 * k] = 0.0  # rates, which rounding alone leaves
-    directions, sizes, _ = np.linalg.svd(at_zero, full_matrices=False)
-    directions = directions[:, sizes > 1e-5 * max(sizes.max(initial=0.0), 1e-300)]
+    # Places in the mass norm: balanced, what a free rotation stretches when its rate changes is as large as it.
+    weights, places = np.ones((len(at_zero), 1)), scales[:k, None] * at_zero[:k]
+    weights[:k, 0] = scales[:k] * np.linalg.norm(at_zero[:k]) / (np.linalg.norm(places) or 1.0)
+    directions, sizes, _ = np.linalg.svd(weights * at_zero, full_matrices=False)
+    directions = directions[:, sizes > 1e-5 * max(sizes.max(initial=0.0), 1e-300)] / weights
     values = np.concatenate([np.zeros(directions.shape[1]), values[kept]])
     return values, np.hstack([directions, vectors[:, kept]])

@@ -66,7 +66,7 @@ def mode_error(
     slowest : eigenvalues and shapes of so many slowest modes of a machine with full bodies
     Each is the likest one in shape (modal assurance), of those alike the nearest in frequency.
     """
-    number = min(len(values) + MORE, max(full.machine.size // 4 - MORE, 1))
+    number = min(len(values) + MORE, full.machine.size)  # of a small machine all are found
     exact, motions = slowest(full.machine, number)
     mass = full.machine.equations.mass
     ours = full.expansion @ shapes

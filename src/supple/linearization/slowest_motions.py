@@ -74,6 +74,8 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
         if larger.shape[1] == basis.shape[1]:
             break
         basis = larger
+    if machine.size <= LARGEST_DENSE:
+        return machine.all_motions
     raise AccuracyError(
         f"the {n_modes} slowest modes have not settled: {left:.1e} of a mode is missing; ask for another "
         "number of modes, or reduce the bodies"

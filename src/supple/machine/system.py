@@ -247,13 +247,12 @@ class System:
         return any(placed.body.kind in _EXPLICIT for placed in self.bodies)
 
     def check_has_frames(self) -> None:
-        """ModelError for a part of an explicit march, whose equations no other method has."""
+        """ModelError for explicit finite elements, whose equations no other method has."""
         for body in (placed.body for placed in self.bodies):
-            if body.kind in _EXPLICIT:
+            if body.kind == "explicit":
                 raise ModelError(
-                    f"body '{body.name}' is a part of an explicit march ({body.kind}), which `simulate` "
-                    "alone takes; for statics, modes, batches and error estimates reduce the body, or "
-                    "stand it in full"
+                    f"body '{body.name}' is of explicit finite elements, which `simulate` alone takes; for "
+                    "statics, modes, batches and error estimates reduce the body, or stand it in full"
                 )
 
     def _check_controllers(self) -> None:

@@ -110,8 +110,8 @@ class AccelerationSensor(_AtPlace):
         seen_from_base = self.place.motion(system, solution, self.name).acceleration
         if np.isnan(seen_from_base).all():
             raise ModelError(
-                f"sensor '{self.name}': the motion of body '{self.place.body}' has no accelerations: it is a "
-                "part of an explicit march, or was recorded by an earlier version; then run the case again"
+                f"sensor '{self.name}': the motion of body '{self.place.body}' has no accelerations: it was "
+                "recorded by an earlier version; run the case again"
             )
         return seen_from_base + base_acceleration(system, solution.times)
 

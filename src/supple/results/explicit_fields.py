@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.integrate import FloatingMotion
 from supple.methods.explicit import (
     ExplicitShell,
     ExplicitSubdomain,
-    FourPointMotion,
     ModalSubdomain,
     NodalMotion,
 )
@@ -81,11 +81,11 @@ def largest_part_stress(
 
 
 def nodal_von_mises(
-    subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: FourPointMotion | NodalMotion
+    subdomain: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: FloatingMotion | NodalMotion
 ) -> FloatArray:
     """Von Mises stress (t, N) of a part, Pa."""
     if isinstance(subdomain, ModalSubdomain):
-        assert isinstance(motion, FourPointMotion)
+        assert isinstance(motion, FloatingMotion)
         return modal_von_mises(stress_of_modes(subdomain), motion.coordinates)
     assert isinstance(motion, NodalMotion)
     return element_means(subdomain, motion.von_mises, motion.alive)

@@ -10,13 +10,14 @@ from scipy.spatial.transform import Rotation
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.consistent_start import placed_configuration
 from supple.equations.joint_closure import joints_assembled
 from supple.equations.start_change import Moved
 from supple.equations.starting_machine import StartingMachine
 from supple.machine import System
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
-from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.intrinsic import IntrinsicBody
+from supple.simulation.seen_machine import full_system
 
 __all__ = ["AssembledMachine", "assemble"]
 
@@ -50,8 +51,8 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
     ConvergenceError    joints that do not fit: the worst one, and by how much it stays open
     Source: [Nikravesh1988] section 3.2 (Newton's method on the constraint equations).
     """
-    full = system.bodies_of(FullBody)
-    machine: StartingMachine = FullSystem(system) if full else CompiledMachine(system, build_model(system))
+    sparse = system.bodies_of(FullBody) or system.bodies_of(IntrinsicBody)
+    machine: StartingMachine = full_system(system) if sparse else CompiledMachine(system, build_model(system))
     found = joints_assembled(machine, time, placed_configuration(system))
     bodies, moved = [], []
     for placed, position, rotation in zip(system.bodies, found.origins, found.rotations, strict=True):

@@ -42,6 +42,7 @@ from supple.methods.intrinsic import IntrinsicBody
 from supple.programs.worker_processes import on_all_cores
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
+from supple.simulation.engines import refuse_explicit
 from supple.simulation.results_of_cases import MarchedCase, solutions_of
 from supple.simulation.shares_of_cases import shares_of
 from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
@@ -85,7 +86,7 @@ def simulate_batch(
     before_compiled_code()
     if not cases:
         raise ModelError("a batch needs at least one case")
-    _check_systems(cases)
+    _check_systems(cases, run)
     if cases[0].bodies_of(FullBody):
         raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
     sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
@@ -144,9 +145,10 @@ def simulate_batch(
     return BatchSolution(tuple(in_order), dict(sorted(failures.items())), seconds, ready - began)
 
 
-def _check_systems(cases: Sequence[System]) -> None:
+def _check_systems(cases: Sequence[System], run: Run) -> None:
     for number, system in enumerate(cases):
         check_instance(f"simulate_batch, case {number}", system, System, "a System")
+        refuse_explicit(system, run, "a batch")
 
 
 def _briefest(cases: Sequence[System], run: Run) -> System:

@@ -5,17 +5,34 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from supple.body import FullBody
 from supple.errors import ModelError
-from supple.integrate import Engine, ExplicitRule, Kinematic, Run
+from supple.integrate import AdaptiveStep, Engine, ExplicitRule, Kinematic, Run
 from supple.machine import System
 from supple.methods.explicit import ExplicitEngine
 from supple.methods.floating import CompiledEngine, FullEngine, KinematicEngine
 from supple.methods.intrinsic import intrinsic_engine
+from supple.methods.intrinsic.chosen_step import with_chosen_step
+from supple.methods.intrinsic.supported_root import is_joined
+from supple.simulation.seen_machine import seen_machine
 
 __all__ = ["register_engine"]
 
 EngineFactory = Callable[[System, Run], Engine[Any]]
 """Makes a machine ready for one method."""
+
+
+def _sparse_engine(system: System, run: Run) -> FullEngine:
+    """Of machines with full bodies, beside which intrinsic ones stand in floating frames."""
+    return FullEngine(seen_machine(system), with_chosen_step(system, run))
+
+
+def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
+    """The march of lines; where it does not take the run or the other bodies, the sparse engine."""
+    if system.bodies_of(FullBody) or (is_joined(system) and isinstance(run.step_control, AdaptiveStep)):
+        return _sparse_engine(system, run)
+    return intrinsic_engine(system, run)
+
 
 _ENGINES: dict[str, EngineFactory] = {}
 """By the kind of body that needs it; the first that applies to any body of the machine is taken."""
@@ -50,8 +67,17 @@ def is_explicit(system: System, run: Run) -> bool:
     return isinstance(run.method, ExplicitRule) or any(_ENGINES.get(kind) is ExplicitEngine for kind in kinds)
 
 
+def refuse_explicit(system: System, run: Run, what: str) -> None:
+    """ModelError for an explicit march where another is meant; `what` as in "a batch"."""
+    if is_explicit(system, run):
+        system.check_has_frames()
+        raise ModelError(
+            f"{what} is not made of explicit marches: simulate the machine alone, or reduce its modal parts"
+        )
+
+
 def _check_controllers(system: System, factory: Any) -> None:
-    if not system.controllers or factory in (CompiledEngine, FullEngine, intrinsic_engine):
+    if not system.controllers or factory in (CompiledEngine, _sparse_engine, _intrinsic_engine):
         return
     other = next(placed.body for placed in system.bodies if placed.body.kind in _ENGINES)
     raise ModelError(
@@ -62,5 +88,5 @@ def _check_controllers(system: System, factory: Any) -> None:
 
 register_engine("modal", ExplicitEngine)
 register_engine("explicit", ExplicitEngine)
-register_engine("intrinsic", intrinsic_engine)
-register_engine("full", FullEngine)
+register_engine("intrinsic", _intrinsic_engine)
+register_engine("full", _sparse_engine)

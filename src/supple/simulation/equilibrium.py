@@ -10,14 +10,10 @@ import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
-from supple.equations.configuration import Configuration, SystemMotion
-from supple.equations.consistent_start import placed_velocity
-from supple.equations.floating_solution import floating_solution
 from supple.equations.static_search import StaticSearch
 from supple.errors import BasisWarning
-from supple.integrate import Solution, Statistics
+from supple.integrate import Solution
 from supple.machine import Spin, System
-from supple.methods.intrinsic.line_statics import LineStatics
 from supple.simulation.full_rest import RestError, full_rest, known_fulls, rest_errors
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
@@ -143,13 +139,4 @@ REMEDY = (
 
 def _one_instant(found: RestingState, time: float) -> Solution:
     """The equilibrium as a motion of one instant."""
-    if isinstance(found.machine, LineStatics):
-        return found.machine.solution(found.state, time, found.iterations)
-    system, state = placed_at_rest(found), found.state
-    configuration = Configuration(*(np.asarray(part)[None] for part in state.configuration))
-    moving = placed_velocity(system)[None]
-    motion = SystemMotion(
-        np.array([time]), configuration, moving, np.zeros_like(moving), np.asarray(state.multipliers)[None]
-    )
-    statistics = Statistics(steps=0, iterations=found.iterations, rejected_steps=0, seconds=0.0)
-    return floating_solution(system, found.slices, found.model.active, motion, statistics)
+    return found.equations.solution(found.state, time, found.iterations)

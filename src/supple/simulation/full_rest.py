@@ -28,12 +28,11 @@ from supple.equations.static_search import (
 )
 from supple.errors import AccuracyError, ConvergenceError
 from supple.machine import System
-from supple.methods.floating.full.full_system import FullSystem
-from supple.methods.floating.full.statics import FullStatics
-from supple.methods.intrinsic.line_statics import LineStatics
+from supple.methods.floating.full.statics import FullStatics, full_statics
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 from supple.simulation.resting_state import RestingState, placed_at_rest
+from supple.simulation.seen_machine import seen_machine
 
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
@@ -46,6 +45,8 @@ SETTLED = 1e-4
 NOTHING = 1e-8
 """Of the size of the machine: a sweep that moves less is the last, whatever the first."""
 MOST_SWEEPS = 12
+NEAR_BY = 20
+"""Iterations of the search from the rest of the reduced machine, where sweeps do not contract."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,12 +135,11 @@ def full_rest(
 ) -> FullRest | None:
     """The equilibrium with all coordinates, from that of the reduced machine; None where no body is reduced.
 
-    None beside intrinsic bodies too: no engine takes them together with full ones.
     fulls : the bodies that were reduced, by name; others stay as they are
     Raises ModelError for a full body that is not the one that was reduced.
     """
     bases = kept_bases(reduced.system, fulls)
-    if not bases or isinstance(reduced.machine, LineStatics):
+    if not bases:
         return None
     expanded = _expanded(reduced, bases, fulls)
     bodies = tuple(
@@ -148,36 +148,40 @@ def full_rest(
         else placed
         for placed in reduced.system.bodies
     )
-    machine = FullSystem(replace(reduced.system, bodies=bodies), reduced.model.active)
+    spins = bool(np.any(reduced.turning.angular_velocities))
+    machine, turning = (
+        seen_machine(replace(reduced.system, bodies=bodies)),
+        reduced.turning if spins else None,
+    )
+    statics = full_statics(machine, turning, time, reduced.equations.model.active)
     # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
     start = reduced.state._replace(
-        configuration=reduced.state.configuration._replace(coordinates=np.concatenate(expanded)),
-        frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
+        configuration=reduced.configuration._replace(coordinates=np.concatenate(expanded)),
+        frame_multipliers=statics.start().frame_multipliers,
     )
     names = [placed.body.name for placed in bodies]
     began = {name: own for name, own in zip(names, expanded, strict=True) if name in bases}
-    spins = bool(np.any(reduced.turning.angular_velocities))
-    statics = FullStatics(machine, reduced.turning if spins else None)
     lowest = min(reduced.system.bodies_of(ReducedBody)[name].lowest_frequency() for name in bases)
     state, second = _swept(statics, start, time, (SLOWNESS / lowest) ** 2)
     if state is None:
         try:
-            state, _ = search_equilibrium(statics, start, time, search)
+            state, _ = search_equilibrium(
+                statics, start, time, replace(search, max_iterations=min(NEAR_BY, search.max_iterations))
+            )
         except ConvergenceError:
-            return FullRest(None, bases, began, second)
-    found = reduced._replace(
-        system=machine.system,
-        model=machine.model,
-        slices=tuple(machine.slices),
-        state=state,
-        machine=statics,
-    )
+            # Far from the reduced rest: its shape is no better a start than the undeformed one.
+            statics = full_statics(machine, turning, time)
+            try:
+                state, _ = search_equilibrium(statics, statics.start(), time, search)
+            except ConvergenceError:
+                return FullRest(None, bases, began, second)
+    found = reduced._replace(system=statics.machine.system, state=state, equations=statics)
     return FullRest(found, bases, began, second)
 
 
 def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: FullRest) -> dict[str, RestError]:
     """What the basis of each body costs, by name."""
-    held = holds_all(reduced.system, reduced.model)
+    held = holds_all(reduced.system, reduced.equations.model)
     before = placed_at_rest(reduced).bodies
     after = before if full.found is None else placed_at_rest(full.found).bodies
     errors = {}
@@ -220,7 +224,7 @@ def _expanded(
     coordinates, first = [], 0
     for placed in reduced.system.bodies:
         body = placed.body
-        own = np.asarray(reduced.state.configuration.coordinates[first : first + body.n_coordinates])
+        own = np.asarray(reduced.configuration.coordinates[first : first + body.n_coordinates])
         first += body.n_coordinates
         if isinstance(body, ReducedBody) and body.name in bases:
             following, basis = body.condensed is not None, bases[body.name]

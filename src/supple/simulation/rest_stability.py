@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import scipy.linalg
 
 from supple.algebra.bordered_factor import bordered_factor
-from supple.body import FullBody
-from supple.methods.intrinsic.line_statics import LineStatics
+from supple.equations.steady_motion import LinearEquations
+from supple.errors import AccuracyError
+from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.resting_state import RestingState
 
 __all__ = ["is_stable"]
@@ -32,39 +35,43 @@ def is_stable(found: RestingState, time: float) -> bool | None:
     """
     if found.system.controllers:
         return None
-    falling = _falling_in_full(found, time) if found.system.bodies_of(FullBody) else _falling(found, time)
+    equations = found.equations.linear_equations(found.state, time)
+    if isinstance(equations, SparseEquations):
+        falling = _falling_sparse(equations)
+    else:
+        falling = _falling(equations, discrete=found.equations.is_discrete)
     if falling is None:
         return None
     spins = bool(np.any(found.turning.angular_velocities))
     return None if spins and falling and falling % 2 == 0 else falling == 0
 
 
-def _falling(found: RestingState, time: float) -> int | None:
+def _falling(equations: LinearEquations, *, discrete: bool) -> int | None:
     """Number of negative directions; None where the stiffness is not symmetric."""
-    equations = found.machine.linear_equations(found.state, time)
     size = 1 / np.sqrt(np.diag(equations.mass))
-    free = size[:, None] * scipy.linalg.null_space(equations.jacobian * size)
+    free = size[:, None] * scipy.linalg.null_space(equations.constraint * size)
     mass, stiffness = (free.T @ part @ free for part in (equations.mass, equations.stiffness))
     if not len(mass):
         return 0
-    if isinstance(found.machine, LineStatics):
-        skew = _largest_coupling(mass, stiffness) > DISCRETE
-    else:
-        skew = _is_skew(stiffness)
-    if skew:
+    if _largest_coupling(mass, stiffness) > DISCRETE if discrete else _is_skew(stiffness):
         return None
     values = scipy.linalg.eigvalsh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
     return int(np.sum(values < -ROUNDING * abs(values).max()))
 
 
-def _falling_in_full(found: RestingState, time: float) -> int | None:
-    equations = found.machine.linear_equations(found.state, time)
+def _falling_sparse(equations: SparseEquations) -> int | None:
     stiffness = equations.stiffness
     if _is_skew(stiffness):
         return None
     symmetric = (stiffness + stiffness.T) / 2
-    factor = bordered_factor(symmetric, equations.constraint, equations.interior)
-    return factor.negative - equations.constraint.shape[0]
+    # A motion that nothing holds makes the stiffness singular: what falls slower than rounding is held.
+    squares = abs(symmetric.diagonal()) / equations.mass.diagonal()
+    for shift in (0.0, ROUNDING * float(squares[np.isfinite(squares)].max(initial=0.0))):
+        with suppress(AccuracyError):
+            matrix = symmetric + shift * equations.mass
+            factor = bordered_factor(matrix, equations.constraint, equations.interior)
+            return factor.negative - equations.constraint.shape[0]
+    return None
 
 
 def _largest_coupling(mass: np.ndarray, stiffness: np.ndarray) -> float:

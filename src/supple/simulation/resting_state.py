@@ -8,14 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.body import FullBody
-from supple.equations.build_model import build_model
 from supple.equations.configuration import Configuration
-from supple.equations.consistent_start import consistent_start
-from supple.equations.control_force import first_states, states_by_controller
-from supple.equations.model import Model
+from supple.equations.control_force import states_by_controller
 from supple.equations.static_search import (
-    StaticMachine,
+    Equations,
     StaticSearch,
     StaticState,
     search_equilibrium,
@@ -24,11 +20,7 @@ from supple.equations.steady_motion import Turning
 from supple.errors import ModelError
 from supple.machine import Placed, Spin, System
 from supple.machine.control import Controller, SampledController
-from supple.methods.floating import CompiledStatics, FullStatics
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
-from supple.methods.floating.full.full_system import FullSystem
-from supple.methods.intrinsic import IntrinsicBody
-from supple.methods.intrinsic.line_statics import line_statics
+from supple.simulation.equations_of import equations_of
 
 __all__ = ["RestingState", "at_rest", "check_time", "placed_at_rest", "resting_state"]
 
@@ -38,19 +30,15 @@ class RestingState(NamedTuple):
 
     system: System
     """As it was placed"""
-    model: Model
-    slices: tuple[slice, ...]
-    """Of each body's freedoms"""
     turning: Turning
     state: StaticState
     iterations: int
-    machine: StaticMachine
-    """In the hands of its engine"""
+    equations: Equations
 
     @property
     def configuration(self) -> Configuration:
         """Where the bodies are, in their order."""
-        return self.machine.bodies_at(self.state.configuration)
+        return self.equations.bodies_at(self.state.configuration)
 
 
 def resting_state(
@@ -69,22 +57,9 @@ def resting_state(
     if spin is not None:
         turning = Turning(spin.angular_velocities(system), spin.point)
     still = replace(system, bodies=tuple(at_rest(placed) for placed in system.bodies))
-    if system.bodies_of(IntrinsicBody):
-        lines = line_statics(still, turning if spin else None, time)
-        state, iterations = search_equilibrium(lines, lines.start, time, search, progress)
-        return RestingState(still, lines.machine.arrays.model, (), turning, state, iterations, lines)
-    if system.bodies_of(FullBody):
-        machine, configuration, *_ = consistent_start(FullSystem(still), time)
-        statics, model = FullStatics(machine, turning if spin else None), machine.model
-        slices = machine.slices
-        frames = tuple(np.zeros(6) for _ in machine.interiors)
-    else:
-        compiled, configuration, *_ = consistent_start(CompiledMachine(still, build_model(still)), time)
-        statics, model, frames = CompiledStatics(compiled, turning if spin else None), compiled.model, ()
-        slices = compiled.slices
-    start = StaticState(configuration, np.zeros(len(model.active)), frames, first_states(model))
-    state, iterations = search_equilibrium(statics, start, time, search, progress)
-    return RestingState(still, model, slices, turning, state, iterations, statics)
+    equations = equations_of(still, turning if spin else None, time)
+    state, iterations = search_equilibrium(equations, equations.start(), time, search, progress)
+    return RestingState(still, turning, state, iterations, equations)
 
 
 def check_time(time: float) -> None:
@@ -131,7 +106,7 @@ def placed_at_rest(found: RestingState) -> System:
 
 def _resting(system: System, found: RestingState) -> tuple[Controller | SampledController, ...]:
     """The controllers, beginning with the states at rest."""
-    states = states_by_controller(found.model, found.state.control)
+    states = states_by_controller(found.equations.model, found.state.control)
     return tuple(
         replace(own, initial=state) if isinstance(own, Controller) else own
         for own, state in zip(system.controllers, states, strict=True)

@@ -81,7 +81,7 @@ def _decay() -> list[Comparison]:
 
 def _resonance() -> list[Comparison]:
     """Largest response of the tip to a force there near the first frequency, against the mode's at rest."""
-    machine = linearize(held_strip(_rayleigh()))
+    machine = linearize(held_strip(_rayleigh()), fulls=())
     assert isinstance(machine, LinearMachine)
     undamped = replace(machine, damping=np.zeros_like(machine.damping))
     modes = machine_modes(undamped, 1)

@@ -1,5 +1,7 @@
 """What an explicit march does not do is refused in one sentence, before anything is computed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fixtures.explicit_bars import SOFT, bar, explicit_bar
@@ -18,13 +20,17 @@ from supple.machine import (
     DeadForce,
     DeadTorque,
     FollowerForce,
+    FollowerPressure,
+    HingeFriction,
     Placed,
+    Revolute,
     RigidPlane,
     Scaled,
     Spin,
     Support,
     System,
     Tie,
+    TorsionSpringDamper,
 )
 from supple.machine.laws import Table
 from supple.mesh import CellType, Mesh
@@ -32,6 +38,7 @@ from supple.methods.explicit import (
     BulkViscosity,
     Explicit,
     ExplicitEngine,
+    PublishedScheme,
     explicit_subdomain,
     modal_subdomain,
 )
@@ -65,10 +72,19 @@ def modal():
         lambda system: balances(system, Solution(np.zeros(1), {}, {}, Statistics())),
     ],
 )
-@pytest.mark.parametrize("part", [lambda: explicit_bar(CellType.HEXA8), modal])
-def test_what_is_not_asked_of_explicit_parts_is_refused_in_one_place(ask, part):
-    with pytest.raises(ModelError, match=r"is a part of an explicit march .*which `simulate` alone takes"):
-        ask(System([part()]))
+def test_what_is_not_asked_of_explicit_elements_is_refused_in_one_place(ask):
+    with pytest.raises(ModelError, match="is of explicit finite elements, which `simulate` alone takes"):
+        ask(System([explicit_bar(CellType.HEXA8)]))
+
+
+def test_batches_and_error_estimates_are_not_of_explicit_marches():
+    system = System([modal()])
+    with pytest.raises(ModelError, match="a batch is not made of explicit marches: simulate the machine"):
+        simulate_batch([system], RUN)
+    with pytest.raises(ModelError, match="an error estimate is not made of explicit marches"):
+        state_errors(system, RUN, Solution(np.zeros(1), {}, {}, Statistics()))
+    with pytest.raises(ModelError, match="a batch is not made of explicit marches"):
+        simulate_batch([System([ball()])], Run(0.02, 0.01, method=Explicit()))
 
 
 @pytest.mark.parametrize(
@@ -76,15 +92,17 @@ def test_what_is_not_asked_of_explicit_parts_is_refused_in_one_place(ask, part):
     [
         reduce(BODY, MeanAxisFrame(), NormalModes(4), loads=NoLoads),
         FullBody(BODY, MeanAxisFrame()),
-        ball(),
     ],
     ids=lambda body: type(body).__name__,
 )
 def test_bodies_of_other_methods_do_not_march_beside_parts(body):
     with pytest.raises(
-        ModelError, match=f"body '{body.name}' is {body.kind}, and explicit parts march alone"
+        ModelError, match=f"body '{body.name}' is {body.kind}, which does not march explicitly: make it a"
     ):
         simulate(System([explicit_bar(CellType.HEXA8), body]), RUN)
+
+
+def test_ties_contacts_and_supports_are_not_of_rigid_bodies():
     for item in (
         {"supports": [Support(END)]},
         {"contacts": [Contact(END, WALL)]},
@@ -120,15 +138,15 @@ def test_what_acts_on_a_part_suits_it():
     for more, named in (
         (
             {"loads": [FollowerForce(first="bar.tip", force=(1.0, 0.0, 0.0))]},
-            "'bar' is explicit and has none",
+            r"FollowerForce on bar.tip: it takes hold of a frame, and nodes of explicit elements \('bar'\)",
         ),
         (
             {"loads": [DeadTorque(first="bar.tip", torque=(1.0, 0.0, 0.0))]},
-            "DeadTorque: an explicit march has",
+            "DeadTorque on bar.tip: it takes hold of a frame",
         ),
         (
             {"joints": [Ball(name="pin", first="bar.tip", second="ground")]},
-            "'pin' is a Ball, which an explicit",
+            "joint 'pin': it takes hold of a frame, and nodes .* put it on a modal part that they are tied on",
         ),
     ):
         with pytest.raises(ModelError, match=named):
@@ -174,11 +192,31 @@ def test_what_the_march_has_of_its_own_is_not_asked_of_the_run():
             simulate(system, run)
 
 
-def test_bodies_in_floating_frames_do_not_take_explicit_steps():
-    with pytest.raises(ModelError, match="body 'ball' is rigid, and explicit parts march alone"):
+def test_rigid_bodies_alone_have_no_step_limit():
+    with pytest.raises(
+        ModelError, match="rigid bodies without springs march explicitly at any step.*FixedStep"
+    ):
         simulate(System([ball()]), Run(0.02, 0.01, method=Explicit()))
-    with pytest.raises(ValueError, match="Explicit steps modal and finite-element parts"):
-        simulate_batch([System([ball()])], Run(0.02, 0.01, method=Explicit()))
+
+
+def test_what_a_march_does_not_follow_is_refused_with_the_remedy():
+    pin = Revolute(name="pin", first="ground", second="ball.tip", axis=(0, 0, 1))
+    run = Run(0.02, 0.01, FixedStep(1e-3), method=Explicit())
+    friction = HingeFriction(joint=pin, coefficient=0.1, width=0.1, radius=0.1)
+    with pytest.raises(ModelError, match="does not follow the force of a joint; give friction a preload"):
+        simulate(System([ball()], joints=[pin], loads=[friction]), run)
+    spring = TorsionSpringDamper(
+        first="ground", second="ball.tip", axis=(0, 0, 1), stiffness=1e6, damping=0.0
+    )
+    with pytest.raises(ModelError, match="above the limit of 0.002 s"):
+        simulate(System([ball()], joints=[pin], loads=[spring]), replace(run, step=FixedStep(2.1e-3)))
+    with pytest.raises(ModelError, match="march by ProjectedDifference"):
+        simulate(System([ball()], joints=[pin]), replace(run, method=Explicit(PublishedScheme())))
+    with pytest.raises(
+        ModelError, match="FollowerPressure.*: nodes of explicit elements bear DeadForce alone"
+    ):
+        pressure = FollowerPressure(body="bar", faces=np.array([[0, 1, 2]]), pressure=1.0)
+        simulate(System([explicit_bar(CellType.HEXA8)], loads=[pressure]), RUN)
 
 
 def test_the_step_of_the_run_is_taken():

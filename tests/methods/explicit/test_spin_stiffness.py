@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from fixtures.explicit_bars import stepped
+from fixtures.frame_momentum import half_steps
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
@@ -129,15 +130,9 @@ def test_momentum_is_kept_and_the_balance_is_closed(flapping):
     total = e[:, :7].sum(axis=1) - e[:, 7]
     assert np.abs(total - total[0]).max() < 1e-12 * np.abs(e).max()
     assert e[:, 1].max() > 1e-6
-    own, model = solution.bodies["rotor"], engine.built.model.frames[0].model
-    turned = engine.built.frames["rotor"].turned.T
-    h = solution.series["steps"]
-    L = [
-        angular_momentum(model, FrameState(p, turned @ y, vp, turned @ vy), step)
-        for p, y, vp, vy, step in zip(
-            own.points, own.coordinates, own.point_rates, own.coordinate_rates, h[:, 0] * h[:, 1], strict=True
-        )
-    ]
+    model = engine.built.model.frames[0].model
+    own = half_steps(engine, solution.times, "rotor")
+    L = [angular_momentum(model, FrameState(*row[:4]), row[4]) for row in zip(*own, strict=True)]
     about_z = np.array(L[1:])[:, 2]  # the pushes along z have no moment about it at x = 4, y = 0
     assert np.abs(about_z - about_z[0]).max() < 1e-11 * np.abs(about_z).max()
 

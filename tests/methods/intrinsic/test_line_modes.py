@@ -124,7 +124,7 @@ def test_the_tangent_is_the_derivative_of_the_residual(rate):
     system = System([placed], [joint], [spring], gravity=[0, 0, -G])
     turning = Turning(np.array([[0, 0, rate]]), np.zeros(3)) if rate else None
     machine = line_statics(system, turning, 0.0)
-    state = machine.start._replace(multipliers=np.linspace(-1, 2, 5))
+    state = machine.start()._replace(multipliers=np.linspace(-1, 2, 5))
     tangent = machine._small_motions(state)
     for column, step in enumerate(1e-5 * np.eye(len(tangent.mass))):
         ends = [

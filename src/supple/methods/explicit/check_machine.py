@@ -6,7 +6,8 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import ExplicitRule, GeneralizedAlpha, Run, Tolerances
-from supple.machine import DeadForce, FollowerForce, Mortar, Support, System, Tie
+from supple.machine import GROUND, DeadForce, ForceElement, Joint, Mortar, NodalLoad, Support, System, Tie
+from supple.machine.forces import JointFriction
 from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
@@ -25,9 +26,9 @@ def check_machine(system: System, method: Explicit) -> None:
     """ModelError for bodies of other methods, and for what acts on parts that does not suit them."""
     for placed in system.bodies:
         body = placed.body
-        if body.kind not in ("modal", "explicit"):
+        if body.kind not in ("modal", "explicit", "rigid"):
             raise ModelError(
-                f"body '{body.name}' is {body.kind}, and explicit parts march alone: make it a "
+                f"body '{body.name}' is {body.kind}, which does not march explicitly: make it a "
                 "modal_subdomain or an explicit_subdomain"
             )
         if body.kind == "explicit" and placed.coordinates.any():
@@ -35,12 +36,13 @@ def check_machine(system: System, method: Explicit) -> None:
                 f"part '{body.name}' is of finite elements, which start undeformed, for the energy that they "
                 "would hold is not known: leave its coordinates out; coordinate_rates may be given"
             )
-    if system.joints or system.controllers:
-        first = next(iter((*system.joints, *system.controllers)))
+    if system.controllers:
         raise ModelError(
-            f"'{first.name}' is a {type(first).__name__}, which an explicit march does not have: it ties "
-            "parts (ties), stops them (contacts) and holds nodes of finite elements (supports)"
+            f"controller '{system.controllers[0].name}': an explicit march has no controllers; give what it "
+            "drives a law of time, or reduce the bodies"
         )
+    for joint in system.joints:
+        _check_frames(system, f"joint '{joint.name}'", joint)
     _check_scheme(system, method)
     for load in system.loads:
         _check_load(system, load)
@@ -61,17 +63,29 @@ def _check_scheme(system: System, method: Explicit) -> None:
 
 
 def _check_load(system: System, load: object) -> None:
-    if isinstance(load, FollowerForce):
-        if not _is_modal(system, load.first.body):
-            raise ModelError(
-                f"{load.label}: it turns with the frame of a modal part, and '{load.first.body}' is explicit "
-                "and has none; give a DeadForce, or put it on a modal part"
-            )
-    elif not isinstance(load, DeadForce):
+    if isinstance(load, JointFriction):
         raise ModelError(
-            f"{type(load).__name__}: an explicit march has DeadForce on node sets and nodes, and "
-            "FollowerForce on node sets of modal parts"
+            f"{load.label}: an explicit march does not follow the force of a joint; give friction a preload, "
+            "RevoluteFriction or PrismaticFriction"
         )
+    if isinstance(load, ForceElement):
+        _check_frames(system, load.label, load)
+    elif isinstance(load, NodalLoad) and not (isinstance(load, DeadForce) or _has_frame(system, load.body)):
+        raise ModelError(f"{load.label}: nodes of explicit elements bear DeadForce alone; give this")
+
+
+def _check_frames(system: System, what: str, element: Joint | ForceElement) -> None:
+    """ModelError where an end is on explicit elements, which have no frame."""
+    for end in (element.first, element.second):
+        if end != GROUND and not _has_frame(system, end.body):
+            raise ModelError(
+                f"{what}: it takes hold of a frame, and nodes of explicit elements ('{end.body}') have none; "
+                "put it on a modal part that they are tied on, or give a DeadForce"
+            )
+
+
+def _has_frame(system: System, name: str) -> bool:
+    return system.placed(name).body.kind != "explicit"
 
 
 def _is_modal(system: System, name: str) -> bool:

@@ -88,13 +88,12 @@ class ElementPart(FormDefaults):
         return motion.nodes[:, nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))]
 
     def node_motion(self, motion: NodalMotion, nodes: ArrayLike) -> NodeMotion:
-        """Positions and velocities (t, k, 3) of some nodes in space; accelerations are not known, NaN."""
+        """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
         own = node_numbers(nodes, len(self.nodes))
-        velocities = motion.velocities[:, own]
-        return NodeMotion(motion.nodes[:, own], velocities, np.full_like(velocities, np.nan))
+        return NodeMotion(motion.nodes[:, own], motion.velocities[:, own], motion.accelerations[:, own])
 
     def interface_motion(self, motion: NodalMotion, name: str) -> InterfaceMotion:
-        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`; accelerations are not known."""
+        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`."""
         own = self.interface(name)
         return own.moving(self.node_motion(motion, own.nodes))
 

@@ -10,10 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.jax_settings import before_compiled_code
+from supple.equations.checks.start import report_start
+from supple.equations.floating_solution import joint_multipliers
+from supple.equations.joint_wrench import joint_wrenches
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Leg, Run, Solution, Statistics
 from supple.machine import System
 from supple.methods.explicit.check_machine import check_machine, check_run
+from supple.methods.explicit.frame_chart import floating_motion
 from supple.methods.explicit.march.build import Built, built
 from supple.methods.explicit.march.interval import (
     Recorded,
@@ -26,7 +30,7 @@ from supple.methods.explicit.march.interval import (
 from supple.methods.explicit.march.march_step import kinetic, with_forces
 from supple.methods.explicit.march.model import Energies, MarchState
 from supple.methods.explicit.method import explicit_method
-from supple.methods.explicit.motions import FourPointMotion, NodalMotion
+from supple.methods.explicit.motions import NodalMotion
 
 __all__ = ["ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine"]
 
@@ -52,8 +56,8 @@ class ExplicitEngine:
         method = explicit_method(run)
         check_machine(system, method)
         self._fixed = _fixed_step(run)
-        self._run = run
-        self._built = built(system, method)
+        self._run, self._system = run, system
+        self._built = built(system, method, float(run.times[0]))
         self._check_step()
 
     @property
@@ -74,8 +78,10 @@ class ExplicitEngine:
         return float(h), int(ratio)
 
     def start(self, time: float) -> MarchState:
-        """The parts as they are placed."""
+        """The parts as they are placed, or as joints let them be."""
         own = self._built
+        if own.change is not None:
+            report_start(own.change, self._run.validity)
         state = with_forces(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
         return state._replace(initial=kinetic(self._built.model, state) + state.energies.internal)
 
@@ -84,7 +90,7 @@ class ExplicitEngine:
         like = self._built.start
         leaves, structure = jax.tree.flatten(like)
         known = last.engine_state
-        if len(known) != len(leaves):
+        if sum(name.startswith("state ") for name in known) != len(leaves):
             raise ModelError("this run was recorded by another engine, or of another system")
         kept = [
             jnp.asarray(np.asarray(known[f"state {number}"]), dtype=leaf.dtype).reshape(leaf.shape)
@@ -100,7 +106,10 @@ class ExplicitEngine:
         rows: list[Recorded] = []
         if len(ahead) < len(times):
             rows.append(
-                jax.tree.map(lambda leaf: np.asarray(leaf)[None], recorded(own.model, own.methods, state))
+                jax.tree.map(
+                    lambda leaf: np.asarray(leaf)[None],
+                    recorded(own.model, own.methods, state, first=self._first_step()),
+                )
             )
         before = int(state.steps)
         stopped, last = None, state
@@ -129,52 +138,64 @@ class ExplicitEngine:
         rows: Recorded = leg.states.rows
         own = self._built
         bodies: dict[str, Any] = {}
+        moved = [np.asarray(each).swapaxes(1, 2) for each in (rows.x, rows.v, rows.a)]
         for name, span in own.blocks.items():
-            nodes = own.nodes[name]
             bodies[name] = NodalMotion(
-                np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
-                np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
+                *(each[:, own.nodes[name]] for each in moved),
                 np.concatenate(rows.plastic[span], axis=1),
                 np.concatenate(rows.alive[span], axis=1),
                 np.concatenate(rows.von_mises[span], axis=1),
             )
         for name, span in own.shells.items():
-            nodes = own.nodes[name]
             bodies[name] = NodalMotion(
-                np.asarray(rows.x)[:, :, nodes].swapaxes(1, 2),
-                np.asarray(rows.v)[:, :, nodes].swapaxes(1, 2),
+                *(each[:, own.nodes[name]] for each in moved),
                 np.concatenate(rows.shell_plastic[span], axis=1),
                 np.concatenate(rows.shell_alive[span], axis=1),
                 np.concatenate(rows.shell_stress[span], axis=1),
             )
         for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
-            p, y, vp, vy = (np.asarray(leaf) for leaf in marched)
-            bodies[name] = FourPointMotion(p, y @ frame.turned.T, vp, vy @ frame.turned.T)
+            bodies[name] = floating_motion(frame, tuple(np.asarray(leaf) for leaf in marched))
         series = {ENERGIES: np.asarray(rows.energies), STEPS: np.column_stack([rows.step, rows.ratio])}
         if rows.obstacles:
-            moved = [np.concatenate(pair, axis=1) for pair in rows.obstacles]
-            series[OBSTACLES] = np.concatenate(moved, axis=1)
+            series[OBSTACLES] = np.concatenate([part for pair in rows.obstacles for part in pair], axis=1)
         leaves = jax.tree.leaves(leg.last)
+        kept = {f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)}
+        times, forces, multipliers = np.asarray(rows.time), {}, {}
+        if own.machine is not None and own.machine.joints:
+            assert own.model.machine is not None
+            active = own.model.machine.active
+            # The joints' forces are J^T mu here, -G^T lambda there.
+            multipliers = joint_multipliers(own.machine, active, -np.asarray(rows.pulls))
+            forces = joint_wrenches(own.machine, times, bodies, multipliers)
+            kept["active"] = np.array(active, dtype=float)
         return Solution(
-            times=np.asarray(rows.time),
-            bodies=bodies,
-            joint_forces={},
+            times=times,
+            bodies={placed.body.name: bodies[placed.body.name] for placed in self._system.bodies},
+            joint_forces=forces,
+            multipliers=multipliers,
             statistics=leg.statistics,
             series=series,
-            engine_state={
-                f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)
-            },
+            engine_state=kept,
         )
 
+    def _first_step(self) -> float:
+        """Of the frames, s: what rates of change at the start are taken over."""
+        h, ratio = self.steps()
+        return h * ratio
+
     def _check_step(self) -> None:
-        step = self._fixed
-        if step is None:
-            return
-        own = self._built
+        step, own = self._fixed, self._built
         if own.model.blocks or own.model.shells:
             limit = float(nodes_limit(own.model, own.start))
         else:
             limit = min(float(each) for each in frame_limits(own.model, own.start))
+        if step is None:
+            if np.isinf(limit):
+                raise ModelError(
+                    "rigid bodies without springs march explicitly at any step, so that none is known: give "
+                    "Run(step=FixedStep(size)), some hundredth of the time of a revolution or a swing"
+                )
+            return
         if step > limit:
             raise ModelError(
                 f"the step {step:g} s is above the limit of {limit:.4g} s, at which the march blows up; "

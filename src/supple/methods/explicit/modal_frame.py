@@ -39,7 +39,7 @@ class ModalFrame:
 
     def weights(self, nodes: NDArray[np.int64]) -> FloatArray:
         """(n, 4) of nodes on the four points."""
-        return self.body.points.weights(self.body.body.nodes[nodes])
+        return self.body.points.weights(self.body.nodes[nodes])
 
     def step_limit(self, penalty: FloatArray | None = None) -> float:
         """Longest stable step with the penalties of all its contacts closed, s."""

@@ -4,31 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import checked_arguments
-from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame
+from supple.body import FlexibleBody, LinearRayleighDamping, MeanAxisFrame, inertia_gram
 from supple.body.damping import refuse_held
-from supple.body.floating_kinematics import node_numbers
-from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.mass_properties import rigid_mass_properties
-from supple.body.point_motion import InterfaceMotion, NodeMotion
+from supple.body.point_motion import FloatingForm
+from supple.equations.checks.energy import body_balances
 from supple.errors import ModelError
 from supple.mesh import Mesh
 from supple.methods.explicit.frame_model import FrameModel
 from supple.methods.explicit.frame_moments import Moments, moments
 from supple.methods.explicit.frame_points import FramePoints
 from supple.methods.explicit.mass_fields import mass_fields
-from supple.methods.explicit.motions import FourPointMotion
 from supple.methods.explicit.node_set import NodeSet, node_sets
 from supple.methods.explicit.spin_stiffness import CentrifugalStiffness
 from supple.methods.explicit.step_limit import local_mass, true_limit
-from supple.reduction import LinearBasisRecipe, rayleigh_ritz
+from supple.reduction import LinearBasisRecipe, ReducedBody, rayleigh_ritz
 
 __all__ = ["ModalSubdomain", "modal_subdomain"]
 
@@ -37,7 +35,7 @@ LARGEST_RIGID_PART = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class ModalSubdomain(FormDefaults):
+class ModalSubdomain(FloatingForm):
     """Modes of a free body on a four-point frame; build it with `modal_subdomain`.
 
     body : FlexibleBody
@@ -56,6 +54,13 @@ class ModalSubdomain(FormDefaults):
     stiffness_damping: float = 0.0
     spin_stiffness: NDArray[np.float64] | None = field(default=None, repr=False)
     yield_stress: float | None = None
+
+    # A linear body, as the equations of floating frames read it.
+    cubic: ClassVar[None] = None
+    damping_cubic: ClassVar[None] = None
+    quartic_blocks: ClassVar[None] = None
+    damping_quartic_blocks: ClassVar[None] = None
+    condensed: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         if self.yield_stress is not None and not self.yield_stress > 0:
@@ -119,20 +124,40 @@ class ModalSubdomain(FormDefaults):
 
     @cached_property
     def interfaces(self) -> tuple[NodeSet, ...]:
-        """The node sets of its mesh, and the nodes of the interfaces of its body that have other names."""
+        """The interfaces of its body, and the node sets of its mesh that have other names."""
+        of_body = {
+            each.name: NodeSet(
+                self, each.name, each.node_ids, each.position, np.asarray(each.motion @ self.vectors)
+            )
+            for each in self.body.interfaces
+        }
         sets = {} if self.body.model is None else dict(self.body.model.mesh.node_sets)
-        of_body = {each.name: each.node_ids for each in self.body.interfaces}
-        return node_sets(self, of_body | sets)
+        return (*of_body.values(), *node_sets(self, {k: v for k, v in sets.items() if k not in of_body}))
 
     def interface(self, name: str) -> NodeSet:
         """The node set of that name; ModelError names the nearest, or those there are."""
         return interface_named(self.name, name, self.interfaces)
 
+    @cached_property
+    def nodal_basis(self) -> NDArray[np.float64]:
+        """Nodal displacements (and rotations) per unit coordinate, (n_nodal, k)."""
+        return np.asarray(self.body.expansion @ self.vectors)
+
+    @property
+    def displacement_basis(self) -> NDArray[np.float64]:
+        """Nodal displacements per unit coordinate, (N, 3, k)."""
+        return self.nodal_basis.reshape(len(self.nodes), self.dofs_per_node, -1)[:, :3]
+
+    @property
+    def dofs_per_node(self) -> int:
+        """3 (solids) or 6 (shells)."""
+        return self.body.dofs_per_node
+
     def expand(
         self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
     ) -> NDArray[np.float64]:
         """Displacements (..., k, 3) of some nodes, or all, in the body's frame."""
-        return self.points.arm * np.einsum("nik,...k->...ni", self.shapes[nodes], np.asarray(coordinates))
+        return np.einsum("nik,...k->...ni", self.displacement_basis[nodes], np.asarray(coordinates))
 
     def expand_rates(
         self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
@@ -140,38 +165,31 @@ class ModalSubdomain(FormDefaults):
         """Their rates (..., k, 3)."""
         return self.expand(rates, nodes)
 
-    def positions(
-        self, motion: FourPointMotion, nodes: ArrayLike | slice = slice(None)
-    ) -> NDArray[np.float64]:
-        """Positions (t, k, 3) in space of some nodes, or all.
+    def nodal_fields(
+        self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[NDArray[np.float64], None]:
+        """Nodal freedoms (n, t) of coordinates (t, k); nothing is condensed."""
+        return self.nodal_basis[freedoms] @ coordinates.T, None
 
-        x = sum_a w_a x_a + P Phi y     [Radioss] (5), never integrated
-        """
-        own = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
-        weights = self.points.weights(self.nodes[own])
-        P = (motion.points[:, 1:] - motion.points[:, :1]).swapaxes(1, 2)
-        local = np.einsum("nik,tk->tni", self.shapes[own], motion.coordinates, optimize=True)
-        return weights @ motion.points + local @ P.swapaxes(1, 2)
+    @property
+    def has_linear_strains(self) -> bool:
+        """True."""
+        return True
 
-    def node_motion(self, motion: FourPointMotion, nodes: ArrayLike) -> NodeMotion:
-        """Positions and velocities (t, k, 3) of some nodes in space; accelerations are not known, NaN.
+    @cached_property
+    def gram(self) -> NDArray[np.float64]:
+        """Inertia Gram matrix (6 + 4k, 6 + 4k) in the axes of the mesh, as of a `ReducedBody`."""
+        return inertia_gram(self.body, self.vectors)
 
-        dx = sum_a w_a dx_a + dP Phi y + P Phi dy
-        """
-        own = node_numbers(nodes, len(self.nodes))
-        weights, shapes = self.points.weights(self.nodes[own]), self.shapes[own]
-        P, dP = (each[:, 1:] - each[:, :1] for each in (motion.points, motion.point_rates))
-        local, rate = (
-            np.einsum("nik,tk->tni", shapes, y, optimize=True)
-            for y in (motion.coordinates, motion.coordinate_rates)
-        )
-        velocities = weights @ motion.point_rates + local @ dP + rate @ P
-        return NodeMotion(self.positions(motion, own), velocities, np.full_like(velocities, np.nan))
+    @property
+    def stiffness(self) -> NDArray[np.float64]:
+        """(k, k) diag(omega^2)."""
+        return np.diag(self.frequencies**2)
 
-    def interface_motion(self, motion: FourPointMotion, name: str) -> InterfaceMotion:
-        """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`; accelerations are not known."""
-        own = self.interface(name)
-        return own.moving(self.node_motion(motion, own.nodes))
+    @property
+    def damping(self) -> NDArray[np.float64]:
+        """(k, k) alpha + beta diag(omega^2)."""
+        return self.mass_damping * np.eye(self.n_modes) + self.stiffness_damping * self.stiffness
 
     @property
     def is_linear(self) -> bool:
@@ -202,10 +220,7 @@ class ModalSubdomain(FormDefaults):
     @cached_property
     def shapes(self) -> NDArray[np.float64]:
         """Local displacements of the nodes per modal coordinate, in units of the arm, (N, 3, k)."""
-        nodal = (self.body.expansion @ self.vectors).reshape(
-            len(self.body.nodes), self.body.dofs_per_node, -1
-        )
-        return nodal[:, :3] / self.points.arm
+        return self.displacement_basis / self.points.arm
 
     @cached_property
     def moments(self) -> Moments:
@@ -277,3 +292,6 @@ def modal_subdomain(
     vectors = vectors * signs
     spun = None if stiffening is None else stiffening.matrices(body, vectors)
     return ModalSubdomain(body, vectors, linear.frequencies[kept], alpha, beta, spun, yield_stress)
+
+
+body_balances.register(ModalSubdomain, body_balances.dispatch(ReducedBody))

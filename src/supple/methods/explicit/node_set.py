@@ -1,4 +1,4 @@
-"""The interfaces of an explicit part: the node sets of its mesh."""
+"""The interfaces of an explicit part: the node sets of its mesh, and the interfaces of its body."""
 
 from __future__ import annotations
 
@@ -24,12 +24,14 @@ class NodeSet(UntiedInterface):
 
     part : the body that has them
     nodes : (n,) their numbers;   position : (3,) their mean, undeformed, in the mesh axes
+    rows : (6, r)       displacement and rotation per coordinate of the part, where they are not the mean ones
     """
 
     part: Any
     name: str
     nodes: NDArray[np.int64]
     position: FloatArray
+    rows: FloatArray | None = None
 
     @property
     def averaging(self) -> FloatArray:
@@ -38,7 +40,9 @@ class NodeSet(UntiedInterface):
 
     @property
     def motion(self) -> FloatArray:
-        """The same per coordinate of the part, (6, r)."""
+        """Displacement and rotation per coordinate of the part, (6, r)."""
+        if self.rows is not None:
+            return self.rows
         unit = np.eye(self.part.n_coordinates)
         return np.einsum("ank,rnk->ar", self.averaging, self.part.expand(unit, self.nodes), optimize=True)
 

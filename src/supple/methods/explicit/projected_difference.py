@@ -15,6 +15,7 @@ with the Jacobian frozen at t_n: each pass shrinks the error by the turn of a st
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,11 +24,13 @@ from jax import Array, lax
 
 from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, Steps, elastic_force
 from supple.methods.explicit.frame_moments import Spread, arms, spread
-from supple.methods.explicit.modal_tie import ModalTie, tied_gap, tied_rows
 from supple.methods.explicit.rigid_links import link_residual, link_rows, link_vectors
 from supple.methods.explicit.spin_stiffness import spin_products
 
 __all__ = ["ProjectedDifference"]
+
+Gaps = Callable[[tuple[FrameState, ...]], Array]
+"""By how much what joins frames is open in their states, (R,)."""
 
 _MOST_PASSES = 40
 _SMALL = 1e-13  # of the last correction: the next would be its product with the turn of a step
@@ -50,49 +53,52 @@ class ProjectedDifference:
         self, model: FrameModel, state: FrameState, force: Generalized, steps: Steps
     ) -> tuple[FrameState, Array]:
         """The state after the step, and the link multipliers (6,), N/m; `force` applies at t_n."""
-        after, multipliers, _ = self.step_tied((model,), (state,), (force,), (), (), steps)
+        after, multipliers, _ = self.step_joined((model,), (state,), (force,), (), _nothing_open, steps)
         return after[0], multipliers[0]
 
-    def step_tied(
+    def step_joined(
         self,
         models: tuple[FrameModel, ...],
         states: tuple[FrameState, ...],
         forces: tuple[Generalized, ...],
-        ties: tuple[ModalTie, ...],
-        pairs: tuple[tuple[int, int], ...],
+        rows: tuple[Generalized, ...],
+        gaps: Gaps,
         steps: Steps,
     ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
-        """Frames that are tied to each other, and the multipliers of their links (6,) and of the ties (R,).
+        """Frames tied or joined to each other, and the multipliers of links (6,) and of what joins them (R,).
 
-        pairs : which two of the frames each tie joins
+        rows : of each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () where nothing joins
+        gaps : (R,) of the states at t_n+1, which shall be zero
         """
         h, mean = steps.after, steps.mean
         frozen, guesses = [], []
         for model, state, force in zip(models, states, forces, strict=True):
             frozen.append(_frozen(model, state, force, steps))
             guesses.append(Generalized(h * state.vp, h * state.vy))
-        increments, links, pulls = _increments(tuple(frozen), states, tuple(guesses), ties, pairs)
+        increments, links, pulls = _increments(tuple(frozen), states, tuple(guesses), rows, gaps)
         after = tuple(
             FrameState(state.p + d.p, state.y + d.y, d.p / h, d.y / h)
             for state, d in zip(states, increments, strict=True)
         )
         return after, tuple(each / (h * mean) for each in links), pulls / (h * mean)
 
-    def tied_work(
+    def joining_work(
         self,
-        tie: ModalTie,
+        rows: tuple[Generalized, ...],
         old: tuple[FrameState, ...],
         new: tuple[FrameState, ...],
         pulls: Array,
         steps: Steps,
     ) -> Array:
-        """Work of a tie's multipliers in a step, J: none but what goes with the turn, as of links."""
-        rows = tied_rows(tie, *old)
+        """Work (R,) of the multipliers of ties and joints in a step, J.
+
+        None but what goes with the turn, as of links, and that of joints whose laws move them.
+        """
         opened = sum(
             own.p.reshape(-1, 12) @ (0.5 * (a.vp + b.vp)).reshape(12) + own.y @ (0.5 * (a.vy + b.vy))
             for own, a, b in zip(rows, old, new, strict=True)
         )
-        return steps.mean * pulls @ opened
+        return steps.mean * pulls * opened
 
     def turning_work(
         self, model: FrameModel, old: FrameState, new: FrameState, multipliers: Array, steps: Steps
@@ -212,47 +218,26 @@ def _answer(f: _Frozen, r_p: Array, r_y: Array, r_D: Array) -> tuple[Array, Arra
 
 
 class _Bound(NamedTuple):
-    """The rows J (R, 12), (R, k) of all ties on a frame, and its answers Z to their unit multipliers."""
+    """The rows J (R, 12), (R, k) of ties and joints on a frame, and its answers Z to unit multipliers."""
 
     on_points: Array
     on_modes: Array
     answers: tuple[Array, Array, Array]
 
 
-def _bound(
-    frozen: tuple[_Frozen, ...],
-    states: tuple[FrameState, ...],
-    ties: tuple[ModalTie, ...],
-    pairs: tuple[tuple[int, int], ...],
-) -> tuple[tuple[_Bound, ...], Array]:
+def _bound(frozen: tuple[_Frozen, ...], rows: tuple[Generalized, ...]) -> tuple[tuple[_Bound, ...], Array]:
     """The rows of each frame, and the inverse of H = sum J Z, (R, R)."""
-    pieces: list[list[Generalized]] = [[] for _ in frozen]
-    for tie, (a, b) in zip(ties, pairs, strict=True):
-        own = dict(zip((a, b), tied_rows(tie, states[a], states[b]), strict=True))
-        rows = len(tie.first.weights)
-        for number, f in enumerate(frozen):
-            none = Generalized(jnp.zeros((rows, 4, 3)), jnp.zeros((rows, f.right.y.shape[0])))
-            pieces[number].append(own.get(number, none))
     bound, H = [], jnp.zeros(())
-    for f, own in zip(frozen, pieces, strict=True):
-        J_p = jnp.concatenate([each.p.reshape(-1, 12) for each in own])
-        J_y = jnp.concatenate([each.y for each in own])
+    for f, own in zip(frozen, rows, strict=True):
+        J_p, J_y = own.p.reshape(-1, 12), own.y
         Z = _answer(f, J_p.T, J_y.T, jnp.zeros((6, len(J_p))))
         bound.append(_Bound(J_p, J_y, Z))
         H = H + J_p @ Z[0] + J_y @ Z[1]
     return tuple(bound), jnp.linalg.inv(H)
 
 
-def _gaps(
-    states: tuple[FrameState, ...],
-    increments: tuple[Generalized, ...],
-    ties: tuple[ModalTie, ...],
-    pairs: tuple[tuple[int, int], ...],
-) -> Array:
-    moved = [at._replace(p=at.p + d.p, y=at.y + d.y) for at, d in zip(states, increments, strict=True)]
-    return jnp.concatenate(
-        [tied_gap(tie, moved[a], moved[b]) for tie, (a, b) in zip(ties, pairs, strict=True)]
-    )
+def _nothing_open(_states: tuple[FrameState, ...]) -> Array:
+    return jnp.zeros(0)
 
 
 class _Pass(NamedTuple):
@@ -269,26 +254,29 @@ def _increments(
     frozen: tuple[_Frozen, ...],
     states: tuple[FrameState, ...],
     guesses: tuple[Generalized, ...],
-    ties: tuple[ModalTie, ...],
-    pairs: tuple[tuple[int, int], ...],
+    rows: tuple[Generalized, ...],
+    gaps: Gaps,
 ) -> tuple[tuple[Generalized, ...], tuple[Array, ...], Array]:
     """D, lambda and mu of B_n^T M (x(q_n + d) - x_n) = right + G_n^T lambda + J_n^T mu, D = 0, g = 0.
 
     Each pass answers frame by frame first; what then is left of the gaps says how to pull (Schur complement).
     """
-    bound, inverse = _bound(frozen, states, ties, pairs) if ties else ((), jnp.zeros((0, 0)))
+    bound, inverse = _bound(frozen, rows) if rows else ((), jnp.zeros((0, 0)))
 
     def improve(now: _Pass) -> _Pass:
         changes = []
         for number, f in enumerate(frozen):
             r_p, r_y, r_D = _missing(f, now.increments[number], now.links[number])
-            if ties:
+            if rows:
                 r_p = r_p + bound[number].on_points.T @ now.pulls
                 r_y = r_y + bound[number].on_modes.T @ now.pulls
             changes.append(_answer(f, r_p, r_y, r_D))
         pulls = now.pulls
-        if ties:
-            opened = _gaps(states, now.increments, ties, pairs) + sum(
+        if rows:
+            moved = tuple(
+                at._replace(p=at.p + d.p, y=at.y + d.y) for at, d in zip(states, now.increments, strict=True)
+            )
+            opened = gaps(moved) + sum(
                 own.on_points @ dp + own.on_modes @ dy
                 for own, (dp, dy, _) in zip(bound, changes, strict=True)
             )

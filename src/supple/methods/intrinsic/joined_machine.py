@@ -14,10 +14,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body import FullBody, RigidBody
-from supple.equations.build_model import build_model
+from supple.body import RigidBody
+from supple.equations.build_model import station_model
 from supple.equations.configuration import Configuration
-from supple.equations.model import BodyGroup, Model
+from supple.equations.model import Model
 from supple.errors import ModelError
 from supple.machine import (
     GROUND,
@@ -47,7 +47,7 @@ __all__ = [
     "JoinedMachine",
     "held_places",
     "joined_machine",
-    "seen_model",
+    "seen_lines",
     "supported_machine",
     "with_stations",
 ]
@@ -104,11 +104,29 @@ class JoinedMachine(NamedTuple):
     states: States
 
 
-def joined_machine(system: System, time: float) -> JoinedMachine:
-    """The arrays of a machine; ModelError for bodies that cannot take part, with the remedy."""
+class SeenLines(NamedTuple):
+    """A machine as its joints and forces see it.
+
+    seen : System       floating bodies, and a body for every station that is held
+    lines : the placed intrinsic bodies
+    held : station numbers, line by line
+    on_lines : System   the lines with the loads on their stations
+    """
+
+    seen: System
+    lines: tuple[Placed, ...]
+    held: tuple[tuple[int, ...], ...]
+    on_lines: System
+
+
+def seen_lines(system: System) -> SeenLines:
+    """The stations that joints, forces and controllers take hold of, as bodies.
+
+    Raises ModelError for intrinsic bodies whose modes hold their root.
+    """
     lines = tuple(placed for placed in system.bodies if isinstance(placed.body, IntrinsicBody))
     others = tuple(placed for placed in system.bodies if placed not in lines)
-    _check_bodies(lines, others)
+    _check_roots(lines)
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
     held = tuple(_held(placed, _ends(system, forces)) for placed in lines)
     joints = {joint.name: _seen_ends(system, joint) for joint in system.joints}
@@ -132,12 +150,17 @@ def joined_machine(system: System, time: float) -> JoinedMachine:
         controllers=[_seen_controller(system, controller) for controller in system.controllers],
     )
     own_loads = [load for load in nodal if load.body in names]
-    on_lines = System(lines, loads=[*own_loads, *bases], gravity=system.gravity)
+    return SeenLines(seen, lines, held, System(lines, loads=[*own_loads, *bases], gravity=system.gravity))
+
+
+def joined_machine(system: System, time: float) -> JoinedMachine:
+    """The arrays of a machine; ModelError for bodies that cannot take part, with the remedy."""
+    seen, lines, held, on_lines = seen_lines(system)
     arrays = JoinedArrays(
         lines=tuple(body_of(placed).model for placed in lines),
         drives=(None,) * len(lines),
         loads=machine_loads(on_lines),
-        model=seen_model(seen, len(others), None),
+        model=station_model(seen, len(seen.bodies) - sum(map(len, held)), None),
         held=held,
     )
     return JoinedMachine(
@@ -158,36 +181,13 @@ def supported_machine(system: System, time: float) -> JoinedMachine:
         lines=made.lines.lines,
         drives=made.lines.drives,
         loads=made.lines.loads,
-        model=seen_model(seen, 0, None),
+        model=station_model(seen, 0, None),
         held=((0,), *((),) * len(others)),
     )
     return JoinedMachine(system, seen, tuple(system.bodies), arrays, made.start)
 
 
-def seen_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:
-    """The model of floating bodies and of stations, whose mass and inertia are taken away."""
-    model = build_model(seen, active)
-    return replace(model, groups=tuple(_weightless(group, n_floating) for group in model.groups))
-
-
-def _weightless(group: BodyGroup, n_floating: int) -> BodyGroup:
-    kept = np.array([float(member < n_floating) for member in group.members])
-    if kept.all():
-        return group
-    gram, inertia = jax.tree.map(
-        lambda array: np.asarray(array) * kept.reshape(-1, *[1] * (np.ndim(array) - 1)),
-        (group.gram, group.inertia),
-    )
-    return replace(group, gram=gram, inertia=inertia)
-
-
-def _check_bodies(lines: tuple[Placed, ...], others: tuple[Placed, ...]) -> None:
-    for placed in others:
-        if isinstance(placed.body, FullBody):
-            raise ModelError(
-                f"body '{placed.body.name}' keeps every freedom, in a machine with intrinsic bodies: reduce "
-                "it, or condense it on stations"
-            )
+def _check_roots(lines: tuple[Placed, ...]) -> None:
     for placed in lines:
         if body_of(placed).support.free.shape[1] < 6:
             raise ModelError(

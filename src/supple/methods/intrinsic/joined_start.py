@@ -11,7 +11,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from scipy.linalg import block_diag
 
-from supple.equations.build_model import row_scales
+from supple.equations.build_model import row_scales, station_model
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import ControlState, ControlStep
 from supple.equations.consistent_start import (
@@ -35,7 +35,7 @@ from supple.methods.intrinsic.joined_equations import (
     moved,
     shape_rates,
 )
-from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, seen_model, with_stations
+from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, with_stations
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.machine_of_lines import frame_to_root
 from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
@@ -111,7 +111,7 @@ def closed_machine(
     active = np.array(independent_constraints(seen, rows, metric) if known is None else known, dtype=int)
     if len(active) < len(gaps):
         n_floating = len(arrays.model.sizes) - arrays.n_held
-        arrays = replace(arrays, model=seen_model(seen, n_floating, tuple(active.tolist())))
+        arrays = replace(arrays, model=station_model(seen, n_floating, tuple(active.tolist())))
         check_friction_known(seen, tuple(active.tolist()))
     return ClosedMachine(arrays, now, active, rows, rates, metric)
 

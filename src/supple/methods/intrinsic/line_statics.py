@@ -14,6 +14,7 @@ from supple.equations.build_model import system_length
 from supple.equations.configuration import Configuration
 from supple.equations.control_linearization import LinearControl
 from supple.equations.coordinate_scales import kinds_of_rows, position_scale
+from supple.equations.model import Model
 from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
 from supple.equations.steady_motion import LinearEquations, Turning
 from supple.errors import AccuracyError, ModelError
@@ -46,7 +47,7 @@ SAME_AXIS = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LineStatics:
-    """A `StaticMachine` of intrinsic bodies, by what the march's residuals and their derivatives are at rest.
+    """`Equations` of intrinsic bodies, by what the march's residuals and their derivatives are at rest.
 
     Vectors (N,) are of floating bodies, then of the lines' amplitudes of velocities.
 
@@ -70,9 +71,24 @@ class LineStatics:
         return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
 
     @property
+    def model(self) -> Model:
+        """What joints and forces see of it."""
+        return self.machine.arrays.model
+
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where the motions of each body stand."""
+        sizes = [6 + placed.body.n_coordinates for placed in self.machine.system.bodies]
+        return tuple(slice(end - size, end) for end, size in zip(np.cumsum(sizes), sizes, strict=True))
+
+    @property
+    def is_discrete(self) -> bool:
+        """True: velocities of places, on which forces act, and of modes differ."""
+        return True
+
     def start(self) -> StaticState:
         """As the bodies are placed, without any force in the joints."""
-        return StaticState(self.begin, np.zeros(len(self.machine.arrays.model.active)))
+        return StaticState(self.begin, np.zeros(len(self.model.active)))
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
         """What is unbalanced in all freedoms, (N,)."""
@@ -88,7 +104,7 @@ class LineStatics:
         scale = np.maximum(scale, ROUND_OFF * max(scale.max(), self._work_of_turning))
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(found.gaps), initial=0.0)) / self._length
-        return Unbalance(relative, gap, residual)
+        return Unbalance(relative, gap, residual, float(scale.max()))
 
     def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
         """One implicit step of length k; AccuracyError where it is singular."""
@@ -154,20 +170,13 @@ class LineStatics:
             mass=of_bodies(linear.mass) + back.T @ extra @ back,
             damping=of_bodies(linear.damping),
             stiffness=of_bodies(linear.stiffness),
-            jacobian=rows,
+            constraint=rows,
             control=LinearControl(np.zeros((n, 0)), np.zeros((0, n)), np.zeros((0, n)), np.zeros((0, 0))),
         )
 
-    def carried_state(self) -> tuple[StaticState, float]:
-        """As the bodies are placed, the joints carrying what is unbalanced; and what part they cannot."""
-        state, weights = self.start, self.position_scale
-        unbalanced = weights * self.residual(state, float(self.begin.time))
-        carried = weights[:, None] * self._small_motions(state).jacobian.T
-        multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
-        terms = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers)).terms
-        largest = max(*np.linalg.norm(weights[:, None] * terms, axis=0), ROUND_OFF * self._work_of_turning)
-        left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / (largest or 1.0)
-        return state._replace(multipliers=multipliers), left
+    def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:  # noqa: ARG002
+        """Derivatives of the joints' equations, (m, N)."""
+        return self._small_motions(state).jacobian
 
     def bodies_at(self, configuration: Instant) -> Configuration:
         """Where the bodies are, in their order."""

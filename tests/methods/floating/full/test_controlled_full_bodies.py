@@ -15,6 +15,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.linearization import linearize, machine_modes
 from supple.mesh import strip
+from supple.methods.floating import FullEngine
 from supple.reduction import CraigBampton, NoLoads, reduce
 from supple.simulation import equilibrium, simulate
 
@@ -165,6 +166,16 @@ def sampled(calls):
     return m.SampledController(
         reads=reads, drives={"motor": motor}, law=law, every=EVERY, memory=memory, name="clock"
     )
+
+
+def test_accelerations_are_found_whatever_they_were(body):
+    """As after a sample, when those of the step before are there."""
+    engine = FullEngine(hinged(full(body), ()), RUN)
+    state = engine.start(0.0).state
+    again = engine.machine.accelerated(state)
+    assert abs(state.acceleration).max() > 1
+    np.testing.assert_allclose(again.acceleration, state.acceleration, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(again.multipliers, state.multipliers, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.slow

@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.body import RigidBody
+from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine
+from supple.equations.configuration import Configuration
+from supple.equations.consistent_start import consistent_start
+from supple.equations.model import Model
+from supple.equations.start_change import StartChange
 from supple.errors import ModelError
-from supple.machine import At, Contact, DeadForce, FollowerForce, Placed, System, Tie
+from supple.machine import At, BaseAcceleration, Contact, DeadForce, ForceElement, Placed, System, Tie
 from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.elements import rest_layers
+from supple.methods.explicit.frame_chart import frame_chart, placed_state
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_blocks import explicit_blocks
+from supple.methods.explicit.march.build_joined import joined_frames
 from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
-from supple.methods.explicit.march.build_ties import met_material, modal_ties, within
+from supple.methods.explicit.march.build_ties import met_material, within
+from supple.methods.explicit.march.frame_forces import stored_energy, storing_elements
 from supple.methods.explicit.march.frame_step import hanging as hung_places
 from supple.methods.explicit.march.march_step import with_forces
 from supple.methods.explicit.march.model import (
@@ -32,7 +43,7 @@ from supple.methods.explicit.march.model import (
 from supple.methods.explicit.march.turning import Turning
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_frame import ModalFrame, modal_frame
-from supple.methods.explicit.modal_subdomain import ModalSubdomain
+from supple.methods.explicit.rigid_frame import RigidFrame
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 
 __all__ = ["Built", "built"]
@@ -47,7 +58,9 @@ class Built:
 
     nodes : explicit part to the numbers of its nodes in the march
     blocks : explicit part of solids to its blocks among those of the march;   shells : likewise
-    frames : modal parts, in the order of the march, with their modes as marched
+    frames : modal parts and rigid bodies, in the order of the march, with their modes as marched
+    machine : these as a system of floating bodies, with what joins them and acts on them; None without any
+    change : by what joints changed their start;   None without joints
     """
 
     model: MarchModel
@@ -57,10 +70,15 @@ class Built:
     blocks: dict[str, slice]
     shells: dict[str, slice]
     frames: dict[str, ModalFrame]
+    machine: System | None
+    change: StartChange | None
 
 
-def built(system: System, method: Explicit) -> Built:
-    """The march of a system; ModelError for ties that do not meet and nodes that begin inside an obstacle."""
+def built(system: System, method: Explicit, time: float = 0.0) -> Built:
+    """The march of a system from a time on.
+
+    Raises ModelError for ties that do not meet, nodes that begin inside an obstacle, joints that are open.
+    """
     explicit = [placed for placed in system.bodies if placed.body.kind == "explicit"]
     numbers, x, v = _numbered(system, explicit)
     skins = modal_skins(system, len(x))
@@ -85,7 +103,7 @@ def built(system: System, method: Explicit) -> Built:
     frames, frame_arrays, frame_states, frame_obstacles, penalties = {}, [], [], [], {}
     for part in system.bodies:
         name = part.body.name
-        if part.body.kind == "modal":
+        if part.body.kind != "explicit":
             own = [each for each in hanging if each.part == name]
             frame, arrays, state, touched, pressed = _frame(system, part, own, mass, x)
             frames[name] = frame
@@ -102,9 +120,17 @@ def built(system: System, method: Explicit) -> Built:
         pressed[name] = sum(both[1:], both[0]) if both else None
         limit = jnp.asarray(frame.step_limit(pressed[name]))
         frame_arrays[place] = frame_arrays[place]._replace(step_limit=limit)
-    ties, tied, tied_limit = modal_ties(system, method.scheme, frames, tuple(frame_states), pressed)
-    for place in {number for pair in tied for number in pair}:
-        frame_arrays[place] = frame_arrays[place]._replace(step_limit=jnp.asarray(tied_limit))
+    floating = _floating(system, tuple(frames))
+    machine, change = None, None
+    if floating is not None:
+        machine, change, frame_states = _joined_start(floating, frames, frame_states, time)
+    joined = joined_frames(
+        system, method.scheme, frames, tuple(frame_arrays), tuple(frame_states), pressed, machine, time
+    )
+    for place in joined.limited:
+        frame_arrays[place] = frame_arrays[place]._replace(step_limit=jnp.asarray(joined.step_limit))
+    elements = [load for load in system.loads if isinstance(load, ForceElement)]
+    stores = () if joined.machine is None else storing_elements(joined.machine, elements)
     touching, obstacle_of, on_obstacles = [], [], 0.0
     for number, contact in enumerate(system.rigid_contacts):
         if contact.nodes.body in numbers:
@@ -122,7 +148,7 @@ def built(system: System, method: Explicit) -> Built:
         jnp.asarray(alpha),
         jnp.asarray(movable),
         tuple(frame_arrays),
-        ties,
+        joined.ties,
         tuple(touching),
         surfaces,
         _loaded(system, numbers),
@@ -132,6 +158,9 @@ def built(system: System, method: Explicit) -> Built:
         tuple(shells.blocks),
         shells.spins(system.supports, numbers, system),
         jnp.asarray(shells.step_limit),
+        tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
+        joined.machine,
+        jnp.asarray(joined.driven),
     )
     methods = Methods(
         tuple(made.laws),
@@ -141,14 +170,66 @@ def built(system: System, method: Explicit) -> Built:
         obstacles,
         tuple(obstacle_of),
         tuple(frame_obstacles),
-        tied,
+        joined.tied,
+        joined.numbers,
+        stores,
         method,
     )
     for arrays, state in zip(frame_arrays, frame_states, strict=True):
-        if state.y.any():  # deformed at the start
+        if state.y.any() or system.joints:  # deformed, or moved by joints, at the start
             x[np.asarray(arrays.nodes)] = hung_places(arrays, state).T
-    start = with_forces(model, methods, _start(model, methods, x, v, tuple(frame_states), shells.start()))
-    return Built(model, methods, start, numbers, made.spans, shells.spans, frames)
+    start = _start(model, methods, x, v, tuple(frame_states), shells.start())
+    if any(stores):
+        own = joined.machine, elements, stores, model.frames, start.frames, jnp.asarray(time)
+        internal = start.energies.internal + stored_energy(*own)
+        start = start._replace(energies=start.energies._replace(internal=internal))
+    start = with_forces(model, methods, start._replace(time=jnp.asarray(time)))
+    return Built(model, methods, start, numbers, made.spans, shells.spans, frames, floating, change)
+
+
+def _floating(system: System, names: Sequence[str]) -> System | None:
+    """The bodies on frames alone, with what joins them and acts on them; None without any."""
+
+    def acts(load: Any) -> bool:
+        if isinstance(load, ForceElement):
+            return load.first.body in names or load.second.body in names
+        return getattr(load, "body", None) in names
+
+    if not names:
+        return None
+    return replace(
+        system,
+        bodies=tuple(placed for placed in system.bodies if placed.body.name in names),
+        loads=tuple(load for load in system.loads if acts(load)),
+        ties=(),
+        contacts=(),
+        supports=(),
+    )
+
+
+def _joined_start(
+    floating: System, frames: dict[str, ModalFrame], states: list[FrameState], time: float
+) -> tuple[Model, StartChange | None, list[FrameState]]:
+    """The frames as floating bodies without redundant joints, and their states, which fit the joints."""
+    model, change = build_model(floating), None
+    if floating.joints:
+        start = consistent_start(CompiledMachine(floating, model), time)
+        model, change = start.machine.model, start.change
+        states = [
+            placed_state(frame, *place, start.velocity[part])
+            for frame, place, part in zip(
+                frames.values(),
+                _places(model, start.configuration),
+                model.slices,
+                strict=True,
+            )
+        ]
+    return replace(model, groups=()), change, states
+
+
+def _places(model: Model, where: Configuration) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    for number, part in enumerate(model.coordinate_slices):
+        yield where.origins[number], where.rotations[number], where.coordinates[part]
 
 
 def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
@@ -172,12 +253,11 @@ def _loaded(system: System, numbers: dict[str, IntArray]) -> tuple[Any, ...]:
     return tuple(found)
 
 
-def _loaded_nodes(system: System, load: DeadForce | FollowerForce) -> tuple[IntArray, float]:
+def _loaded_nodes(system: System, load: DeadForce) -> tuple[IntArray, float]:
     """Numbers of the nodes of a load within its part, and how many of them share its force."""
-    if isinstance(load, DeadForce) and not isinstance(load.at, str):
+    if not isinstance(load.at, str):
         return load.nodes, 1.0
-    end = load.first if isinstance(load, FollowerForce) else At(load.body, str(load.at))
-    nodes = system.node_numbers(end)
+    nodes = system.node_numbers(At(load.body, load.at))
     return nodes, float(len(nodes))
 
 
@@ -296,7 +376,7 @@ def _check_not_held(system: System, hanging: list[Hanging], numbers: dict[str, I
 def _frame(
     system: System, part: Placed, hanging: list[Hanging], mass: FloatArray, x: FloatArray
 ) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
-    body: ModalSubdomain = part.body  # type: ignore[assignment] - of its kind
+    body: Any = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
     nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
     local = (x[nodes] - part.position) @ part.rotation
     shapes = np.concatenate(
@@ -321,19 +401,7 @@ def _frame(
             touched.append(number)
             added = frame.penalty_stiffness(own, stiffness)
             stiffest = added if stiffest is None else stiffest + added
-    loaded = []
-    for load in system.loads:
-        assert isinstance(load, DeadForce | FollowerForce)  # checked before
-        follows = isinstance(load, FollowerForce)
-        if (load.first.body if follows else load.body) == body.name:
-            own, shared = _loaded_nodes(system, load)
-            # Components of a force that follows are along axes that stood along the global ones.
-            turned = jnp.asarray(part.rotation.T) if follows else None
-            of_nodes = jnp.asarray(frame.weights(own)), jnp.asarray(frame.shapes[own])
-            loaded.append((*of_nodes, shared, load.law, turned))
     points = body.points
-    p = points.placed(part.position, part.rotation)
-    rates = rigid_velocities(part, p)
     model: FrameModel = frame.model
     arrays = FrameArrays(
         model,
@@ -341,14 +409,12 @@ def _frame(
         jnp.asarray(points.weights(local)),
         jnp.asarray(shapes @ frame.turned),
         tuple(touching),
-        tuple(loaded),
+        frame_chart(frame),
         jnp.asarray(jnp.inf),  # once all contacts are known
         None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
     )
-    y, vy = (
-        jnp.asarray(np.linalg.solve(frame.turned, own)) for own in (part.coordinates, part.coordinate_rates)
-    )
-    start = FrameState(jnp.asarray(p), y, jnp.asarray(rates), vy)
+    rates = np.concatenate([part.twist, part.coordinate_rates])
+    start = placed_state(frame, part.position, part.rotation, part.coordinates, rates)
     return frame, arrays, start, tuple(touched), stiffest
 
 

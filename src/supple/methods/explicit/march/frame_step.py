@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple, TypeVar
 
 import jax.numpy as jnp
 from jax import Array
@@ -17,18 +18,22 @@ from supple.methods.explicit.frame_model import (
     point_forces,
     spin_force,
 )
-from supple.methods.explicit.frame_moments import arms, spread
+from supple.methods.explicit.frame_moments import spread
+from supple.methods.explicit.march.frame_forces import frame_forces, gravity_at, joint_gaps, joint_rows
 from supple.methods.explicit.march.model import FrameArrays, MarchModel, MarchState, Methods
 from supple.methods.explicit.march.nodal_forces import penalty
+from supple.methods.explicit.modal_tie import tied_gap, tied_rows
 from supple.methods.explicit.projected_difference import ProjectedDifference
 
-__all__ = ["FrameStep", "frame_step", "hanging"]
+T = TypeVar("T")
+
+__all__ = ["FrameStep", "frame_step", "hanging", "joining_rows"]
 
 
 class FrameStep(NamedTuple):
     """Frames after the step, and works over it, J: internal, damping, external, contact, from nodes, turning.
 
-    on_obstacles : (o, 3) forces at t_n
+    on_obstacles : (o, 3) forces at t_n;   pulls : (m,) multipliers of the joints at t_n
     """
 
     frames: tuple[FrameState, ...]
@@ -39,6 +44,7 @@ class FrameStep(NamedTuple):
     from_nodes: Array
     turning: Array
     on_obstacles: Array
+    pulls: Array
 
 
 def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array) -> FrameStep:
@@ -46,17 +52,15 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
     steps = Steps(state.frame_before, h)
     forces = []
     on_obstacles = jnp.zeros((len(methods.obstacles), 3))
+    gravity = gravity_at(model, state.time)
     # Weight of the nodes that hang on a frame is in the frame's own mass already.
-    pulls = state.forces.sum(axis=0) - model.mass * model.gravity[:, None]
-    for arrays, own, numbers in zip(model.frames, state.frames, methods.frame_obstacles, strict=True):
-        sums = spread(arrays.model.moments, own.y)
-        external = gravity_force(sums, own.p, model.gravity)
-        for weights, shapes, shared, law, own_axes in arrays.loaded:
-            share = law(state.time) / shared
-            if own_axes is not None:
-                share = arms(own.p) @ (own_axes @ share) / jnp.sqrt(arrays.model.squared_lengths[0])
-            pushes = jnp.broadcast_to(share, (len(weights), 3))
-            external = external + point_forces(weights, shapes, own.p, own.y, pushes)
+    pulls = state.forces.sum(axis=0) - model.mass * gravity[:, None]
+    assert model.machine is not None
+    acting = frame_forces(model.machine, methods.stores, model.frames, state.frames, state.time)
+    for arrays, own, numbers, given, stored, dragged in zip(
+        model.frames, state.frames, methods.frame_obstacles, *acting, strict=True
+    ):
+        external = gravity_force(spread(arrays.model.moments, own.y), own.p, gravity) + given
         contact = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(own.y))
         for touching, number in zip(arrays.touching, numbers, strict=True):
             assert touching.weights is not None
@@ -66,55 +70,92 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
             contact = contact + point_forces(touching.weights, touching.shapes, own.p, own.y, push.T)
             on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
         pulled = point_forces(arrays.weights, arrays.shapes, own.p, own.y, pulls[:, arrays.nodes].T)
-        forces.append((external, contact, pulled))
-    frames, turning = _advanced(model, methods, state.frames, [a + b + c for a, b, c in forces], steps)
+        forces.append((external, contact, pulled, stored, dragged))
+    total = [sum(each[1:], each[0]) for each in forces]
+    frames, turning, driving, joints = _advanced(model, methods, state, total, steps)
     works = jnp.zeros(5)
     for arrays, own, new, force in zip(model.frames, state.frames, frames, forces, strict=True):
         works = works + _works(arrays, own, new, force, steps)
     internal, damping, external, contact, from_nodes = works
-    return FrameStep(frames, internal, damping, external, contact, from_nodes, turning, on_obstacles)
+    return FrameStep(
+        frames, internal, damping, external + driving, contact, from_nodes, turning, on_obstacles, joints
+    )
 
 
 def _advanced(
-    model: MarchModel,
-    methods: Methods,
-    frames: tuple[FrameState, ...],
-    forces: list[Generalized],
-    steps: Steps,
-) -> tuple[tuple[FrameState, ...], Array]:
-    """The frames after the step, those that are tied to each other together; and their turning work, J."""
-    scheme = methods.explicit.scheme
+    model: MarchModel, methods: Methods, state: MarchState, forces: list[Generalized], steps: Steps
+) -> tuple[tuple[FrameState, ...], Array, Array, Array]:
+    """The frames after the step, those that are joined together.
+
+    Then their turning work and that of the joints' laws, J, and the multipliers of the joints (m,).
+    """
+    scheme, frames, joined = methods.explicit.scheme, state.frames, methods.joined
     after, links = list(frames), [jnp.zeros(6)] * len(frames)
-    tied = sorted({number for pair in methods.tied for number in pair})
     for number in range(len(frames)):
-        if number not in tied:
+        if number not in joined:
             after[number], links[number] = scheme.step(
                 model.frames[number].model, frames[number], forces[number], steps
             )
-    turning = jnp.zeros(())
-    if tied:
+    turning, driving, pulls = jnp.zeros(()), jnp.zeros(()), jnp.zeros(0)
+    if joined:
         assert isinstance(scheme, ProjectedDifference)  # checked when built
-        pairs = tuple((tied.index(a), tied.index(b)) for a, b in methods.tied)
-        new, pulled, pulls = scheme.step_tied(
-            tuple(model.frames[number].model for number in tied),
-            tuple(frames[number] for number in tied),
-            tuple(forces[number] for number in tied),
-            model.ties,
-            pairs,
+
+        def own(every: Sequence[T]) -> tuple[T, ...]:
+            return tuple(every[number] for number in joined)
+
+        rows = own(joining_rows(model, methods.tied, frames, state.time))
+        new, pulled, pulls = scheme.step_joined(
+            tuple(each.model for each in own(model.frames)),
+            own(frames),
+            own(forces),
+            rows,
+            lambda moved: _gaps(model, methods, frames, moved, state.time + steps.after),
             steps,
         )
-        for number, state, link in zip(tied, new, pulled, strict=True):
-            after[number], links[number] = state, link
-        first = 0
-        for tie, (a, b) in zip(model.ties, methods.tied, strict=True):
-            own = pulls[first : first + len(tie.first.weights)]
-            turning = turning + scheme.tied_work(
-                tie, (frames[a], frames[b]), (after[a], after[b]), own, steps
-            )
-            first += len(own)
-    for arrays, old, new, link in zip(model.frames, frames, after, links, strict=True):
-        turning = turning + scheme.turning_work(arrays.model, old, new, link, steps)
-    return tuple(after), turning
+        for number, moved, link in zip(joined, new, pulled, strict=True):
+            after[number], links[number] = moved, link
+        works = scheme.joining_work(rows, own(frames), new, pulls, steps)
+        n_joints = len(model.driven)
+        by_laws = jnp.concatenate([jnp.zeros(len(works) - n_joints), model.driven])
+        turning, driving = works @ (1 - by_laws), works @ by_laws
+        pulls = pulls[len(pulls) - n_joints :]
+    for arrays, old, moved, link in zip(model.frames, frames, after, links, strict=True):
+        turning = turning + scheme.turning_work(arrays.model, old, moved, link, steps)
+    return tuple(after), turning, driving, pulls
+
+
+def joining_rows(
+    model: MarchModel, tied: tuple[tuple[int, int], ...], frames: tuple[FrameState, ...], time: Array
+) -> tuple[Generalized, ...]:
+    """Rows of ties, then of joints, on the points (R, 4, 3) and modes (R, k) of every frame."""
+    pieces: list[list[Generalized]] = [[] for _ in frames]
+    for tie, pair in zip(model.ties, tied, strict=True):
+        own = dict(zip(pair, tied_rows(tie, *(frames[number] for number in pair)), strict=True))
+        rows = len(tie.first.weights)
+        for number, at in enumerate(frames):
+            none = Generalized(jnp.zeros((rows, 4, 3)), jnp.zeros((rows, len(at.y))))
+            pieces[number].append(own.get(number, none))
+    if model.machine is not None and model.machine.active:
+        for number, each in enumerate(joint_rows(model.machine, model.frames, frames, time)):
+            pieces[number].append(each)
+    return tuple(Generalized(*map(jnp.concatenate, zip(*own, strict=True))) for own in pieces if own)
+
+
+def _gaps(
+    model: MarchModel,
+    methods: Methods,
+    frames: tuple[FrameState, ...],
+    moved: tuple[FrameState, ...],
+    time: Array,
+) -> Array:
+    """How far ties and joints are open, with the joined frames where they have moved to."""
+    every = list(frames)
+    for number, own in zip(methods.joined, moved, strict=True):
+        every[number] = own
+    found = [tied_gap(tie, every[a], every[b]) for tie, (a, b) in zip(model.ties, methods.tied, strict=True)]
+    if model.machine is not None and model.machine.active:
+        found.append(joint_gaps(model.machine, model.frames, tuple(every), time))
+    return jnp.concatenate(found)
 
 
 def hanging(arrays: FrameArrays, frame: FrameState) -> Array:
@@ -125,10 +166,13 @@ def hanging(arrays: FrameArrays, frame: FrameState) -> Array:
 def _works(
     arrays: FrameArrays, old: FrameState, new: FrameState, forces: tuple[Generalized, ...], steps: Steps
 ) -> Array:
-    """Internal, damping, external, contact, from the nodes: force times mean rate times mean step."""
+    """Internal, damping, external, contact, from the nodes: force times mean rate times mean step.
+
+    forces : external, contact, of the nodes, of elements at rest, by their rates
+    """
     vp, vy = 0.5 * (old.vp + new.vp), 0.5 * (old.vy + new.vy)
     model = arrays.model
     elastic = (elastic_force(model, old.y, jnp.zeros_like(old.y)) + spin_force(model, old, new)) @ vy
     drag = model.mass_damping * vy @ vy - elastic_force(model, jnp.zeros_like(old.y), old.vy) @ vy
     rates = [jnp.sum(force.p * vp) + force.y @ vy for force in forces]
-    return steps.mean * jnp.stack([-elastic, drag, rates[0], -rates[1], rates[2]])
+    return steps.mean * jnp.stack([-elastic - rates[3], drag - rates[4], rates[0], -rates[1], rates[2]])

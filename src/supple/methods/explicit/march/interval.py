@@ -18,6 +18,7 @@ from supple.methods.explicit.elements import (
 )
 from supple.methods.explicit.elements.bulk_viscosity import bulk_share
 from supple.methods.explicit.elements.solid_block import deformation
+from supple.methods.explicit.march.frame_step import frame_step, hanging
 from supple.methods.explicit.march.march_step import kinetic, march_step
 from supple.methods.explicit.march.model import MarchModel, MarchState, Methods
 from supple.methods.explicit.spin_stiffness import spun_limit
@@ -34,19 +35,22 @@ HOPELESS = 10.0
 class Recorded(NamedTuple):
     """What is kept of an output time.
 
+    frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
     trouble : 0, or 1 an element turned over, 2 not a number, 3 the energy drifts, 4 energy from nothing,
         5 the interface loses or wins too much
     """
 
     x: Array
     v: Array
+    a: Array
     plastic: tuple[Array, ...]
     alive: tuple[Array, ...]
     von_mises: tuple[Array, ...]
     shell_plastic: tuple[Array, ...]
     shell_alive: tuple[Array, ...]
     shell_stress: tuple[Array, ...]
-    frames: tuple[tuple[Array, Array, Array, Array], ...]
+    frames: tuple[tuple[Array, ...], ...]
+    pulls: Array
     obstacles: tuple[tuple[Array, Array], ...]
     energies: Array
     time: Array
@@ -206,7 +210,7 @@ def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Arr
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
     # What round-off stores in a body at rest is no energy: relative strains of 1e-12 at the fastest rate.
     noise = 1e-24 * jnp.sum(model.mass) * jnp.abs(state.x).max(initial=0.0) ** 2 / state.before**2
-    size = _size(state) + noise
+    size = _size(state) + noise + _noise_of_joints(model, state)
     seen = jnp.where(
         state.smallest <= 0,
         1,
@@ -228,9 +232,32 @@ def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Arr
     return row._replace(trouble=trouble), trouble
 
 
+def _noise_of_joints(model: MarchModel, state: MarchState) -> Array:
+    """Energy that round-off gives frames which joints hold, J: 1e-12 of their places, 1e-10 of weights."""
+    noise = jnp.zeros(())
+    if model.machine is None or not model.machine.active:
+        return noise
+    weight = jnp.linalg.norm(model.gravity)
+    for arrays, at in zip(model.frames, state.frames, strict=True):
+        reach = jnp.abs(at.p).max()
+        mass = arrays.model.moments.S0.sum()
+        noise = noise + mass * reach * (1e-24 * reach / state.frame_before**2 + 1e-10 * weight)
+    return noise
+
+
 @partial(jax.jit, static_argnames="methods")
-def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Array | int = 0) -> Recorded:
-    """A state as it is kept."""
+def recorded(
+    model: MarchModel,
+    methods: Methods,
+    state: MarchState,
+    trouble: Array | int = 0,
+    first: Array | float = 0.0,
+) -> Recorded:
+    """A state as it is kept.
+
+    Rates of frames at t_n, accelerations and multipliers are those of a trial of the step that follows.
+    first : length of the trial at the start, s; later it is that of the step before
+    """
     plastic, stress = [], []
     for law, block, own, live in zip(methods.laws, model.blocks, state.materials, state.alive, strict=True):
         strain = law.plastic_strain(own)
@@ -246,16 +273,34 @@ def recorded(model: MarchModel, methods: Methods, state: MarchState, trouble: Ar
         else:
             bent.append(own.strain.max(axis=(0, 1)))
             bent_stress.append(live * layered_von_mises(law, shell, state.x, state.turning.triads, own))
+    acceleration = model.movable * state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
+    acceleration = acceleration - model.alpha * state.v
+    frames, pulls = [], jnp.zeros(0)
+    if model.frames:
+        long = jnp.where(state.frame_before > 0, state.frame_before, first)
+        mean = 0.5 * (state.frame_before + long)
+        done = frame_step(model, methods, state, long)
+        pulls = done.pulls
+        for arrays, at, new in zip(model.frames, state.frames, done.frames, strict=True):
+            # At the start the rates are those of that instant.
+            share = jnp.where(state.frame_before > 0, 0.5, 0.0)
+            change = new.vp - at.vp, new.vy - at.vy
+            rates = tuple(own + share * by for own, by in zip((at.vp, at.vy), change, strict=True))
+            frames.append((at.p, at.y, *rates, *(by / mean for by in change)))
+            led = (hanging(arrays, new) - state.x[:, arrays.nodes]) / long
+            acceleration = acceleration.at[:, arrays.nodes].set((led - state.v[:, arrays.nodes]) / mean)
     return Recorded(
         state.x,
         state.v,
+        acceleration,
         tuple(plastic),
         state.alive,
         tuple(stress),
         tuple(bent),
         state.shells_alive,
         tuple(bent_stress),
-        tuple((frame.p, frame.y, frame.vp, frame.vy) for frame in state.frames),
+        tuple(frames),
+        pulls,
         tuple((at.offset, at.velocity) for at in state.obstacles),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
         state.time,

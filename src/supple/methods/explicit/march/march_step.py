@@ -12,6 +12,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from supple.methods.explicit.frame_invariants import kinetic_energy
+from supple.methods.explicit.march.frame_forces import gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, hanging
 from supple.methods.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
 from supple.methods.explicit.march.nodal_forces import nodal_forces
@@ -84,7 +85,8 @@ def nodal_step(
     )
     works = mean * (state.forces * middle).sum(axis=(1, 2))
     on_hanging = mean * jnp.sum(jnp.where(hangs, state.forces.sum(axis=0) * middle, 0.0))
-    weight = mean * jnp.sum(jnp.where(hangs, model.mass * model.gravity[:, None] * middle, 0.0))
+    gravity = gravity_at(model, state.time)
+    weight = mean * jnp.sum(jnp.where(hangs, model.mass * gravity[:, None] * middle, 0.0))
     old = state.energies
     energies = Energies(
         kinetic=old.kinetic,
@@ -123,22 +125,22 @@ def _moved(
     model: MarchModel, state: MarchState, from_frames: Array, mean: Array, h: Array
 ) -> tuple[tuple[ObstacleState, ...], Array, Array]:
     """Obstacles a step on, the work of those that are driven, and the work done on all of them."""
-    moved, driven, given = [], jnp.zeros(()), jnp.zeros(())
+    moved, driven, given, gravity = [], jnp.zeros(()), jnp.zeros(()), gravity_at(model, state.time)
     for number, at in enumerate(state.obstacles):
         force = state.obstacle_forces[number] + from_frames[number]
-        velocity = at.velocity + mean * (force / model.obstacle_mass[number] + _fall(model, number))
+        velocity = at.velocity + mean * (force / model.obstacle_mass[number] + _fall(model, number, gravity))
         work = mean * force @ (0.5 * (at.velocity + velocity))
         given = given + work
         mass = model.obstacle_mass[number]
-        weight = jnp.where(jnp.isinf(mass), 0.0, mass) * model.gravity
+        weight = jnp.where(jnp.isinf(mass), 0.0, mass) * gravity
         fallen = mean * weight @ (0.5 * (at.velocity + velocity))
         driven = driven + jnp.where(jnp.isinf(mass), -work, fallen)
         moved.append(ObstacleState(at.offset + h * velocity, velocity))
     return tuple(moved), driven, given
 
 
-def _fall(model: MarchModel, number: int) -> Array:
-    return jnp.where(jnp.isinf(model.obstacle_mass[number]), 0.0, model.gravity)
+def _fall(model: MarchModel, number: int, gravity: Array) -> Array:
+    return jnp.where(jnp.isinf(model.obstacle_mass[number]), 0.0, gravity)
 
 
 def with_forces(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:

@@ -7,8 +7,10 @@ from typing import Any, NamedTuple
 
 from jax import Array
 
+from supple.equations.model import Model
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.elements import ShellBlock, SolidBlock
+from supple.methods.explicit.frame_chart import FrameChart
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.touching_surface import TouchingSurface
 from supple.methods.explicit.march.turning import Spins, Turning
@@ -40,8 +42,7 @@ class FrameArrays(NamedTuple):
     model : FrameModel      with the mass of the nodes that hang on it
     nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
-    loaded : tuple of (weights, shapes, number that share, law, axes)   forces on its own points; axes (3, 3)
-        of one that turns with the frame, or None
+    chart : the floating frame of its points
     step_limit : at rest, s;   spin_bound : of what a spin of 1 rad/s adds to squared frequencies, or None
     """
 
@@ -50,7 +51,7 @@ class FrameArrays(NamedTuple):
     weights: Array
     shapes: Array
     touching: tuple[NodesTouching, ...]
-    loaded: tuple[Any, ...]
+    chart: FrameChart
     step_limit: Array
     spin_bound: Array | None
 
@@ -64,6 +65,9 @@ class MarchModel(NamedTuple):
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
     shells : of triangles, with their triads;   shell_limit : of their step, s
+    base_accelerations : laws, (3,) m/s^2
+    machine : the frames as floating bodies, with what joins them and acts on them; None without frames
+    driven : (m,)   1 of equations of joints that laws move, else 0
     """
 
     blocks: tuple[SolidBlock, ...]
@@ -83,6 +87,9 @@ class MarchModel(NamedTuple):
     shells: tuple[ShellBlock, ...]
     spins: Spins
     shell_limit: Array
+    base_accelerations: tuple[Any, ...]
+    machine: Model | None
+    driven: Array
 
 
 @dataclass(frozen=True)
@@ -93,6 +100,8 @@ class Methods:
     obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
     tied : which two frames each of their ties joins
+    joined : numbers of the frames that ties and joints join, ascending
+    stores : of each group of force elements on frames, whether it stores energy
     explicit : Explicit     of the run
     """
 
@@ -104,6 +113,8 @@ class Methods:
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]
     tied: tuple[tuple[int, int], ...]
+    joined: tuple[int, ...]
+    stores: tuple[bool, ...]
     explicit: Explicit
 
 
@@ -112,10 +123,11 @@ class Energies(NamedTuple):
 
     kinetic + internal + plastic + hourglass + contact + damping + interface - external   does not change
 
-    internal : work of stresses that is neither plastic nor viscous; hourglass : of the control's forces
+    internal : work of stresses that is neither plastic nor viscous, and of springs
+    hourglass : of the forces of its control
     contact : held by penalties; interface : lost between parts that march at different steps, and by frames
     that turn by a finite angle in a step
-    external : work of loads, gravity and driven obstacles
+    external : work of loads, gravity, driven obstacles and joints, and of force elements that store nothing
     """
 
     kinetic: Array

@@ -9,6 +9,7 @@ from jax import Array
 
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.elements import block_force, layered_force, shell_force
+from supple.methods.explicit.march.frame_forces import gravity_at
 from supple.methods.explicit.march.model import MarchModel, Methods, NodesTouching, ObstacleState
 from supple.methods.explicit.march.touching_surface import surface_penalty
 from supple.methods.explicit.materials.plane_stress import LayerState
@@ -93,7 +94,7 @@ def nodal_forces(
         on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
     for surface in model.surfaces:
         contact = contact + surface_penalty(surface, x)
-    external = model.mass * model.gravity[:, None]
+    external = model.mass * gravity_at(model, time)[:, None]
     for nodes, shared, law in model.loaded:
         external = external.at[:, nodes].add(jnp.broadcast_to(law(time) / shared, (len(nodes), 3)).T)
     return NodalForces(

@@ -11,17 +11,17 @@ import jax
 import numpy as np
 
 from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import (
+    CompiledMachine,
+    bordered_solve,
+    forces_without_acceleration,
+)
 from supple.equations.compiler_options import STARTING
 from supple.equations.consistent_start import placed_configuration, placed_velocity
 from supple.equations.model import Model
 from supple.equations.start_velocity import given_parts
 from supple.integrate import Run
 from supple.machine import System
-from supple.methods.floating.compiled.compiled_machine import (
-    CompiledMachine,
-    bordered_solve,
-    forces_without_acceleration,
-)
 from supple.methods.floating.compiled.engine import initial_state
 from supple.methods.floating.compiled.state import State
 from supple.programs.kept_programs import KeptProgram

@@ -12,6 +12,7 @@ import numpy as np
 
 from supple.equations.build_model import build_model
 from supple.equations.checks.start import report_start
+from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import SystemMotion
 from supple.equations.control_start import kept_control, resumed_control
 from supple.equations.floating_solution import (
@@ -24,7 +25,6 @@ from supple.equations.sampling import sampling_of
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
 from supple.machine import System
-from supple.methods.floating.compiled.compiled_machine import compiled_start
 from supple.methods.floating.compiled.contraction import Contraction, untold
 from supple.methods.floating.compiled.inert_motion import (
     in_all_coordinates,

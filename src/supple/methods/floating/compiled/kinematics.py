@@ -13,6 +13,7 @@ from supple.equations.balance import balance, constraint_jacobian
 from supple.equations.build_model import build_model
 from supple.equations.checks.start import report_start
 from supple.equations.checks.strictness import say
+from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import AnyArray, Configuration, SystemMotion, advance
 from supple.equations.consistent_start import consistent_start
@@ -24,7 +25,6 @@ from supple.equations.step_size import position_rounding
 from supple.errors import ModelError, ValidityWarning
 from supple.integrate import Leg, Run, Solution, Statistics
 from supple.machine import System
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["KinematicEngine"]

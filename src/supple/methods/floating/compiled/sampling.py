@@ -8,10 +8,10 @@ from typing import Any
 import jax
 import numpy as np
 
+from supple.equations.compiled_machine import CompiledMachine, accelerations
 from supple.equations.configuration import SystemMotion
 from supple.equations.sampling import Sampling
 from supple.integrate import Leg, Statistics
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine, accelerations
 from supple.methods.floating.compiled.state import State
 
 __all__ = ["march_sampled"]

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import jax
 import numpy as np
 
 from supple.equations.balance import Balance, balance
+from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.consistent_start import consistent_start, placed_configuration
+from supple.equations.control_force import first_states
 from supple.equations.control_linearization import LinearControl, control_at_rest, unrest
 from supple.equations.coordinate_scales import kinds_of_rows, position_scale
+from supple.equations.floating_solution import floating_solution
 from supple.equations.joint_force import constraint_rows
 from supple.equations.model import Model
 from supple.equations.static_search import (
@@ -28,18 +34,21 @@ from supple.equations.steady_motion import (
     step_matrix,
     work_of_turning,
 )
-from supple.methods.floating.compiled.compiled_machine import CompiledMachine
+from supple.integrate import Solution, Statistics
+from supple.machine import System
 from supple.methods.floating.compiled.elimination import solve_bordering_column
 from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["CompiledStatics"]
+__all__ = ["CompiledStatics", "compiled_statics"]
 
 
 @dataclass(frozen=True, eq=False)
 class CompiledStatics:
-    """A `StaticMachine` whose steps are compiled."""
+    """`Equations` whose steps are compiled."""
 
     machine: CompiledMachine
+    begin: Configuration
+    """As the bodies are placed"""
     turning: Turning | None = None
     """None for machines at rest"""
     held: np.ndarray | float = 0.0
@@ -52,6 +61,25 @@ class CompiledStatics:
     def eased(self, share: float, held: np.ndarray) -> CompiledStatics:
         """The machine at a share of its spin's rate, with forces (n,) held back."""
         return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+
+    @property
+    def model(self) -> Model:
+        """What joints and forces see of it: all."""
+        return self.machine.model
+
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where the motions of each body stand."""
+        return self.machine.slices
+
+    @property
+    def is_discrete(self) -> bool:
+        """False: forces act on the velocities that have mass."""
+        return False
+
+    def start(self) -> StaticState:
+        """As the bodies are placed, without any force in the joints."""
+        return StaticState(self.begin, np.zeros(len(self.model.active)), control=first_states(self.model))
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
         """What is unbalanced in all freedoms, (n,)."""
@@ -72,7 +100,7 @@ class CompiledStatics:
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         left = unrest(self.machine.system, control, self.position_scale, motion.velocity, state.control)
-        return Unbalance(relative, gap, (terms, control), left)
+        return Unbalance(relative, gap, (terms, control), float(scale.max()), left)
 
     def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
         """One implicit step of length k."""
@@ -113,6 +141,18 @@ class CompiledStatics:
         model, motion = self.machine.model, self._motion(state, time)
         return linear_equations(model, self.turning or self._still, motion, balanced(model, motion))
 
+    def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
+        """Derivatives of the joints' equations, (m, n)."""
+        terms = balanced(self.model, self._motion(state, time))
+        return np.asarray(constraint_rows(self.model, terms.linearization.joints))
+
+    def solution(self, state: StaticState, time: float, iterations: int) -> Solution:
+        """The steady motion at one instant."""
+        motion = self._motion(state, time)._replace(control=None)
+        one = jax.tree.map(lambda leaf: np.asarray(leaf)[None], motion)
+        system, slices = self.machine.system, self.slices
+        return floating_solution(system, slices, self.model.active, one, Statistics(iterations=iterations))
+
     @property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
@@ -125,6 +165,17 @@ class CompiledStatics:
     def _motion(self, state: StaticState, time: float) -> SystemMotion:
         motion = self.turning or self._still, time, state.configuration, state.multipliers, state.control
         return steady_motion(self.machine.model, *motion)
+
+
+def compiled_statics(
+    system: System, turning: Turning | None, time: float, known: tuple[int, ...] | None = None
+) -> CompiledStatics:
+    """A machine of rigid and reduced bodies, its joints closed; `known` equations are independent."""
+    machine = CompiledMachine(system, build_model(system, known))
+    if known is not None:
+        return CompiledStatics(machine, placed_configuration(system), turning)
+    machine, configuration, *_ = consistent_start(machine, time)
+    return CompiledStatics(machine, configuration, turning)
 
 
 def _with_states(

@@ -11,19 +11,19 @@ from typing import NamedTuple
 import numpy as np
 
 from supple.equations.checks.start import report_start
-from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import kept_control, resumed_control
 from supple.equations.floating_solution import (
     failure_message,
-    floating_solution,
     last_instant,
 )
 from supple.equations.sampling import sampling_of
+from supple.equations.station_body import SeenMachine
 from supple.equations.step_size import next_step
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
 from supple.machine import System
+from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.implicit_step import ImplicitStep
@@ -60,11 +60,14 @@ class March(NamedTuple):
 class FullEngine:
     """An `Engine` of sparse bordered Newton steps; `March` is its state."""
 
-    def __init__(self, system: System, run: Run, iteration: NewtonIteration = modified_newton) -> None:
+    def __init__(
+        self, machine: System | SeenMachine, run: Run, iteration: NewtonIteration = modified_newton
+    ) -> None:
         self._run = run
         self._iteration = iteration
-        self._every = FullSystem(system)
+        self._every = FullSystem(machine)
         """With all constraint equations"""
+        system = self._every.system
         self._machine = self._every
         self._sampling = sampling_of(system, run)
         instants = stepping_instants([system], run)
@@ -213,34 +216,22 @@ class FullEngine:
     def solution(self, leg: Leg[March]) -> Solution:
         """The motion of a leg."""
         states, last = leg.states
-        machine = self._machine
-        configuration = Configuration(
-            *(
-                np.array([getattr(state.configuration, name) for state in states])
-                for name in Configuration._fields
-            )
-        )
-        active, control = machine.model.active, states[-1].control
-        motion = SystemMotion(
-            np.array([state.time for state in states]),
-            configuration,
-            np.array([state.velocity for state in states]),
-            np.array([state.acceleration for state in states]),
-            np.array([state.multipliers for state in states]),
-        )
-        return floating_solution(
-            machine.system,
-            machine.slices,
-            active,
-            motion,
+        machine, ending = self._machine, states[-1]
+        control = ending.control
+        # What the motions of bodies that are seen at stations do not hold.
+        by_velocity = {"velocity": ending.velocity, "acceleration": ending.acceleration}
+        return full_solution(
+            machine,
+            states,
             leg.statistics,
             engine_state={
-                "active": np.array(active, dtype=float),
-                "auxiliary": states[-1].auxiliary,
+                "active": np.array(machine.model.active, dtype=float),
+                "auxiliary": ending.auxiliary,
                 "step": np.array(last.step),
-                "frame_multipliers": np.array(states[-1].frame_multipliers),
+                "frame_multipliers": np.array(ending.frame_multipliers),
                 "earlier": earlier_numbers(machine, last.earlier),
                 "kept_tangent": numbers_of(machine, last.kept),
+                **(by_velocity if machine.lines else {}),
                 **kept_control(control.start if control else None),
             },
         )

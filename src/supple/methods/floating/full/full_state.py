@@ -8,9 +8,10 @@ import numpy as np
 
 from supple.equations.balance import Balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion
+from supple.equations.station_body import BodyState, Stations
 from supple.methods.floating.full.full_interior import InteriorState
 
-__all__ = ["Evaluation", "FullState", "Targets"]
+__all__ = ["Evaluation", "FullState", "LineEvaluation", "Targets"]
 
 
 class FullState(NamedTuple):
@@ -31,6 +32,17 @@ Targets = tuple[np.ndarray, tuple[np.ndarray, ...]]
 """Of the constraint rows, and of the frame conditions of each full body"""
 
 
+class LineEvaluation(NamedTuple):
+    """A body that is seen at stations, at one iterate."""
+
+    state: BodyState
+    stations: Stations
+    residual: np.ndarray
+    """(6 + r,), the forces at its stations included"""
+    station_forces: np.ndarray
+    """(6 s,)"""
+
+
 class Evaluation(NamedTuple):
     """Residuals at one iterate."""
 
@@ -44,6 +56,9 @@ class Evaluation(NamedTuple):
     relative_residual: np.ndarray
     largest_terms: np.ndarray
     """Of forces, moments and deformation, (3,): what the first residuals are compared with"""
+    rotations: np.ndarray
+    """Of the system's bodies, (nb, 3, 3)"""
+    lines: tuple[LineEvaluation, ...] = ()
 
     def closing(self, by_position: float) -> Targets:
         """What constraint rows and frame conditions must become, in accelerations, to close what is open."""
@@ -58,4 +73,5 @@ class Evaluation(NamedTuple):
             constraint_residual=np.zeros_like(self.constraint_residual),
             interior_residuals=interiors,
             frame_residuals=tuple(np.zeros_like(each) for each in self.frame_residuals),
+            lines=tuple(line._replace(residual=np.zeros_like(line.residual)) for line in self.lines),
         )

@@ -24,10 +24,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.rotation import rotation_exp
+from supple.algebra.rotation import rotation_exp, rotation_right_jacobian
 from supple.body import FullBody
-from supple.equations.balance import Linearization, balance, tangent
-from supple.equations.build_model import build_model, is_on_full_nodes
+from supple.equations.balance import Balance, Linearization, balance, tangent
+from supple.equations.build_model import is_on_full_nodes, station_model
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion
 from supple.equations.control_start import control_after, fresh_control
@@ -36,6 +36,7 @@ from supple.equations.joint_force import constraint_rows
 from supple.equations.model import Model
 from supple.equations.settled_reactions import settled_reactions
 from supple.equations.starting_machine import JointTerms, joint_terms
+from supple.equations.station_body import BodyState, SeenMachine, Stations
 from supple.equations.step_size import position_rounding
 from supple.errors import ModelError
 from supple.integrate import StepFactors
@@ -48,7 +49,7 @@ from supple.methods.floating.full.full_interior import (
     prepare_interior,
     tangent_point,
 )
-from supple.methods.floating.full.full_state import Evaluation, FullState, Targets
+from supple.methods.floating.full.full_state import Evaluation, FullState, LineEvaluation, Targets
 from supple.methods.floating.full.full_tangent import Factored, FullTangent, TangentPoint
 
 __all__ = ["FullSystem"]
@@ -73,15 +74,20 @@ def _border_matrices(
 
 
 class FullSystem:
-    """A system with at least one full body, ready for stepping. Holds no state of the motion.
+    """A system with bodies that keep every freedom, ready for stepping. Holds no state of the motion.
 
     It is also the `StartingMachine` of its engine.
+
+    Bodies that are seen at stations are dense parts of the border: with P = diag(I, J) from their velocities
+    to those of the stations, the border's matrix becomes P^T B P + diag(0, S), S their own tangents.
 
     active : the constraint equations to keep, redundant ones left out; all of them until the start finds out
     """
 
-    def __init__(self, system: System, active: tuple[int, ...] | None = None) -> None:
-        self.system = system
+    def __init__(self, system: System | SeenMachine, active: tuple[int, ...] | None = None) -> None:
+        seen = system if isinstance(system, SeenMachine) else SeenMachine(system, system, ())
+        self.system = system = seen.system
+        self.seen, self.lines = seen.seen, seen.bodies
         sizes = [placed.body.n_coordinates for placed in system.bodies]
         self.slices = _slices([6 + r for r in sizes])
         self.coordinate_slices = _slices(sizes)
@@ -90,8 +96,36 @@ class FullSystem:
             prepare_interior(system.body_index(name), full, self._nodal_loads(full))
             for name, full in system.bodies_of(FullBody).items()
         )
-        self.model = build_model(system, active)
+        self.model = station_model(self.seen, len(system.bodies) - len(self.lines), active)
         self.interior_of = {interior.index: interior for interior in self.interiors}
+        self.line_of = {line.index: number for number, line in enumerate(self.lines)}
+        self.border_slices = self._border_slices()
+        self.seen_slices = self._seen_slices()
+
+    def _border_slices(self) -> tuple[slice, ...]:
+        """Where what is seen of each body stands in the border: its frame and interfaces, or its stations."""
+        parts = iter(self.model.slices)
+        known = {index: next(parts) for index in range(len(self.system.bodies)) if index not in self.line_of}
+        first = max((part.stop for part in known.values()), default=0)
+        for line in self.lines:
+            known[line.index] = slice(first, first + 6 * line.n_stations)
+            first += 6 * line.n_stations
+        return tuple(known[index] for index in range(len(self.system.bodies)))
+
+    def _seen_slices(self) -> tuple[slice, ...]:
+        """The same with the own velocities of bodies that are seen at stations, in the place of these."""
+        parts = list(self.border_slices)
+        first = max((parts[index].stop for index in self._others), default=0)
+        for line in self.lines:
+            size = self.slices[line.index].stop - self.slices[line.index].start
+            parts[line.index] = slice(first, first + size)
+            first += size
+        return tuple(parts)
+
+    @property
+    def _others(self) -> list[int]:
+        """Bodies that are not seen at stations."""
+        return [index for index in range(len(self.system.bodies)) if index not in self.line_of]
 
     def restricted(self, active: tuple[int, ...]) -> FullSystem:
         """Without some of the constraint equations."""
@@ -106,24 +140,75 @@ class FullSystem:
             if isinstance(load, NodalLoad) and load.body == full.name and is_on_full_nodes(self.system, load)
         )
 
-    def to_border(self, vector: np.ndarray) -> np.ndarray:
-        """Velocities (or the like) of the compiled part: interface motions instead of nodal freedoms."""
-        parts = []
-        for index, part in enumerate(self.slices):
-            own = vector[part]
-            interior = self.interior_of.get(index)
-            parts.append(
-                own if interior is None else np.concatenate([own[:6], interior.interface_rows @ own[6:]])
-            )
-        return np.concatenate(parts)
+    def stations(self, configuration: Configuration, velocity: np.ndarray) -> tuple[Stations, ...]:
+        """Of the bodies that are seen at stations."""
+        none = np.zeros_like(velocity)
+        return tuple(
+            line.stations(self._body_state(line.index, 0.0, configuration, velocity, none))
+            for line in self.lines
+        )
 
-    def border_configuration(self, configuration: Configuration) -> Configuration:
+    def _body_state(
+        self,
+        index: int,
+        time: float,
+        configuration: Configuration,
+        velocity: np.ndarray,
+        acceleration: np.ndarray,
+    ) -> BodyState:
+        part = self.slices[index]
+        return BodyState(
+            np.asarray(float(time)),
+            configuration.origins[index],
+            configuration.rotations[index],
+            configuration.coordinates[self.coordinate_slices[index]],
+            velocity[part],
+            acceleration[part],
+        )
+
+    def body_states(self, index: int, states: Sequence[FullState]) -> list[BodyState]:
+        """Of one body over some instants."""
+        return [
+            self._body_state(index, each.time, each.configuration, each.velocity, each.acceleration)
+            for each in states
+        ]
+
+    def to_border(self, vector: np.ndarray, stations: tuple[Stations, ...]) -> np.ndarray:
+        """Velocities (or the like) of the compiled part: interfaces' and stations' motions."""
+        seen = np.empty(self.model.n_velocities)
+        for index, (part, border) in enumerate(zip(self.slices, self.border_slices, strict=True)):
+            own, interior = vector[part], self.interior_of.get(index)
+            if interior is not None:
+                own = np.concatenate([own[:6], interior.interface_rows @ own[6:]])
+            elif index in self.line_of:
+                own = stations[self.line_of[index]].motion @ own
+            seen[border] = own
+        return seen
+
+    def border_configuration(
+        self, configuration: Configuration, stations: tuple[Stations, ...]
+    ) -> Configuration:
         """Configuration of the compiled part."""
-        coordinates = []
-        for index, part in enumerate(self.coordinate_slices):
-            own, interior = configuration.coordinates[part], self.interior_of.get(index)
+        others, coordinates = self._others, []
+        for index in others:
+            own = configuration.coordinates[self.coordinate_slices[index]]
+            interior = self.interior_of.get(index)
             coordinates.append(own if interior is None else interior.interface_rows @ own)
-        return configuration._replace(coordinates=np.concatenate(coordinates))
+        return Configuration(
+            np.concatenate([configuration.origins[others], *(each.positions for each in stations)]),
+            np.concatenate([configuration.rotations[others], *(each.rotations for each in stations)]),
+            np.concatenate(coordinates) if coordinates else np.zeros(0),
+        )
+
+    def _by_line(self, stations: tuple[Stations, ...]) -> np.ndarray:
+        """P, from velocities in `seen_slices` to those of the border."""
+        found = np.zeros((self.model.n_velocities, max(part.stop for part in self.seen_slices)))
+        for index in self._others:
+            part = self.border_slices[index]
+            found[part, part] = np.eye(part.stop - part.start)
+        for line, each in zip(self.lines, stations, strict=True):
+            found[self.border_slices[line.index], self.seen_slices[line.index]] = each.motion
+        return found
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
@@ -136,13 +221,15 @@ class FullSystem:
             + np.concatenate([increment[part.start + 6 : part.stop] for part in self.slices]),
         )
 
-    def border_motion(self, state: FullState) -> SystemMotion:
-        """The motion of the compiled part."""
+    def border_motion(self, state: FullState, stations: tuple[Stations, ...] | None = None) -> SystemMotion:
+        """The motion of the compiled part; stations have no mass, and their accelerations do not matter."""
+        if stations is None:
+            stations = self.stations(state.configuration, state.velocity)
         return SystemMotion(
             np.float64(state.time),
-            self.border_configuration(state.configuration),
-            self.to_border(state.velocity),
-            self.to_border(state.acceleration),
+            self.border_configuration(state.configuration, stations),
+            self.to_border(state.velocity, stations),
+            self.to_border(state.acceleration, stations),
             np.asarray(state.multipliers),
             state.control,
         )
@@ -156,16 +243,20 @@ class FullSystem:
 
     def evaluate(self, state: FullState, by_position: float) -> Evaluation:
         """All residuals at a state; `by_position`, of the step, scales those of the constraints."""
-        motion = self.border_motion(state)
+        stations = self.stations(state.configuration, state.velocity)
+        motion = self.border_motion(state, stations)
         terms = jax.tree.map(np.asarray, _border_terms(self.model, motion))
         states, residuals, gaps = [], [], []
+        lines = [self._evaluated_line(number, state, each, terms) for number, each in enumerate(stations)]
         # Squared norms by term (inertia, internal, applied, joint) and kind (force, moment, deformation).
         squares = np.zeros((4, 3))
         unbalanced = np.zeros(3)
         own_terms = (terms.inertia, terms.internal, terms.applied, terms.joint)
-        for index, part in enumerate(self.model.slices):
+        for index, part in enumerate(self.border_slices):
             interior = self.interior_of.get(index)
             rows = [term[part] for term in own_terms]
+            if index in self.line_of:
+                rows = lines[self.line_of[index]][1]
             if interior is not None:
                 inner = self._interior_state(interior, state)
                 forces = interior.forces(inner)
@@ -192,7 +283,25 @@ class FullSystem:
             tuple(gaps),
             np.append(relative, constraint),
             np.where(scale > 0, scale, 1.0),
+            state.configuration.rotations,
+            tuple(line for line, _ in lines),
         )
+
+    def _evaluated_line(
+        self, number: int, state: FullState, stations: Stations, terms: Balance
+    ) -> tuple[LineEvaluation, list[np.ndarray]]:
+        """A body that is seen at stations, and its inertia, internal, applied and joint forces, (6 + r,)."""
+        line = self.lines[number]
+        part = self.border_slices[line.index]
+        at = self._body_state(line.index, state.time, state.configuration, state.velocity, state.acceleration)
+        inertia, internal, applied = line.forces(at)
+        rows = [
+            inertia,
+            internal,
+            applied + stations.motion.T @ terms.applied[part],
+            stations.motion.T @ terms.joint[part],
+        ]
+        return LineEvaluation(at, stations, np.sum(rows, axis=0), terms.residual[part]), rows
 
     def _relative_constraint(self, state: FullState, residual: np.ndarray, by_position: float) -> float:
         largest = float(np.max(abs(residual), initial=0.0))
@@ -217,25 +326,29 @@ class FullSystem:
     def border_scale(self) -> np.ndarray:
         """As `position_scale`, of the border: translations and rotations of interfaces."""
         of_frame = [self.model.length] * 3 + [1.0] * 3
-        parts = [self.position_scale[part] for part in self.slices]
-        for index in self.interior_of:
-            part = self.model.slices[index]
-            parts[index] = np.tile(of_frame, (part.stop - part.start) // 6)
-        return np.concatenate(parts)
+        found = np.empty(self.model.n_velocities)
+        for index, part in enumerate(self.border_slices):
+            if index in self.interior_of or index in self.line_of:
+                found[part] = np.tile(of_frame, (part.stop - part.start) // 6)
+            else:
+                found[part] = self.position_scale[self.slices[index]]
+        return found
 
     def under(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
         """As if other forces (n of the border) than those evaluated were unbalanced."""
         interiors = []
         for interior in self.interiors:
-            own = -forces[self.model.slices[interior.index]]
+            own = -forces[self.border_slices[interior.index]]
             interiors.append(np.concatenate([own[:6], interior.interface_rows.T @ own[6:]]))
         return evaluation.left_with(-forces, tuple(interiors))
 
     def residual_of(self, evaluation: Evaluation) -> np.ndarray:
         """What is unbalanced in all freedoms (n,); of frames the force is global, the moment in body axes."""
-        parts = [evaluation.border.residual[part] for part in self.model.slices]
+        parts = [evaluation.border.residual[part] for part in self.border_slices]
         for interior, own in zip(self.interiors, evaluation.interior_residuals, strict=True):
             parts[interior.index] = own
+        for body, line in zip(self.lines, evaluation.lines, strict=True):
+            parts[body.index] = line.residual
         return np.concatenate(parts)
 
     def norms(self, residual: np.ndarray) -> np.ndarray:
@@ -244,18 +357,20 @@ class FullSystem:
 
     def without(self, evaluation: Evaluation, forces: np.ndarray) -> Evaluation:
         """As if forces (n,) were held back; its relative residual is left as it was."""
-        border = np.concatenate(
-            [
-                np.zeros(part.stop - part.start) if index in self.interior_of else forces[own]
-                for index, (part, own) in enumerate(zip(self.model.slices, self.slices, strict=True))
-            ]
-        )
+        border = np.zeros(self.model.n_velocities)
+        for index, (part, own) in enumerate(zip(self.border_slices, self.slices, strict=True)):
+            if index not in self.interior_of and index not in self.line_of:
+                border[part] = forces[own]
         interiors = tuple(
             residual - forces[self.slices[interior.index]]
             for interior, residual in zip(self.interiors, evaluation.interior_residuals, strict=True)
         )
         terms = evaluation.border._replace(applied=evaluation.border.applied - border)
-        return evaluation._replace(border=terms, interior_residuals=interiors)
+        lines = tuple(
+            line._replace(residual=line.residual - forces[self.slices[body.index]])
+            for body, line in zip(self.lines, evaluation.lines, strict=True)
+        )
+        return evaluation._replace(border=terms, interior_residuals=interiors, lines=lines)
 
     def _interior_state(self, interior: FullInterior, state: FullState) -> InteriorState:
         part = self.slices[interior.index]
@@ -314,23 +429,29 @@ class FullSystem:
     ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
         """As `correction`, with interiors that are eliminated already."""
         model = self.model
+        stations = tuple(line.stations for line in evaluation.lines)
+        # Of stations the tangents are of where they are, not of what has brought them there.
+        still = tuple(each._replace(motion=np.zeros_like(each.motion)) for each in stations)
         matrix, rows, rows_by_increment = (
             np.asarray(x)
             for x in _border_matrices(
                 model,
                 evaluation.border_motion,
                 evaluation.border.linearization,
-                self.to_border(increments),
+                self.to_border(increments, still),
                 StepFactors(*map(np.float64, factors)),
             )
         )
+        residual = evaluation.border.residual
+        if self.lines:
+            matrix, rows, rows_by_increment, residual = self._with_lines(
+                matrix, rows, rows_by_increment, evaluation, increments, factors
+            )
         joint_targets, frame_targets = targets
-        border = Border(
-            matrix, rows, rows_by_increment, evaluation.border.residual, joint_targets, float(model.mass)
-        )
+        border = Border(matrix, rows, rows_by_increment, residual, joint_targets, float(model.mass))
         behind = [
             EliminatedInterior(
-                model.slices[interior.index],
+                self.border_slices[interior.index],
                 elimination.loaded(residual[6:], state.rotation),
                 residual[:6],
                 frame_target,
@@ -345,42 +466,100 @@ class FullSystem:
             )
         ]
         change = solve_bordered(border, behind)
-        parts = [change.border[part] for part in model.slices]
+        parts = [change.border[part] for part in self.seen_slices]
         for interior, own in zip(self.interiors, change.interiors, strict=True):
             parts[interior.index] = np.concatenate([parts[interior.index][:6], own])
         return np.concatenate(parts), change.multipliers, change.frame_multipliers
 
+    def _with_lines(
+        self,
+        matrix: np.ndarray,
+        rows: np.ndarray,
+        rows_by_increment: np.ndarray,
+        evaluation: Evaluation,
+        increments: np.ndarray,
+        factors: StepFactors,
+    ) -> tuple[np.ndarray, ...]:
+        """The border's matrices and residual for `seen_slices`, with the tangents of the lines in it.
+
+        How the velocities of stations change with their places is left to Newton's iteration.
+        """
+        by_line = self._by_line(tuple(line.stations for line in evaluation.lines))
+        matrix, rows, by_increment = by_line.T @ matrix @ by_line, rows @ by_line, rows_by_increment @ by_line
+        residual = np.empty(len(matrix))
+        for index in self._others:
+            part = self.border_slices[index]
+            residual[part] = evaluation.border.residual[part]
+        for body, line in zip(self.lines, evaluation.lines, strict=True):
+            part = self.seen_slices[body.index]
+            mass, damping, stiffness = body.tangent(line.state, line.station_forces)
+            turned = slice(part.start + 3, part.start + 6)
+            turn = np.asarray(_right_jacobian(increments[self.slices[body.index]][3:6]))
+            stiffness = np.hstack([stiffness[:, :3], stiffness[:, 3:6] @ turn, stiffness[:, 6:]])
+            by_increment[:, turned] = by_increment[:, turned] @ turn
+            matrix[part, part] += mass + factors.by_velocity * damping + factors.by_position * stiffness
+            residual[part] = line.residual
+        return matrix, rows, by_increment, residual
+
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
-        """Constraints and their derivatives, for the velocities of the compiled part."""
-        border = self.border_configuration(configuration)
-        at = jnp.asarray(float(time))
-        return JointTerms(
-            *map(np.asarray, joint_terms(self.model, at, border, jnp.asarray(self.to_border(velocity))))
+        """Constraints and their derivatives, for velocities in `seen_slices`."""
+        stations = self.stations(configuration, velocity)
+        border = self.border_configuration(configuration, stations)
+        at, moving = jnp.asarray(float(time)), jnp.asarray(self.to_border(velocity, stations))
+        found = JointTerms(*map(np.asarray, joint_terms(self.model, at, border, moving)))
+        if not self.lines:
+            return found
+        bias = np.zeros(self.model.n_velocities)
+        for line, each in zip(self.lines, stations, strict=True):
+            bias[self.border_slices[line.index]] = each.bias
+        return found._replace(
+            jacobian=found.jacobian @ self._by_line(stations),
+            acceleration_bias=found.acceleration_bias + found.jacobian @ bias,
         )
 
     def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
         """One: rows are judged by the motions of the interfaces, which here have no mass of their own."""
-        return np.eye(self.model.n_velocities)
+        return np.eye(max(part.stop for part in self.seen_slices))
+
+    def _border_mass(self, configuration: Configuration) -> np.ndarray:
+        stations = self.stations(configuration, np.zeros(self.n))
+        return np.asarray(
+            _mass_matrix(self.model.bodies_alone, self.border_configuration(configuration, stations))
+        )
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
-        """Of full bodies node by node, of the others from the compiled equations."""
-        border = np.asarray(_mass_matrix(self.model.bodies_alone, self.border_configuration(configuration)))
-        masses = np.array([border[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
+        """Of full bodies node by node, of lines their own, of the others from the compiled equations."""
+        border = self._border_mass(configuration)
+        masses = np.zeros((len(self.slices), 6, 6))
         at_rest = self.state_at(0.0, configuration, np.zeros(self.n))
+        for index in self._others:
+            frame = slice(self.border_slices[index].start, self.border_slices[index].start + 6)
+            masses[index] = border[frame, frame]
         for interior in self.interiors:
             masses[interior.index] = interior.frame_mass(self._interior_state(interior, at_rest))
+        for index, mass in self._line_masses(configuration).items():
+            masses[index] = mass[:6, :6]
         return masses
 
+    def _line_masses(self, configuration: Configuration) -> dict[int, np.ndarray]:
+        none, found = np.zeros(self.n), {}
+        for line in self.lines:
+            at = self._body_state(line.index, 0.0, configuration, none, none)
+            found[line.index] = line.tangent(at, np.zeros(6 * line.n_stations))[0]
+        return found
+
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
-        """Of full bodies node by node, of the others from the compiled equations."""
-        border = self.to_border(velocity)
-        masses = np.asarray(_mass_matrix(self.model.bodies_alone, self.border_configuration(configuration)))
-        products = border * (masses @ border)
-        energies = np.array([products[part].sum() / 2 for part in self.model.slices])
+        """Of full bodies node by node, of lines their own, of the others from the compiled equations."""
+        border = self.to_border(velocity, self.stations(configuration, velocity))
+        products = border * (self._border_mass(configuration) @ border)
+        energies = np.array([products[part].sum() / 2 for part in self.border_slices])
         state = self.state_at(0.0, configuration, velocity)
         for interior in self.interiors:
             moving = velocity[self.slices[interior.index]][:3]
             energies[interior.index] = interior.kinetic_energy(self._interior_state(interior, state), moving)
+        for index, mass in self._line_masses(configuration).items():
+            own = velocity[self.slices[index]]
+            energies[index] = own @ mass @ own / 2
         return energies
 
     def least_change(
@@ -454,9 +633,11 @@ class FullSystem:
         bias = self.joint_terms(state.time, state.configuration, state.velocity).acceleration_bias
         none = tuple(np.zeros(6) for _ in self.interiors)
         still, targets = np.zeros(self.n), (-bias, none)
+        # The correction from no acceleration is the acceleration; a march may have left another one.
+        begun = state._replace(acceleration=still, frame_multipliers=none)
 
         def answered(carried: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, ...]]:
-            at = self.evaluate(state._replace(multipliers=carried), 0.0)
+            at = self.evaluate(begun._replace(multipliers=carried), 0.0)
             change, more, frames = self.correction(at, targets, still, StepFactors(0.0, 0.0))
             return change, carried + more, frames
 
@@ -472,6 +653,7 @@ class FullSystem:
 
 
 _mass_matrix = jax.jit(mass_matrix, compiler_options=STARTING)
+_right_jacobian = jax.jit(rotation_right_jacobian)
 _rotations_exp = jax.jit(jax.vmap(rotation_exp))
 
 

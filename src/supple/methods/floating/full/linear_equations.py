@@ -14,9 +14,9 @@ from scipy.sparse import block_diag, csr_array, eye_array, hstack, vstack
 
 from supple.algebra.cross import cross_matrix
 from supple.equations.control_linearization import LinearControl
+from supple.equations.station_body import StationBody
 from supple.equations.steady_motion import Turning, linear_equations
-from supple.methods.floating.full.full_interior import FullInterior, InteriorState
-from supple.methods.floating.full.full_state import Evaluation
+from supple.methods.floating.full.full_state import Evaluation, LineEvaluation
 from supple.methods.floating.full.full_system import FullSystem
 
 __all__ = ["SparseEquations", "frame_conditions", "full_linear_equations", "to_border"]
@@ -38,7 +38,7 @@ class SparseEquations(NamedTuple):
     constraint: Any
     """Sparse (m, n): of the joints, and of the frames of full bodies"""
     interior: np.ndarray
-    """Numbers of the freedoms of full bodies against their frames, but for six that hold each body"""
+    """Numbers of freedoms whose matrices are sparse, and regular by themselves"""
     control: LinearControl
     """States z of controllers"""
 
@@ -50,10 +50,18 @@ class SparseEquations(NamedTuple):
 
 def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluation) -> SparseEquations:
     """The equations of motion, linearised about a state in which every body turns steadily."""
-    border = linear_equations(machine.model, turning, terms.border_motion, terms.border)
-    seen = to_border(machine)
+    border = linear_equations(
+        machine.model, _border_turning(machine, turning), terms.border_motion, terms.border
+    )
+    seen = to_border(machine, terms)
     states = dict(zip((each.index for each in machine.interiors), terms.interior_states, strict=True))
-    inner = {each.index: _turning_parts(each, states[each.index]) for each in machine.interiors}
+    inner = {
+        each.index: _turning_parts(each.linear_parts(states[each.index]), states[each.index].angular_velocity)
+        for each in machine.interiors
+    }
+    inner |= {
+        body.index: _line_parts(body, line) for body, line in zip(machine.lines, terms.lines, strict=True)
+    }
     mass, damping, stiffness = (
         csr_array(seen.T @ csr_array(of_border) @ seen)
         + _by_body(machine, {index: parts[number] for index, parts in inner.items()})
@@ -65,20 +73,20 @@ def full_linear_equations(machine: FullSystem, turning: Turning, terms: Evaluati
         mass=csr_array((mass + mass.T) / 2),
         damping=damping,
         damping_columns=_by_body(machine, columns, square=False).toarray(),
-        damping_signs=np.concatenate([signs[index] for index in sorted(signs)]),
+        damping_signs=np.concatenate([np.zeros(0), *(signs[index] for index in sorted(signs))]),
         stiffness=stiffness,
-        constraint=csr_array(vstack([csr_array(border.jacobian) @ seen, frame_conditions(machine)])),
-        interior=np.concatenate([_interior(machine, each) for each in machine.interiors]),
+        constraint=csr_array(vstack([csr_array(border.constraint) @ seen, frame_conditions(machine)])),
+        interior=_interior(machine),
         control=border.control.along(seen),
     )
 
 
-def _turning_parts(interior: FullInterior, state: InteriorState) -> tuple[Any, Any, Any]:
-    """`M`, `C` and `K` (6 + n, 6 + n) of one full body, seen in its axes, which turn along."""
-    mass, damping, stiffness = interior.linear_parts(state)
-    if not state.angular_velocity.any():
-        return mass, damping, stiffness
-    spin, n = cross_matrix(state.angular_velocity), 6 + interior.full.n_coordinates
+def _turning_parts(parts: tuple[Any, ...], angular_velocity: np.ndarray) -> tuple[Any, ...]:
+    """`M`, `C` and `K` (6 + n, 6 + n) of one body along its axes, seen in these, which turn along."""
+    mass, damping, stiffness = parts
+    if not angular_velocity.any():
+        return parts
+    spin, n = cross_matrix(angular_velocity), mass.shape[0]
     frame = csr_array(block_diag([spin, spin, csr_array((n - 6, n - 6))]))
     translation = csr_array(block_diag([spin, csr_array((n - 3, n - 3))]))
     return (
@@ -88,19 +96,51 @@ def _turning_parts(interior: FullInterior, state: InteriorState) -> tuple[Any, A
     )
 
 
-def to_border(machine: FullSystem) -> csr_array:
-    """From all freedoms to those of the border: interfaces move with the coordinates of their bodies."""
-    interfaces = {
-        each.index: csr_array(block_diag([eye_array(6), each.interface_rows])) for each in machine.interiors
+def _line_parts(body: StationBody, line: LineEvaluation) -> tuple[Any, ...]:
+    """The same of a body that is seen at stations."""
+    axes = _along_axes(line.state.rotation[None], len(line.residual))
+    own = (csr_array(axes.T @ part @ axes) for part in body.tangent(line.state, line.station_forces))
+    return _turning_parts(tuple(own), line.state.velocity[3:6])
+
+
+def _along_axes(rotations: np.ndarray, n: int) -> np.ndarray:
+    """From velocities (n,) along the axes of some frames, six for each, to those along global axes."""
+    axes = np.eye(n)
+    for number, rotation in enumerate(rotations):
+        axes[6 * number : 6 * number + 3, 6 * number : 6 * number + 3] = rotation
+    return axes
+
+
+def _border_turning(machine: FullSystem, turning: Turning) -> Turning:
+    """The same of the border, whose stations turn with their bodies."""
+    if not machine.lines:
+        return turning
+    rates = np.asarray(turning.angular_velocities)
+    of_stations = [np.tile(rates[line.index], (line.n_stations, 1)) for line in machine.lines]
+    others = np.delete(rates, list(machine.line_of), axis=0)
+    return turning._replace(angular_velocities=np.concatenate([others, *of_stations]))
+
+
+def to_border(machine: FullSystem, terms: Evaluation) -> csr_array:
+    """From all freedoms to those of the border: interfaces and stations move with their bodies."""
+    parts: dict[int, Any] = {
+        each.index: block_diag([eye_array(6), each.interface_rows]) for each in machine.interiors
     }
-    return csr_array(
-        block_diag(
-            [
-                interfaces.get(index, eye_array(part.stop - part.start))
-                for index, part in enumerate(machine.slices)
-            ]
+    for body, line in zip(machine.lines, terms.lines, strict=True):
+        there, size = line.stations.rotations, len(line.residual)
+        parts[body.index] = (
+            _along_axes(there, 6 * len(there)).T
+            @ line.stations.motion
+            @ _along_axes(line.state.rotation[None], size)
         )
-    )
+    blocks = [
+        csr_array(parts.get(index, eye_array(part.stop - part.start)))
+        for index, part in enumerate(machine.slices)
+    ]
+    if not machine.lines:
+        return csr_array(block_diag(blocks))
+    rows = np.concatenate([np.arange(part.start, part.stop) for part in machine.border_slices])
+    return csr_array(block_diag(blocks, format="csr")[np.argsort(rows)])
 
 
 def frame_conditions(machine: FullSystem) -> csr_array:
@@ -121,8 +161,17 @@ def _by_body(machine: FullSystem, parts: Mapping[int, Any], *, square: bool = Tr
     return csr_array(block_diag(blocks))
 
 
-def _interior(machine: FullSystem, interior: FullInterior) -> np.ndarray:
-    """Numbers of a full body's coordinates among all freedoms, without those that hold its rigid motion."""
-    start = machine.slices[interior.index].start + 6
-    body = interior.full.body
-    return start + np.setdiff1d(np.arange(body.n), body.grounded_stiffness.springs)
+def _interior(machine: FullSystem) -> np.ndarray:
+    """Numbers of full bodies' coordinates among all freedoms, without those that hold their rigid motion.
+
+    Of a machine without any, of the coordinates of bodies that are seen at stations.
+    """
+    found = [np.zeros(0, dtype=int)]
+    for interior in machine.interiors:
+        body = interior.full.body
+        held = body.grounded_stiffness.springs
+        found.append(machine.slices[interior.index].start + 6 + np.setdiff1d(np.arange(body.n), held))
+    if not machine.interiors:
+        parts = [machine.slices[line.index] for line in machine.lines]
+        found += [np.arange(part.start + 6, part.stop) for part in parts]
+    return np.concatenate(found)

@@ -3,39 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
 from supple.algebra.bordered_factor import BorderedFactor, bordered_factor
 from supple.equations.configuration import Configuration
-from supple.equations.control_force import resting_control
+from supple.equations.consistent_start import consistent_start, placed_configuration
+from supple.equations.control_force import first_states, resting_control
 from supple.equations.control_linearization import control_at_rest, unrest
-from supple.equations.joint_force import constraint_rows
+from supple.equations.model import Model
 from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
+from supple.equations.station_body import SeenMachine
 from supple.equations.steady_motion import Turning, turning_velocities, work_of_turning
+from supple.integrate import Solution, Statistics
+from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import Evaluation, FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.linear_equations import (
     SparseEquations,
-    frame_conditions,
     full_linear_equations,
-    to_border,
 )
 
-__all__ = ["FullStatics"]
+__all__ = ["FullStatics", "full_statics"]
 
 
 @dataclass(frozen=True, eq=False)
 class FullStatics:
-    """A `StaticMachine` by sparse bordered steps.
+    """`Equations` by sparse bordered steps.
 
     Their tangent is that of `full_linear_equations`: frames change their velocities with their places,
     without which a machine that turns faster than it vibrates would not be found.
     """
 
     machine: FullSystem
+    begin: Configuration
+    """As the bodies are placed"""
     turning: Turning | None = None
     """None for machines at rest"""
     held: np.ndarray | None = None
@@ -48,6 +50,27 @@ class FullStatics:
     def eased(self, share: float, held: np.ndarray) -> FullStatics:
         """The machine at a share of its spin's rate, with forces (n,) held back."""
         return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+
+    @property
+    def model(self) -> Model:
+        """What joints and forces see of it."""
+        return self.machine.model
+
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where the motions of each body stand."""
+        return self.machine.slices
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether there are lines, whose modes have mass at other velocities than those of their places."""
+        return bool(self.machine.lines)
+
+    def start(self) -> StaticState:
+        """As the bodies are placed, without any force in joints and frames."""
+        frames = tuple(np.zeros(6) for _ in self.machine.interiors)
+        none = np.zeros(len(self.model.active))
+        return StaticState(self.begin, none, frames, first_states(self.model))
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
         """What is unbalanced in all freedoms, (n,)."""
@@ -72,7 +95,10 @@ class FullStatics:
         control = control_at_rest(model, motion)
         scale = self.machine.border_scale
         restless = unrest(self.machine.system, control, scale, motion.velocity, state.control)
-        return Unbalance(relative, gap, (terms, control), restless)
+        size = float(largest.max())
+        if self.turning is not None:
+            size = max(size, ROUND_OFF * work_of_turning(model, self.turning))
+        return Unbalance(relative, gap, (terms, control), size, restless)
 
     def linear_equations(self, state: StaticState, time: float) -> SparseEquations:
         """The equations of motion, linearised about a state."""
@@ -109,6 +135,16 @@ class FullStatics:
     def bodies_at(self, configuration: Configuration) -> Configuration:
         """The same."""
         return configuration
+
+    def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
+        """Derivatives of the equations of joints, then of frames, (m, n)."""
+        terms, _ = self.unbalance(state, time).terms
+        rows = self._linear(terms).constraint.toarray()
+        return _turned(self.machine, rows.T, terms.rotations).T
+
+    def solution(self, state: StaticState, time: float, iterations: int) -> Solution:
+        """The steady motion at one instant."""
+        return full_solution(self.machine, [self._still(state, time)], Statistics(iterations=iterations))
 
     @property
     def position_scale(self) -> np.ndarray:
@@ -150,7 +186,7 @@ class StaticTangent:
     def correction(self, unbalance: Unbalance) -> StaticCorrection:
         """What balances a state, as far as the tangent goes."""
         machine, linear, (terms, control) = self.machine, self.equations.control, unbalance.terms
-        rotations = terms.border_motion.configuration.rotations
+        rotations = terms.rotations
         loads = _turned(machine, -machine.residual_of(terms), np.swapaxes(rotations, 1, 2))
         gaps = -np.concatenate([terms.constraint_residual, *terms.frame_residuals])
         motion, forces = (
@@ -170,32 +206,19 @@ class StaticTangent:
 
 
 def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> np.ndarray:
-    """A vector (n,) with the translations of its frames multiplied by rotations (b, 3, 3)."""
+    """Vectors (n, ...) with the translations of their frames multiplied by rotations (b, 3, 3)."""
     turned = vector.copy()
     for part, rotation in zip(machine.slices, rotations, strict=True):
         turned[part.start : part.start + 3] = rotation @ vector[part.start : part.start + 3]
     return turned
 
 
-def carried_state(
-    machine: FullSystem, turning: Turning, time: float, state: StaticState
-) -> tuple[StaticState, float]:
-    """A configuration with multipliers that carry what is unbalanced in it; and what part they cannot."""
-    none = state._replace(
-        multipliers=np.zeros(len(machine.model.active)),
-        frame_multipliers=tuple(np.zeros(6) for _ in machine.interiors),
-    )
-    found = FullStatics(machine, turning).unbalance(none, time)
-    terms, _ = found.terms
-    weights = machine.position_scale
-    unbalanced = weights * machine.residual_of(terms)
-    joints: Any = csr_array(np.asarray(constraint_rows(machine.model, terms.border.linearization.joints)))
-    rows = vstack([joints @ to_border(machine), frame_conditions(machine)])
-    carried = weights[:, None] * rows.T.toarray()
-    multipliers = np.linalg.lstsq(carried, -unbalanced, rcond=None)[0]
-    size = max(work_of_turning(machine.model, turning), float(np.linalg.norm(unbalanced))) or 1.0
-    left = float(np.linalg.norm(unbalanced + carried @ multipliers)) / size
-    of_joints, of_frames = np.split(multipliers, [joints.shape[0]])
-    frames = tuple(of_frames.reshape(-1, 6))
-    left = max(left, *found.unrest.values(), 0.0)
-    return none._replace(multipliers=of_joints, frame_multipliers=frames), left
+def full_statics(
+    machine: SeenMachine, turning: Turning | None, time: float, known: tuple[int, ...] | None = None
+) -> FullStatics:
+    """A machine with full bodies, its joints closed; `known` are equations that are independent."""
+    prepared = FullSystem(machine, known)
+    if known is not None:
+        return FullStatics(prepared, placed_configuration(prepared.system), turning)
+    prepared, configuration, *_ = consistent_start(prepared, time)
+    return FullStatics(prepared, configuration, turning)

@@ -57,6 +57,11 @@ class CompiledMachine:
         """Where each body's freedoms stand."""
         return self.model.slices
 
+    @property
+    def seen_slices(self) -> tuple[slice, ...]:
+        """The same: joints see the coordinates themselves."""
+        return self.model.slices
+
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
         """Diagonal blocks of the mass matrix."""
         mass = self.metric(configuration)

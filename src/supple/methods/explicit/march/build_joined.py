@@ -1,0 +1,219 @@
+"""Ties, joints and force elements of frames: which multipliers are needed, and the step limit of all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.algebra.cross import cross_matrix
+from supple.equations import marker_force
+from supple.equations.configuration import SystemMotion
+from supple.equations.model import Model
+from supple.equations.places import assembled_matrix
+from supple.errors import ModelError
+from supple.integrate import StepFactors
+from supple.machine import System
+from supple.methods.explicit.frame_chart import configuration
+from supple.methods.explicit.frame_model import FrameState, Generalized
+from supple.methods.explicit.march.build_ties import modal_ties
+from supple.methods.explicit.march.frame_forces import joint_rows
+from supple.methods.explicit.march.model import FrameArrays
+from supple.methods.explicit.modal_frame import ModalFrame
+from supple.methods.explicit.modal_tie import ModalTie, TiedSide, tied_rows
+from supple.methods.explicit.projected_difference import ProjectedDifference
+from supple.methods.explicit.published_scheme import PublishedScheme
+from supple.methods.explicit.step_limit import damped_limit
+
+__all__ = ["JoinedFrames", "joined_frames"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_REDUNDANT = 1e-8
+"""Of a multiplier's own mobility: what is left of it once those before it act."""
+
+
+@dataclass(frozen=True, eq=False)
+class JoinedFrames:
+    """Ties of frames to each other, and their joints.
+
+    ties, tied : without multipliers that follow from others, and which two frames each joins
+    machine : the frames as floating bodies; of the joints' equations likewise
+    numbers : of the frames that multipliers join;   driven : (m,) 1 of equations that laws move, else 0
+    limited, step_limit : frames with ties, joints or force elements, and the step limit of all of them, s
+    """
+
+    ties: tuple[ModalTie, ...]
+    tied: tuple[tuple[int, int], ...]
+    machine: Model | None
+    numbers: tuple[int, ...]
+    driven: FloatArray
+    limited: tuple[int, ...]
+    step_limit: float
+
+
+def joined_frames(
+    system: System,
+    scheme: ProjectedDifference | PublishedScheme,
+    frames: Mapping[str, ModalFrame],
+    arrays: tuple[FrameArrays, ...],
+    states: tuple[FrameState, ...],
+    penalties: Mapping[str, FloatArray | None],
+    machine: Model | None,
+    time: float,
+) -> JoinedFrames:
+    """What joins the frames of a system.
+
+    states : of the frames at the start;   penalties : (6 + k, 6 + k) of the contacts of each, or None
+    Raises ModelError: another scheme than the default, parts that do not meet.
+    """
+    ties, pairs = modal_ties(system, frames)
+    if machine is None or not (ties or machine.active or machine.forces):
+        return JoinedFrames((), (), machine, (), np.zeros(0), (), np.inf)
+    if not isinstance(scheme, ProjectedDifference) and (ties or machine.active):
+        raise ModelError(
+            "parts that are tied or joined to each other march by ProjectedDifference() only, not by "
+            f"{type(scheme).__name__}"
+        )
+    order, now = list(frames), jnp.asarray(time)
+    joined = {number for pair in pairs for number in pair} | _touched(machine.joints)
+    limited = sorted(joined | _touched(machine.forces))
+    rigid = [
+        np.einsum("ij,ajc->aic", system.placed(name).rotation, frame.rigid_rates)
+        for name, frame in frames.items()
+    ]
+    rows = [
+        _pencil_rows(dict(zip(pair, tied_rows(tie, *(states[i] for i in pair)), strict=True)), rigid, arrays)
+        for tie, pair in zip(ties, pairs, strict=True)
+    ]
+    if machine.active:
+        of_joints = joint_rows(machine, arrays, states, now)
+        rows.append(_pencil_rows(dict(enumerate(of_joints)), rigid, arrays))
+    names = [order[number] for number in limited]
+    mass = np.asarray(linalg.block_diag(*(frames[name].pencil()[0] for name in names)))
+    blocks = [frames[name].pencil()[1] for name in names]
+    pressed = [penalties[name] for name in names]
+    stiffness = np.asarray(
+        linalg.block_diag(*(K if own is None else K + own for K, own in zip(blocks, pressed, strict=True)))
+    )
+    sizes = [6 + frame.body.n_modes for frame in frames.values()]
+    spans = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
+    own = np.concatenate([spans[number] for number in limited])
+    moving = linalg.block_diag(*(_floating_rates(system, name, frame) for name, frame in frames.items()))
+    elastic, damping = (
+        (moving.T @ part @ moving)[np.ix_(own, own)] for part in _of_elements(machine, arrays, states, now)
+    )
+    every = np.concatenate([each[:, own] for each in rows]) if rows else np.zeros((0, len(mass)))
+    kept = _independent(every, mass)
+    numbers = np.split(np.arange(len(every)), np.cumsum([len(each) for each in rows])[:-1]) if rows else []
+    chosen = [np.flatnonzero(np.isin(own, kept)) for own in numbers]
+    free = linalg.null_space(every[kept]) if len(kept) else np.eye(len(mass))
+    largest = _largest(free, stiffness + elastic, mass)
+    drag = 0.5 * _largest(free, damping, mass)
+    # h^2 omega^2 / 4 + h c / 2 = 1, for damping follows half a step late.
+    limit = 2 / (drag + np.sqrt(drag**2 + largest)) if drag + largest > 0 else np.inf
+    # Stiffness damping of each part is at most the largest beta's.
+    beta = max(frames[name].body.stiffness_damping for name in names)
+    if machine.active:
+        *chosen, of_machine = chosen
+        machine = replace(machine, active=tuple(machine.active[row] for row in of_machine))
+    # A tie whose rows follow from the others' says nothing more.
+    left = [number for number, own in enumerate(chosen) if len(own)]
+    return JoinedFrames(
+        tuple(_only(ties[number], chosen[number]) for number in left),
+        tuple(pairs[number] for number in left),
+        machine,
+        tuple(sorted(joined)),
+        _driven(system)[list(machine.active)],
+        tuple(limited),
+        damped_limit(limit, beta),
+    )
+
+
+def _driven(system: System) -> FloatArray:
+    """1 of each equation of joints with a law, else 0."""
+    own = [np.full(joint.n_constraints, float(joint.law is not None)) for joint in system.joints]
+    return np.concatenate([np.zeros(0), *own])
+
+
+def _touched(groups: Sequence) -> set[int]:
+    """Numbers of the bodies that joints or forces act on."""
+    return {body for own in groups for end in (own.first, own.second) for body in end.bodies if body >= 0}
+
+
+def _largest(free: FloatArray, matrix: FloatArray, mass: FloatArray) -> float:
+    """Largest eigenvalue of the symmetric part of a matrix on free motions, zero where all are below."""
+    own = free.T @ (0.5 * (matrix + matrix.T)) @ free
+    return max(float(linalg.eigh(own, free.T @ mass @ free, eigvals_only=True)[-1]), 0.0)
+
+
+def _floating_rates(system: System, name: str, frame: ModalFrame) -> FloatArray:
+    """(dR, omega, dq) per velocity of the centre, angular velocity and modes, in the axes of the mesh."""
+    k = frame.body.n_modes
+    found = np.zeros((6 + k, 6 + k))
+    A, centre = system.placed(name).rotation, frame.body.points.origin
+    found[:3, :3], found[:3, 3:6] = A, A @ cross_matrix(centre)
+    found[3:6, 3:6], found[6:, 6:] = np.eye(3), frame.turned
+    return found
+
+
+def _of_elements(
+    machine: Model, arrays: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
+) -> tuple[FloatArray, FloatArray]:
+    """Stiffness and damping (n, n) of force elements at the start, their ends at rest."""
+    n = machine.n_velocities
+    where, still = configuration(tuple(each.chart for each in arrays), states), jnp.zeros(n)
+    motion = SystemMotion(time, where, still, still, jnp.zeros(len(machine.active)))
+    unturned = jnp.broadcast_to(jnp.eye(3), (len(states), 3, 3))
+
+    def matrix(factors: StepFactors) -> FloatArray:
+        blocks = [
+            block
+            for group in machine.forces
+            for block in marker_force.tangent(machine, group, motion, unturned, factors)
+        ]
+        return np.asarray(assembled_matrix((n, n), blocks))
+
+    return matrix(StepFactors(-1.0, 0.0)), matrix(StepFactors(0.0, -1.0))
+
+
+def _pencil_rows(
+    rows: Mapping[int, Generalized], rigid: Sequence[FloatArray], arrays: Sequence[FrameArrays]
+) -> FloatArray:
+    """(r, sum (6 + k)): rows of a tie, or of the joints, on rigid motions and modes of all frames."""
+    r = len(next(iter(rows.values())).y)
+    blocks = []
+    for number, (turned, own) in enumerate(zip(rigid, arrays, strict=True)):
+        if number in rows:
+            at = rows[number]
+            blocks += [np.einsum("raj,ajc->rc", np.asarray(at.p), turned), np.asarray(at.y)]
+        else:
+            blocks.append(np.zeros((r, 6 + len(own.chart.turned))))
+    return np.concatenate(blocks, axis=1)
+
+
+def _independent(rows: FloatArray, mass: FloatArray) -> IntArray:
+    """Numbers of rows that do not follow from those before them: ties that close a loop say some twice."""
+    factor = np.linalg.cholesky(mass)
+    reached = linalg.solve_triangular(factor, rows.T, lower=True)
+    reached = reached / np.linalg.norm(reached, axis=0)
+    kept: list[int] = []
+    directions = np.zeros((len(reached), 0))
+    for number, column in enumerate(reached.T):
+        left = column - directions @ (directions.T @ column)
+        left -= directions @ (directions.T @ left)
+        if (size := np.linalg.norm(left)) > _REDUNDANT**0.5:
+            directions = np.column_stack([directions, left / size])
+            kept.append(number)
+    return np.array(kept, dtype=np.int64)
+
+
+def _only(tie: ModalTie, rows: IntArray) -> ModalTie:
+    one, two = (TiedSide(side.weights[rows], side.shapes[rows]) for side in (tie.first, tie.second))
+    return ModalTie(one, two, tie.per_arm)

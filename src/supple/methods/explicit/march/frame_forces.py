@@ -1,0 +1,149 @@
+"""What acts on frames besides contacts and explicit nodes, by the terms that all methods share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.equations import marker_force, nodal_load
+from supple.equations.balance import constraint_jacobian
+from supple.equations.configuration import SystemMotion
+from supple.equations.ends import markers
+from supple.equations.joint_force import constraints
+from supple.equations.marker import Marker, pose
+from supple.equations.model import Model
+from supple.equations.places import Places, assembled_vector, over
+from supple.machine import ForceElement
+from supple.machine.laws import Constant
+from supple.methods.explicit.frame_chart import configuration, on_points, velocity
+from supple.methods.explicit.frame_model import FrameState, Generalized
+from supple.methods.explicit.march.model import FrameArrays, MarchModel
+
+__all__ = [
+    "FrameForces",
+    "frame_forces",
+    "gravity_at",
+    "joint_gaps",
+    "joint_rows",
+    "stored_energy",
+    "storing_elements",
+]
+
+
+class FrameForces(NamedTuple):
+    """Of each frame: of loads and elements that store nothing; of the others at rest, and by their rates."""
+
+    given: tuple[Generalized, ...]
+    stored: tuple[Generalized, ...]
+    dragged: tuple[Generalized, ...]
+
+
+def gravity_at(model: MarchModel, time: Array) -> Array:
+    """Gravity seen from a base that accelerates, (3,)."""
+    return model.gravity - sum(law(time) for law in model.base_accelerations)
+
+
+def frame_forces(
+    machine: Model,
+    stores: tuple[bool, ...],
+    frames: tuple[FrameArrays, ...],
+    states: tuple[FrameState, ...],
+    time: Array,
+) -> FrameForces:
+    """At t_n, with the rates of the step before.
+
+    machine : the frames as bodies, with their loads and force elements
+    stores : which groups of elements store energy
+    """
+    motion = _motion(machine, frames, states, time)
+    at_rest = motion._replace(velocity=jnp.zeros_like(motion.velocity))
+    storing = _some(machine, stores, True)
+    n, others = machine.n_velocities, _some(machine, stores, False)
+    given = assembled_vector(n, [*_loads(machine, motion), *_elements(others, motion)])
+    stored = assembled_vector(n, _elements(storing, at_rest))
+    dragged = assembled_vector(n, _elements(storing, motion)) - stored
+    return FrameForces(*(_by_frame(machine, frames, states, forces) for forces in (given, stored, dragged)))
+
+
+def _some(machine: Model, stores: tuple[bool, ...], wanted: bool) -> Model:
+    groups = zip(machine.forces, stores, strict=True)
+    return replace(machine, forces=tuple(group for group, own in groups if own is wanted))
+
+
+def _motion(
+    machine: Model, frames: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
+) -> SystemMotion:
+    charts = tuple(each.chart for each in frames)
+    rates = velocity(charts, states)
+    none = jnp.zeros(len(machine.active))
+    return SystemMotion(time, configuration(charts, states), rates, jnp.zeros_like(rates), none)
+
+
+def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
+    """Whether the elements of each group store energy by themselves: nothing but their ends moves them."""
+    wrenches = [type(load).wrenches for load in loads if type(load).energy is not ForceElement.energy]
+    return tuple(
+        group.wrenches in wrenches and (group.law is None or isinstance(group.law, Constant))
+        for group in machine.forces
+    )
+
+
+def stored_energy(
+    machine: Model,
+    loads: Iterable[Any],
+    stores: tuple[bool, ...],
+    frames: tuple[FrameArrays, ...],
+    states: tuple[FrameState, ...],
+    time: Array,
+) -> Array:
+    """Of force elements, J."""
+    energies = {type(load).wrenches: type(load).energy for load in loads}
+    motion, total = _motion(machine, frames, states, time), jnp.zeros(())
+    for group in _some(machine, stores, True).forces:
+
+        def own(law: Any, parameters: Any, *ends: Marker, of: Any = energies[group.wrenches]) -> Array:
+            value = None if law is None else law(time)
+            return jnp.asarray(of(*map(pose, ends), value, parameters))
+
+        ends = (markers(end, motion.configuration, motion.velocity) for end in (group.first, group.second))
+        total = total + over(own, group.law, group.parameters, *ends).sum()
+    return total
+
+
+def _elements(machine: Model, motion: SystemMotion) -> Iterator[tuple[Places, Array]]:
+    for group in machine.forces:
+        yield from marker_force.force(machine, group, motion)
+
+
+def _loads(machine: Model, motion: SystemMotion) -> Iterator[tuple[Places, Array]]:
+    for load in machine.nodal_loads:
+        yield load.velocities, nodal_load.force(load, motion)
+
+
+def _by_frame(
+    machine: Model, frames: tuple[FrameArrays, ...], states: tuple[FrameState, ...], forces: Array
+) -> tuple[Generalized, ...]:
+    """Generalised forces (.., n) of all frames as forces on the points and modes of each."""
+    return tuple(
+        on_points(own.chart, at, forces[..., part])
+        for own, at, part in zip(frames, states, machine.slices, strict=True)
+    )
+
+
+def joint_rows(
+    machine: Model, frames: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
+) -> tuple[Generalized, ...]:
+    """Derivatives of the joints' equations for points (m, 4, 3) and modes (m, k) of each frame."""
+    where = configuration(tuple(each.chart for each in frames), states)
+    return _by_frame(machine, frames, states, constraint_jacobian(machine, time, where))
+
+
+def joint_gaps(
+    machine: Model, frames: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
+) -> Array:
+    """The joints' equations, (m,)."""
+    return constraints(machine, time, configuration(tuple(each.chart for each in frames), states))

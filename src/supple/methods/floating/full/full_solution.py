@@ -1,0 +1,53 @@
+"""States of machines with full bodies as a solution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+
+from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.floating_solution import SeenMotions, floating_solution
+from supple.integrate import Solution, Statistics
+from supple.methods.floating.full.full_state import FullState
+from supple.methods.floating.full.full_system import FullSystem
+
+__all__ = ["full_solution"]
+
+
+def full_solution(
+    machine: FullSystem,
+    states: Sequence[FullState],
+    statistics: Statistics,
+    engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> Solution:
+    """The motion through some states, with the forces of the joints."""
+    configuration = Configuration(
+        *(
+            np.array([getattr(state.configuration, name) for state in states])
+            for name in Configuration._fields
+        )
+    )
+    motion = SystemMotion(
+        np.array([state.time for state in states]),
+        configuration,
+        np.array([state.velocity for state in states]),
+        np.array([state.acceleration for state in states]),
+        np.array([state.multipliers for state in states]),
+    )
+    active = machine.model.active
+    return floating_solution(
+        machine.system, machine.slices, active, motion, statistics, engine_state, _seen(machine, states)
+    )
+
+
+def _seen(machine: FullSystem, states: Sequence[FullState]) -> SeenMotions | None:
+    if not machine.lines:
+        return None
+    bodies, stations = {}, {}
+    for line in machine.lines:
+        motion = line.motion(machine.body_states(line.index, states))
+        bodies[machine.system.bodies[line.index].body.name] = motion
+        stations |= line.station_motions(motion)
+    return SeenMotions(machine.seen, bodies, stations)

@@ -1,0 +1,263 @@
+"""A released line as a body in a floating frame, for machines in which it stands beside full bodies.
+
+Its velocities are u = (V, w, g'), of its axes, V global and w in these axes, and of its elastic amplitudes
+g = -q_2 / omega. The amplitudes of its velocities are linear in them,
+
+    A(q_2) q_1 = (R^T V, w, g'),        Y = A^-1 diag(R^T, I, I)
+
+with the root's twist in the first six rows and the rates of strain, `force_rates`, in the others. What its
+equations miss, projected on u, is balanced by forces f at its stations, whose velocities are J u:
+
+    Y^T [ q_1' - rates(q_1, q_2) ] + J^T f = 0,        q_1' = Y u' + Y' u
+
+The mass is Y^T Y, for modes are mass-normal, and the strains' forces are exactly (0, omega^2 g), for the
+couplings of the line have no power.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.algebra.rotation import rotation_exp
+from supple.equations.compiler_options import STARTING
+from supple.equations.station_body import BodyState, SeenMachine, StationBodyForces, Stations
+from supple.integrate import FloatingMotion
+from supple.machine import Placed, System
+from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.methods.intrinsic.joined_machine import seen_lines
+from supple.methods.intrinsic.line_equations import (
+    force_rates,
+    line_rates,
+    section_strains,
+    station_velocities,
+)
+from supple.methods.intrinsic.line_model import LineModel
+from supple.methods.intrinsic.line_system import wrenches_on
+from supple.methods.intrinsic.machine_loads import machine_loads
+from supple.methods.intrinsic.station_loads import StationLoad, StationMotion
+from supple.methods.intrinsic.strain_integration import Places, station_places
+from supple.programs.kept_programs import KeptProgram
+
+__all__ = ["LineInFrame", "lines_in_frames"]
+
+Array = np.ndarray
+STATIC = {"static": True}
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class FrameLine:
+    """The numbers of a line, its root (3,) in the body's axes, its loads, and the stations that are held."""
+
+    model: LineModel
+    root: Any
+    loads: tuple[StationLoad, ...]
+    held: tuple[int, ...] = field(metadata=STATIC)
+
+
+@dataclass(frozen=True, eq=False)
+class LineInFrame:
+    """A `StationBody` of a line."""
+
+    index: int
+    placed: Placed
+    arrays: FrameLine
+    names: tuple[str, ...]
+    """Of its stations as bodies"""
+
+    @property
+    def n_stations(self) -> int:
+        """Number of stations that are seen."""
+        return len(self.names)
+
+    def stations(self, state: BodyState) -> Stations:
+        """Where they are and how they move."""
+        return Stations(*map(np.asarray, _stations(self.arrays, state)))
+
+    def forces(self, state: BodyState) -> StationBodyForces:
+        """Its own equations."""
+        return StationBodyForces(*map(np.asarray, _forces(self.arrays, state)))
+
+    def tangent(self, state: BodyState, station_forces: Array) -> tuple[Array, ...]:
+        """Derivatives M, C, K by u', u and increments, under forces (6 s,) at the stations."""
+        return tuple(map(np.asarray, _tangent(self.arrays, state, station_forces)))
+
+    def motion(self, states: list[BodyState]) -> IntrinsicMotion:
+        """Its motion over some instants."""
+        r = self.placed.body.n_coordinates
+        rates = [_amplitudes(self.arrays, state) for state in states]
+        first, second = (np.array([each[number] for each in rates]) for number in range(2))
+        velocity, acceleration = (
+            np.array([part(state) for state in states]).reshape(-1, 6 + r)
+            for part in (lambda state: state.velocity, lambda state: state.acceleration)
+        )
+        return IntrinsicMotion(
+            position=np.array([state.origin for state in states]),
+            rotation=np.array([state.rotation for state in states]),
+            coordinates=np.array([state.coordinates for state in states]),
+            velocity=velocity[:, :3],
+            angular_velocity=velocity[:, 3:6],
+            rates=first,
+            acceleration=acceleration[:, :3],
+            angular_acceleration=acceleration[:, 3:6],
+            accelerations=second,
+        )
+
+    def station_motions(self, motion: IntrinsicMotion) -> Mapping[str, FloatingMotion]:
+        """Poses of its stations over time; they stand still, for nobody asks how they move."""
+        rotations, positions = body_of(self.placed).places(motion)
+        t = len(positions)
+        still, none = np.zeros((t, 3)), np.zeros((t, 0))
+        return {
+            name: FloatingMotion(
+                position=positions[:, number],
+                rotation=rotations[:, number],
+                coordinates=none,
+                velocity=still,
+                angular_velocity=still,
+                coordinate_rates=none,
+                acceleration=still,
+                angular_acceleration=still,
+                coordinate_accelerations=none,
+            )
+            for name, number in zip(self.names, self.arrays.held, strict=True)
+        }
+
+
+def lines_in_frames(system: System) -> SeenMachine:
+    """A machine with its intrinsic bodies in floating frames.
+
+    Raises ModelError for intrinsic bodies whose modes hold their root.
+    """
+    seen, lines, held, on_lines = seen_lines(system)
+    first, bodies = len(seen.bodies) - sum(map(len, held)), []
+    for placed, stations in zip(lines, held, strict=True):
+        body = body_of(placed)
+        own = [load for load in on_lines.loads if getattr(load, "body", body.name) == body.name]
+        alone = System([placed], loads=own, gravity=system.gravity)
+        names = tuple(station.body.name for station in seen.bodies[first : first + len(stations)])
+        arrays = FrameLine(body.model, body.line.tree.points[0], machine_loads(alone), stations)
+        bodies.append(LineInFrame(system.body_index(body.name), placed, arrays, names))
+        first += len(stations)
+    return SeenMachine(system, seen, tuple(bodies))
+
+
+def _frame_rows(line: FrameLine, coordinates: jax.Array) -> jax.Array:
+    """A (6 + e, 6 + e): twist of the body's axes and rates of the coordinates by q_1."""
+    model = line.model
+    strains = section_strains(model, -model.omega * coordinates)
+
+    def seen(q1: jax.Array) -> jax.Array:
+        x1 = station_velocities(model, q1)
+        v, w = x1[0, :3], x1[0, 3:]
+        return jnp.concatenate(
+            [v + jnp.cross(line.root, w), w, -force_rates(model, x1, q1, strains) / model.omega]
+        )
+
+    return jax.jacfwd(seen)(jnp.zeros(model.velocities.shape[1]))
+
+
+def _along_axes(rotation: jax.Array, u: jax.Array) -> jax.Array:
+    """U (6 + e,) with its first three components along the body's axes."""
+    return jnp.concatenate([u[:3] @ rotation, u[3:]])
+
+
+def _velocities(line: FrameLine, rotation: jax.Array, coordinates: jax.Array, u: jax.Array) -> jax.Array:
+    """q_1 of velocities u."""
+    return jnp.linalg.solve(_frame_rows(line, coordinates), _along_axes(rotation, u))
+
+
+def _pose_rates(state: BodyState, u: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Of origin, rotation and coordinates."""
+    w = u[3:6]
+    turning = jnp.stack([jnp.cross(w, row) for row in jnp.eye(3)], axis=1)
+    return u[:3], state.rotation @ turning, u[6:]
+
+
+def _pose(state: BodyState) -> tuple[Any, Any, Any]:
+    return state.origin, state.rotation, state.coordinates
+
+
+def _rates(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
+    """q_1 and q_1'."""
+    _, *turning = _pose_rates(state, state.velocity)
+    return jax.jvp(
+        lambda *at: _velocities(line, *at),
+        (state.rotation, state.coordinates, state.velocity),
+        (*turning, state.acceleration),
+    )
+
+
+def _missing(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
+    """What the body's equations miss (6 + e,), and the part of the loads that are no force elements."""
+    model, rows = line.model, _frame_rows(line, state.coordinates)
+    q1, rates = _rates(line, state)
+    q2 = -model.omega * state.coordinates
+    root = state.origin + state.rotation @ line.root
+    places: Places = station_places(model, q2, state.rotation, root)
+    (wrench,) = wrenches_on(line.loads, [StationMotion(places, station_velocities(model, q1))], state.time)
+    first, _ = line_rates(model, q1, q2, wrench)
+    pushed = jnp.zeros_like(q1) if wrench is None else -wrench.reshape(-1) @ model.velocities
+    left, loads = jnp.linalg.solve(rows.T, jnp.stack([rates - first, pushed], axis=1)).T
+    return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # type: ignore[return-value]
+
+
+def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> Places:
+    q2 = -line.model.omega * coordinates
+    places = station_places(line.model, q2, rotation, origin + rotation @ line.root)
+    held = np.array(line.held, dtype=int)
+    return Places(places.rotations[held], places.positions[held])
+
+
+def _twists(line: FrameLine, state: BodyState, u: jax.Array) -> jax.Array:
+    """Velocities, global, and angular velocities, in own axes, of the stations that are held, (6 s,)."""
+    places, rates = jax.jvp(lambda *at: _places_of_held(line, *at), _pose(state), _pose_rates(state, u))
+    skew = jnp.einsum("sji,sjk->sik", places.rotations, rates.rotations)
+    spin = jnp.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+    return jnp.concatenate([rates.positions, spin], axis=1).reshape(-1)
+
+
+def _moved(state: BodyState, increment: jax.Array) -> BodyState:
+    return state._replace(
+        origin=state.origin + increment[:3],
+        rotation=state.rotation @ rotation_exp(increment[3:6]),
+        coordinates=state.coordinates + increment[6:],
+    )
+
+
+def _stations_at(line: FrameLine, state: BodyState) -> tuple[jax.Array, ...]:
+    places = _places_of_held(line, *_pose(state))
+    u = state.velocity
+    motion = jax.jacfwd(lambda v: _twists(line, state, v))(jnp.zeros_like(u))
+    _, bias = jax.jvp(lambda s: _twists(line, _moved(state, s * u), u), (jnp.zeros(()),), (jnp.ones(()),))
+    return places.positions, places.rotations, motion, bias
+
+
+def _forces_at(line: FrameLine, state: BodyState) -> tuple[jax.Array, ...]:
+    whole, applied = _missing(line, state)
+    internal = jnp.concatenate([jnp.zeros(6), line.model.omega**2 * state.coordinates])
+    return whole - internal - applied, internal, applied
+
+
+def _tangent_at(line: FrameLine, state: BodyState, forces: jax.Array) -> tuple[jax.Array, ...]:
+    def left(increment: jax.Array, u: jax.Array, faster: jax.Array) -> jax.Array:
+        near = _moved(state._replace(velocity=u, acceleration=faster), increment)
+        _, back = jax.vjp(lambda v: _twists(line, near, v), jnp.zeros_like(u))
+        return _missing(line, near)[0] + back(forces)[0]
+
+    at = jnp.zeros_like(state.velocity), state.velocity, state.acceleration
+    stiffness, damping, mass = jax.jacfwd(left, (0, 1, 2))(*at)
+    return mass, damping, stiffness
+
+
+_stations = KeptProgram(_stations_at, STARTING)
+_forces = KeptProgram(_forces_at, STARTING)
+_tangent = KeptProgram(_tangent_at, STARTING)
+_amplitudes = KeptProgram(_rates, STARTING)

@@ -1,0 +1,28 @@
+"""The equations of a machine at rest: the form of its bodies says by which method."""
+
+from __future__ import annotations
+
+from supple.equations.static_search import Equations
+from supple.equations.steady_motion import Turning
+from supple.machine import System
+from supple.methods.floating import compiled_statics, full_statics
+from supple.methods.intrinsic.line_statics import line_statics
+from supple.simulation.seen_machine import seen_machine
+
+__all__ = ["equations_of"]
+
+
+def equations_of(
+    system: System, turning: Turning | None, time: float, known: tuple[int, ...] | None = None
+) -> Equations:
+    """A machine as its bodies are placed, made ready for statics and modes.
+
+    turning : of its bodies in their order; None at rest
+    known : equations of joints that are independent, where that is known: the joints are closed then
+    Raises whatever the start of a run would find wrong with the joints.
+    """
+    kinds = {placed.body.kind for placed in system.bodies}
+    if "full" in kinds or ("intrinsic" in kinds and system.controllers):
+        return full_statics(seen_machine(system), turning, time, known)
+    method = line_statics if "intrinsic" in kinds else compiled_statics
+    return method(system, turning, time, known)

@@ -1,0 +1,24 @@
+"""A machine in which bodies of every form stand beside each other, as the sparse engine takes it."""
+
+from __future__ import annotations
+
+from supple.equations.station_body import SeenMachine
+from supple.machine import System
+from supple.methods.floating.full.full_system import FullSystem
+from supple.methods.intrinsic import IntrinsicBody
+from supple.methods.intrinsic.line_in_frame import lines_in_frames
+
+__all__ = ["full_system", "seen_machine"]
+
+
+def seen_machine(system: System) -> SeenMachine:
+    """The machine with its intrinsic bodies in floating frames.
+
+    Raises ModelError for intrinsic bodies whose modes hold their root.
+    """
+    return lines_in_frames(system) if system.bodies_of(IntrinsicBody) else SeenMachine(system, system, ())
+
+
+def full_system(system: System, active: tuple[int, ...] | None = None) -> FullSystem:
+    """Its equations; `active` leaves out redundant constraint equations."""
+    return FullSystem(seen_machine(system), active)
