@@ -13,7 +13,7 @@ and K_t nearly singular there. Of a strip of 1 m, bent by a quarter, it made 5 m
 Quasi-static: a stiffness that is off moves frequencies too, which a long vibration shows by its phase. What
 is not in it is the mesh.
 
-A body whose elements are not at hand, or any in a machine with controllers, is told by its limit: a
+A body whose elements are not at hand, or any in a machine with controllers, is assessed by its limit: a
 deflection is off by some 2e-3 at its `rotation_limit` (strips of h/t = 10), by the third power of the turn.
 
 A linear body lacks the shortening by its bending: its error is at least theta^2 / 2 of its length, theta its
@@ -67,10 +67,10 @@ def model_errors(
     Parameters
     ----------
     system, solution : the run, with its bodies reduced
-    fulls : the same bodies with all coordinates, by name; those without elements are told by their limit
+    fulls : the same bodies with all coordinates, by name; those without elements are assessed by their limit
     bases : of the reduced bodies, by name
-    quantities : positions of bodies among these are told by their own motion, all else by that of the body
-        that is worst, in parts of its displacement
+    quantities : positions of bodies among these are assessed by their own motion, all else by that of the
+        body that is worst, in parts of its displacement
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # what they do at an instant is known to the run alone

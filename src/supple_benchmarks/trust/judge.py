@@ -91,7 +91,7 @@ def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any
     began = process_time()
     simulate(corrected.system, run, check=False)
     simulated = process_time()
-    estimate = ErrorEstimator(system, run).judge(corrected.system, bases, corrected.solution)
+    estimate = ErrorEstimator(system, run).assess(corrected.system, bases, corrected.solution)
     estimated = process_time()
     n_times = len(corrected.solution.times)
     instants = np.linspace(1, n_times - 1, estimate.factorizations).round().astype(int)
