@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from supple.cases.case import Case
-from supple.cases.notify import Progress, silent
+from supple.cases.notify import silent
 from supple.fem import FiniteElementModel
-from supple.integrate import Solution
+from supple.integrate import Solution, StepProgress
 from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.quantities import TrackedMotion
@@ -40,7 +40,7 @@ class Drawing:
     film: bool
     colour: str = "deflection"
 
-    def draw(self, progress: Progress = silent) -> None:
+    def draw(self, progress: StepProgress = silent) -> None:
         """Draw them into the folder."""
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.viz import animate_run, draw_run
