@@ -16,7 +16,7 @@ from supple.equations.configuration import ControlState, SystemMotion
 from supple.equations.control_start import first_control, fresh_control
 from supple.equations.sampling import sampling_of
 from supple.errors import ModelError
-from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
+from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.machine import System
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
@@ -43,10 +43,6 @@ class JoinedEngine:
             raise ModelError(
                 f"joints that connect intrinsic bodies do not take {type(run.method).__name__}: give "
                 "GeneralizedAlpha(rho_inf); explicit rules step bodies whose roots the ground holds"
-            )
-        if not isinstance(run.step_control, FixedStep):
-            raise ModelError(
-                "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
             )
         self._run = run
         self._machine: JoinedMachine = joined_machine(system, run.start)
