@@ -49,7 +49,7 @@ class JoinedEngine:
         self._arrays = self._machine.arrays
         self._coefficients = first_order_coefficients(run.method.rho_inf)
         self._interval = float(run.times[1] - run.times[0])
-        self._step = run.step_control.size
+        self._step = float(run.step_control.first)
         self._sampling = sampling_of(self._machine.seen, run)
         self._length = leg_size(len(run.times)) if self._sampling is None else 1
 
