@@ -31,7 +31,7 @@ class CaseWork:
 
     def here(self, arguments: tuple[Any, ...]) -> Solution:
         """The motion of a case."""
-        return _marched(*arguments, self._run)
+        return _marched(self.question(arguments), self._run)
 
     def greeting(self) -> Run:
         """The run."""
@@ -42,7 +42,7 @@ class CaseWork:
         (system,) = arguments
         return system
 
-    def result(self, answer: tuple[dict[str, Any], list[warnings.WarningMessage]]) -> Solution:
+    def result(self, answer: tuple[dict[str, Any], list[Any]]) -> Solution:
         """The motion; what its run warned of is warned of here."""
         parts, warned = answer
         for message in warned:
