@@ -36,8 +36,8 @@ from supple.machine import (
 )
 from supple.mesh import CellType, block
 from supple.methods.explicit import ENERGIES, Energies, modal_subdomain
+from supple.quantities import AccelerationSensor, JointForceSensor, StressSensor
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
-from supple.sensors import AccelerationSensor, JointForceSensor, StressSensor
 from supple.simulation import equilibrium, simulate
 
 G = (0.0, 0.0, -9.81)
