@@ -152,12 +152,10 @@ class ExplicitEngine:
         bodies: dict[str, Any] = {}
         moved = [np.asarray(each).swapaxes(1, 2) for each in (rows.x, rows.v, rows.a)]
         for name, span in own.blocks.items():
-            bodies[name] = NodalMotion(
-                *(each[:, own.nodes[name]] for each in moved),
-                np.concatenate(rows.plastic[span], axis=1),
-                np.concatenate(rows.alive[span], axis=1),
-                np.concatenate(rows.von_mises[span], axis=1),
-            )
+            x, v, a = (each[:, own.nodes[name]] for each in moved)
+            worst = (rows.plastic[span], rows.alive[span], rows.von_mises[span])
+            plastic, alive, stress = (np.concatenate(each, axis=1) for each in worst)
+            bodies[name] = NodalMotion(x, v, a, plastic, alive, stress)
         for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
             bodies[name] = floating_motion(frame, tuple(np.asarray(leaf) for leaf in marched))
         series = {ENERGIES: np.asarray(rows.energies), STEPS: np.column_stack([rows.step, rows.ratio])}

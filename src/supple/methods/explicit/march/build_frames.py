@@ -115,7 +115,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
     for place in joined.limited:
         arrays[place] = arrays[place]._replace(step_limit=jnp.asarray(joined.step_limit))
     stores, stored, control = (), jnp.zeros(()), None
-    if joined.machine is not None:
+    if floating is not None and joined.machine is not None:
         elements = [load for load in system.loads if isinstance(load, ForceElement)]
         stores = storing_elements(joined.machine, elements)
         at = joined.machine, tuple(arrays), tuple(states), jnp.asarray(time)

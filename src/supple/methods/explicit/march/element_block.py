@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import jax.numpy as jnp
 from jax import Array
@@ -24,7 +24,17 @@ from supple.methods.explicit.elements.bulk_viscosity import bulk_share
 from supple.methods.explicit.elements.solid_block import deformation
 from supple.methods.explicit.materials import J2Plasticity, Law
 
-__all__ = ["BlockState", "Forces", "Instant", "SolidArrays", "Solids", "TriangleArrays", "Triangles"]
+__all__ = [
+    "BlockRule",
+    "BlockState",
+    "Forces",
+    "Instant",
+    "SolidArrays",
+    "Solids",
+    "TriangleArrays",
+    "Triangles",
+    "with_contact",
+]
 
 
 class Instant(NamedTuple):
@@ -44,7 +54,7 @@ class BlockState(NamedTuple):
     """
 
     material: Any
-    ratios: Array | None
+    ratios: Any
     alive: Array
 
 
@@ -97,6 +107,22 @@ class TriangleArrays(NamedTuple):
 def with_contact(limit: Array, rate: Array) -> Array:
     """A step limit with all contacts closed, s; rate : largest stiffness over mass, 1/s^2."""
     return 2 / jnp.sqrt((2 / limit) ** 2 + rate)
+
+
+class BlockRule(Protocol):
+    """What a block of elements is compiled for; `own` are its arrays."""
+
+    def start(self, own: Any) -> BlockState:
+        """Undeformed."""
+        ...
+
+    def force(self, own: Any, at: Instant, state: BlockState) -> Forces:
+        """Forces at an instant, and the state that led there."""
+        ...
+
+    def recorded(self, own: Any, x: Array, triads: Array, state: BlockState, /) -> tuple[Array, Array]:
+        """Plastic strain and von Mises' stress (E,) of the worst point of each element."""
+        ...
 
 
 @dataclass(frozen=True)

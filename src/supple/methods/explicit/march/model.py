@@ -13,11 +13,10 @@ from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.frame_chart import FrameChart
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.element_block import (
+    BlockRule,
     BlockState,
     SolidArrays,
-    Solids,
     TriangleArrays,
-    Triangles,
 )
 from supple.methods.explicit.march.touching_surface import TouchingSurface
 from supple.methods.explicit.march.turning import Spins, Turning
@@ -105,7 +104,7 @@ class Methods:
     explicit : Explicit     of the run
     """
 
-    blocks: tuple[Solids | Triangles, ...]
+    blocks: tuple[BlockRule, ...]
     obstacles: tuple[Obstacle, ...]
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]
