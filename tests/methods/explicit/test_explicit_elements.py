@@ -15,6 +15,7 @@ from supple.machine import System
 from supple.mesh import CellType, block
 from supple.methods.explicit import ExplicitEngine
 from supple.methods.explicit.explicit_subdomain import explicit_subdomain
+from supple.methods.explicit.march.element_block import Instant
 from supple.methods.explicit.march.nodal_forces import nodal_forces
 from supple.methods.explicit.materials import J2Plasticity, LinearHardening, NeoHookean, StVenantKirchhoff
 
@@ -32,21 +33,8 @@ def forces(subdomain, x, dx=None):
     moves = np.zeros_like(x)
     moves[numbers] = x - subdomain.nodes if dx is None else dx
     start = own.start
-    out = nodal_forces(
-        own.model,
-        own.methods,
-        start.time,
-        jnp.asarray(back.T),
-        jnp.asarray(moves.T),
-        jnp.ones(()),
-        start.materials,
-        start.ratios,
-        start.alive,
-        (),
-        (),
-        (),
-        start.turning.triads,
-    )
+    at = Instant(jnp.asarray(back.T), jnp.asarray(moves.T), jnp.ones(()), start.turning.triads)
+    out = nodal_forces(own.model, own.methods, start.time, at, start.blocks, ())
     return np.asarray(out.forces[:2])[:, :, numbers], out
 
 
@@ -92,21 +80,8 @@ def true_limit(part):
     own = engine.built
 
     def force(x):
-        out = nodal_forces(
-            own.model,
-            own.methods,
-            own.start.time,
-            x.reshape(3, -1),
-            jnp.zeros_like(own.start.x),
-            jnp.ones(()),
-            own.start.materials,
-            own.start.ratios,
-            own.start.alive,
-            (),
-            (),
-            (),
-            own.start.turning.triads,
-        )
+        at = Instant(x.reshape(3, -1), jnp.zeros_like(own.start.x), jnp.ones(()), own.start.turning.triads)
+        out = nodal_forces(own.model, own.methods, own.start.time, at, own.start.blocks, ())
         return -out.forces.sum(axis=0).ravel()
 
     K = np.asarray(jax.jit(jax.jacobian(force))(own.start.x.ravel()))

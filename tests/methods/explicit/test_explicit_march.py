@@ -51,7 +51,7 @@ def test_small_vibrations_have_the_frequency_of_the_lumped_model():
     engine = ExplicitEngine(System([part]), Run(2 * np.pi / omega, 2 * np.pi / omega / 8))
     state = engine.start(0.0)._replace(v=1e-6 * np.asarray(mode).reshape(-1, 3).T, initial=np.array(0.5e-12))
     leg = engine.march(state, engine._run.times[1:])
-    u = leg.states.rows.x - np.asarray(engine.built.start.x)
+    u = leg.states.x - np.asarray(engine.built.start.x)
     amplitudes = (u.swapaxes(1, 2).reshape(8, -1) * m) @ mode
     expected = 1e-6 / omega * np.sin(2 * np.pi * np.arange(1, 9) / 8)
     assert amplitudes == pytest.approx(expected, abs=0.02 * 1e-6 / omega)

@@ -44,7 +44,7 @@ def marched(system, span, n=10, **options):
 def test_small_deformation_has_the_forces_of_the_models_stiffness():
     body = plate()
     engine = ExplicitEngine(System([body]), Run(1.0, 1.0))
-    (block,) = engine.built.model.shells
+    ((block, *_),) = engine.built.model.blocks
     start = engine.built.start
     rng = np.random.default_rng(3)
     d = 1e-6 * rng.standard_normal((len(body.nodes), 6))
@@ -63,7 +63,7 @@ def test_a_turned_plate_has_no_forces_and_a_turned_deformed_one_turned_forces():
     flat, turned = (
         ExplicitEngine(System([Placed(body, rotation=r)]), Run(1.0, 1.0)).built for r in (np.zeros(3), angle)
     )
-    (block,) = turned.model.shells
+    ((block, *_),) = turned.model.blocks
     rest = shell_force(block, turned.start.x, turned.start.turning.triads)
     R = np.asarray(turned.start.turning.triads)[:, :, 0]
     moved = 0.01 * np.random.default_rng(4).standard_normal(flat.start.x.shape)

@@ -44,7 +44,7 @@ def force():
 def built(body, rotation=(0.0, 0.0, 0.0)):
     """Its block, and positions and triads at the start."""
     made = ExplicitEngine(System([Placed(body, rotation=np.array(rotation))]), Run(1.0, 1.0)).built
-    return made.model.shells[0], made.start.x, made.start.turning.triads
+    return made.model.blocks[0].block, made.start.x, made.start.turning.triads
 
 
 def turned(triads, angles):

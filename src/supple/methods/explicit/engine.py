@@ -78,8 +78,8 @@ class ExplicitEngine:
     def start(self, time: float) -> MarchState:
         """The parts as they are placed, or as joints let them be."""
         own = self._built
-        if own.change is not None:
-            report_start(own.change, self._run.validity)
+        if own.framed.change is not None:
+            report_start(own.framed.change, self._run.validity)
         state = with_forces(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
         return state._replace(initial=kinetic(self._built.model, state) + state.energies.internal)
 
@@ -152,19 +152,10 @@ class ExplicitEngine:
         bodies: dict[str, Any] = {}
         moved = [np.asarray(each).swapaxes(1, 2) for each in (rows.x, rows.v, rows.a)]
         for name, span in own.blocks.items():
-            bodies[name] = NodalMotion(
-                *(each[:, own.nodes[name]] for each in moved),
-                np.concatenate(rows.plastic[span], axis=1),
-                np.concatenate(rows.alive[span], axis=1),
-                np.concatenate(rows.von_mises[span], axis=1),
-            )
-        for name, span in own.shells.items():
-            bodies[name] = NodalMotion(
-                *(each[:, own.nodes[name]] for each in moved),
-                np.concatenate(rows.shell_plastic[span], axis=1),
-                np.concatenate(rows.shell_alive[span], axis=1),
-                np.concatenate(rows.shell_stress[span], axis=1),
-            )
+            x, v, a = (each[:, own.nodes[name]] for each in moved)
+            worst = (rows.plastic[span], rows.alive[span], rows.von_mises[span])
+            plastic, alive, stress = (np.concatenate(each, axis=1) for each in worst)
+            bodies[name] = NodalMotion(x, v, a, plastic, alive, stress)
         for (name, frame), marched in zip(own.frames.items(), rows.frames, strict=True):
             bodies[name] = floating_motion(frame, tuple(np.asarray(leaf) for leaf in marched))
         series = {ENERGIES: np.asarray(rows.energies), STEPS: np.column_stack([rows.step, rows.ratio])}
@@ -173,12 +164,12 @@ class ExplicitEngine:
         leaves = jax.tree.leaves(leg.last)
         kept = {f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)}
         times, forces, multipliers = np.asarray(rows.time), {}, {}
-        if own.machine is not None and own.machine.joints:
+        if own.framed.machine is not None and own.framed.machine.joints:
             assert own.model.machine is not None
             active = own.model.machine.active
             # The joints' forces are J^T mu here, -G^T lambda there.
-            multipliers = joint_multipliers(own.machine, active, -np.asarray(rows.pulls))
-            forces = joint_wrenches(own.machine, times, bodies, multipliers)
+            multipliers = joint_multipliers(own.framed.machine, active, -np.asarray(rows.pulls))
+            forces = joint_wrenches(own.framed.machine, times, bodies, multipliers)
             kept["active"] = np.array(active, dtype=float)
         return Solution(
             times=times,
@@ -197,7 +188,7 @@ class ExplicitEngine:
 
     def _check_step(self) -> None:
         step, own = self._fixed, self._built
-        if own.model.blocks or own.model.shells:
+        if own.model.blocks:
             limit = float(nodes_limit(own.model, own.start))
         else:
             limit = min(float(each) for each in frame_limits(own.model, own.start))

@@ -90,7 +90,11 @@ def on_points(own: FrameChart, at: FrameState, forces: Array) -> Generalized:
 
 
 def placed_state(
-    frame: ModalFrame, position: Array, rotation: Array, coordinates: Array, rates: Array
+    frame: ModalFrame,
+    position: np.ndarray,
+    rotation: np.ndarray,
+    coordinates: np.ndarray,
+    rates: np.ndarray,
 ) -> FrameState:
     """A frame at a pose and coordinates, with rates (dR, omega, dq), (6 + k,)."""
     points = frame.body.points

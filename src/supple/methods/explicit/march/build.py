@@ -2,40 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import RigidBody
-from supple.equations.build_model import build_model
-from supple.equations.compiled_machine import CompiledMachine
-from supple.equations.configuration import Configuration
-from supple.equations.consistent_start import consistent_start
-from supple.equations.control_start import first_control
-from supple.equations.model import Model
-from supple.equations.start_change import StartChange
 from supple.errors import ModelError
-from supple.machine import At, BaseAcceleration, Contact, DeadForce, ForceElement, Placed, System, Tie
+from supple.machine import At, BaseAcceleration, Contact, DeadForce, Placed, System, Tie
 from supple.machine.ties.meeting import meeting_nodes
-from supple.methods.explicit.elements import rest_layers
-from supple.methods.explicit.frame_chart import frame_chart, placed_state
-from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_blocks import explicit_blocks
-from supple.methods.explicit.march.build_joined import joined_frames
+from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames, check_outside
 from supple.methods.explicit.march.build_shells import explicit_shells
-from supple.methods.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
+from supple.methods.explicit.march.build_surfaces import Hanging, modal_skins
 from supple.methods.explicit.march.build_ties import met_material, within
-from supple.methods.explicit.march.frame_forces import frame_motion, stored_energy, storing_elements
 from supple.methods.explicit.march.frame_step import hanging as hung_places
 from supple.methods.explicit.march.march_step import with_forces
 from supple.methods.explicit.march.model import (
     Energies,
-    FrameArrays,
     MarchModel,
     MarchState,
     Methods,
@@ -44,8 +29,7 @@ from supple.methods.explicit.march.model import (
 )
 from supple.methods.explicit.march.turning import Turning
 from supple.methods.explicit.method import Explicit
-from supple.methods.explicit.modal_frame import ModalFrame, modal_frame
-from supple.methods.explicit.rigid_frame import RigidFrame
+from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 
 __all__ = ["Built", "built"]
@@ -59,10 +43,8 @@ class Built:
     """A system ready to march.
 
     nodes : explicit part to the numbers of its nodes in the march
-    blocks : explicit part of solids to its blocks among those of the march;   shells : likewise
-    frames : modal parts and rigid bodies, in the order of the march, with their modes as marched
-    machine : these as a system of floating bodies, with what joins them and acts on them; None without any
-    change : by what joints changed their start;   None without joints
+    blocks : explicit part to its blocks among those of the march
+    framed : modal parts and rigid bodies
     """
 
     model: MarchModel
@@ -70,10 +52,12 @@ class Built:
     start: MarchState
     nodes: dict[str, IntArray]
     blocks: dict[str, slice]
-    shells: dict[str, slice]
-    frames: dict[str, ModalFrame]
-    machine: System | None
-    change: StartChange | None
+    framed: Framed
+
+    @property
+    def frames(self) -> dict[str, ModalFrame]:
+        """Modal parts and rigid bodies, in the order of the march, with their modes as marched."""
+        return self.framed.frames
 
 
 def built(system: System, method: Explicit, time: float = 0.0) -> Built:
@@ -102,142 +86,44 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     ]
     _check_hung_once(hanging, x)
     _check_not_held(system, hanging, numbers)
-    frames, frame_arrays, frame_states, frame_obstacles, penalties = {}, [], [], [], {}
-    for part in system.bodies:
-        name = part.body.name
-        if part.body.kind != "explicit":
-            own = [each for each in hanging if each.part == name]
-            frame, arrays, state, touched, pressed = _frame(system, part, own, mass, x)
-            frames[name] = frame
-            frame_arrays.append(arrays)
-            frame_states.append(state)
-            frame_obstacles.append(touched)
-            penalties[name] = pressed
-    surfaces, contact_rate, between = touching_surfaces(
-        system, numbers, skins, hanging, frames, mass, x, short
-    )
-    pressed = {}
-    for place, (name, frame) in enumerate(frames.items()):
-        both = [each for each in (penalties[name], between.get(name)) if each is not None]
-        pressed[name] = sum(both[1:], both[0]) if both else None
-        limit = jnp.asarray(frame.step_limit(pressed[name]))
-        frame_arrays[place] = frame_arrays[place]._replace(step_limit=limit)
-    floating = _floating(system, tuple(frames))
-    machine, change = None, None
-    if floating is not None:
-        machine, change, frame_states = _joined_start(floating, frames, frame_states, time)
-    joined = joined_frames(
-        system, method.scheme, frames, tuple(frame_arrays), tuple(frame_states), pressed, machine, time
-    )
-    for place in joined.limited:
-        frame_arrays[place] = frame_arrays[place]._replace(step_limit=jnp.asarray(joined.step_limit))
-    elements = [load for load in system.loads if isinstance(load, ForceElement)]
-    stores = () if joined.machine is None else storing_elements(joined.machine, elements)
-    touching, obstacle_of, on_obstacles = [], [], 0.0
-    for number, contact in enumerate(system.rigid_contacts):
-        if contact.nodes.body in numbers:
-            nodes = numbers[contact.nodes.body][system.node_numbers(contact.nodes)]
-            stiffness = _stiffness(contact, mass[nodes], short)
-            on_obstacles = max(on_obstacles, float((stiffness / mass[nodes]).max()))
-            _check_outside(contact, x[nodes])
-            touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
-            obstacle_of.append(number)
+    framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, hanging, short), time)
+    touching, obstacle_of, on_obstacles = _touching(system, numbers, x, mass, short)
     model = MarchModel(
-        tuple(made.blocks),
-        tuple(made.limits),
-        tuple(made.betas),
+        (*made.blocks, *shells.blocks),
         jnp.asarray(mass),
         jnp.asarray(alpha),
         jnp.asarray(movable),
-        tuple(frame_arrays),
-        joined.ties,
-        tuple(touching),
-        surfaces,
+        framed.arrays,
+        framed.joined.ties,
+        touching,
+        framed.surfaces,
         _loaded(system, numbers),
         jnp.asarray([obstacle.mass for obstacle in obstacles], dtype=float),
         jnp.asarray(system.gravity),
-        jnp.asarray(contact_rate + on_obstacles),
-        tuple(shells.blocks),
+        jnp.asarray(framed.contact_rate + on_obstacles),
         shells.spins(system.supports, numbers, system),
-        jnp.asarray(shells.step_limit),
         tuple(load.law for load in system.loads if isinstance(load, BaseAcceleration)),
-        joined.machine,
-        jnp.asarray(joined.driven),
+        framed.joined.machine,
+        jnp.asarray(framed.joined.driven),
     )
     methods = Methods(
-        tuple(made.laws),
-        tuple(made.deletions),
-        tuple(shells.laws),
-        tuple(shells.deletions),
+        (*made.rules, *shells.rules),
         obstacles,
-        tuple(obstacle_of),
-        tuple(frame_obstacles),
-        joined.tied,
-        joined.numbers,
-        stores,
+        obstacle_of,
+        framed.obstacles,
+        framed.joined.tied,
+        framed.joined.numbers,
+        framed.stores,
         method,
     )
-    for arrays, state in zip(frame_arrays, frame_states, strict=True):
+    for arrays, state in zip(framed.arrays, framed.states, strict=True):
         if state.y.any() or system.joints:  # deformed, or moved by joints, at the start
             x[np.asarray(arrays.nodes)] = hung_places(arrays, state).T
-    start = _start(model, methods, x, v, tuple(frame_states), shells.start())
-    if system.controllers:
-        assert floating is not None  # controllers were checked to act on frames
-        assert joined.machine is not None
-        now = frame_motion(joined.machine, model.frames, start.frames, jnp.asarray(time))
-        control = first_control(floating, joined.machine, jax.tree.map(np.asarray, now))
-        start = start._replace(control=jax.tree.map(jnp.asarray, control))
-    if any(stores):
-        own = joined.machine, elements, stores, model.frames, start.frames, jnp.asarray(time)
-        internal = start.energies.internal + stored_energy(*own)
-        start = start._replace(energies=start.energies._replace(internal=internal))
+    start = _start(model, methods, x, v, framed, shells.start())
     start = with_forces(model, methods, start._replace(time=jnp.asarray(time)))
-    return Built(model, methods, start, numbers, made.spans, shells.spans, frames, floating, change)
-
-
-def _floating(system: System, names: Sequence[str]) -> System | None:
-    """The bodies on frames alone, with what joins them and acts on them; None without any."""
-
-    def acts(load: Any) -> bool:
-        if isinstance(load, ForceElement):
-            return load.first.body in names or load.second.body in names
-        return getattr(load, "body", None) in names
-
-    if not names:
-        return None
-    return replace(
-        system,
-        bodies=tuple(placed for placed in system.bodies if placed.body.name in names),
-        loads=tuple(load for load in system.loads if acts(load)),
-        ties=(),
-        contacts=(),
-        supports=(),
-    )
-
-
-def _joined_start(
-    floating: System, frames: dict[str, ModalFrame], states: list[FrameState], time: float
-) -> tuple[Model, StartChange | None, list[FrameState]]:
-    """The frames as floating bodies without redundant joints, and their states, which fit the joints."""
-    model, change = build_model(floating), None
-    if floating.joints:
-        start = consistent_start(CompiledMachine(floating, model), time)
-        model, change = start.machine.model, start.change
-        states = [
-            placed_state(frame, *place, start.velocity[part])
-            for frame, place, part in zip(
-                frames.values(),
-                _places(model, start.configuration),
-                model.slices,
-                strict=True,
-            )
-        ]
-    return replace(model, groups=()), change, states
-
-
-def _places(model: Model, where: Configuration) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
-    for number, part in enumerate(model.coordinate_slices):
-        yield where.origins[number], where.rotations[number], where.coordinates[part]
+    first = len(made.blocks)
+    spans = {name: slice(first + own.start, first + own.stop) for name, own in shells.spans.items()}
+    return Built(model, methods, start, numbers, made.spans | spans, framed)
 
 
 def _movable(system: System, numbers: dict[str, IntArray], v: FloatArray) -> FloatArray:
@@ -274,10 +160,10 @@ def _start(
     methods: Methods,
     x: FloatArray,
     v: FloatArray,
-    frames: tuple[FrameState, ...],
+    framed: Framed,
     turning: Turning,
 ) -> MarchState:
-    zero = jnp.zeros(())
+    zero, frames = jnp.zeros(()), framed.states
     held = [0.5 * at.y @ own.model.stiffness @ at.y for own, at in zip(model.frames, frames, strict=True)]
     return MarchState(
         time=zero,
@@ -286,13 +172,7 @@ def _start(
         x=jnp.asarray(x.T),
         v=jnp.asarray(v.T),
         forces=jnp.zeros((4, 3, len(x))),
-        materials=tuple(
-            law.initial(block.volumes.shape) for law, block in zip(methods.laws, model.blocks, strict=True)
-        ),
-        ratios=tuple(jnp.ones(block.volumes.shape) for block in model.blocks),
-        alive=tuple(jnp.ones(block.volumes.shape[1]) for block in model.blocks),
-        layers=tuple(None if shell.layers is None else rest_layers(shell) for shell in model.shells),
-        shells_alive=tuple(jnp.ones(shell.nodes.shape[1]) for shell in model.shells),
+        blocks=tuple(rule.start(own) for rule, own in zip(methods.blocks, model.blocks, strict=True)),
         frames=frames,
         obstacles=tuple(
             ObstacleState(jnp.zeros(3), jnp.asarray(obstacle.velocity, dtype=float))
@@ -300,14 +180,14 @@ def _start(
         ),
         turning=turning,
         obstacle_forces=jnp.zeros((len(methods.obstacles), 3)),
-        energies=Energies(*(zero for _ in Energies._fields))._replace(internal=sum(held, zero)),
+        energies=Energies(*(zero for _ in Energies._fields))._replace(internal=sum(held, framed.stored)),
         initial=zero,
         ratio_bound=jnp.asarray(methods.explicit.largest_ratio),
         ratio_wait=jnp.asarray(0),
         ratio_patience=jnp.asarray(1),
         smallest=jnp.ones(()),
         steps=jnp.asarray(0),
-        control=None,
+        control=framed.control,
     )
 
 
@@ -382,69 +262,23 @@ def _check_not_held(system: System, hanging: list[Hanging], numbers: dict[str, I
                 )
 
 
-def _frame(
-    system: System, part: Placed, hanging: list[Hanging], mass: FloatArray, x: FloatArray
-) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
-    body: Any = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
-    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
-    local = (x[nodes] - part.position) @ part.rotation
-    shapes = np.concatenate(
-        [np.einsum("nc,ncik->nik", each.weights, body.shapes[each.corners]) for each in hanging]
-        or [np.empty((0, 3, body.n_modes))]
-    )
-    frame = modal_frame(body, local, shapes, mass[nodes])
-    touching, touched, stiffest = [], [], None
-    for number, contact in enumerate(system.rigid_contacts):
-        if contact.nodes.body == body.name:
-            own = system.node_numbers(contact.nodes)
-            stiffness = _modal_stiffness(contact, frame, own)
-            _check_outside(contact, undeformed(part)[own])
-            touching.append(
-                NodesTouching(
-                    jnp.asarray(own),
-                    jnp.asarray(stiffness),
-                    jnp.asarray(frame.weights(own)),
-                    jnp.asarray(frame.shapes[own]),
-                )
-            )
-            touched.append(number)
-            added = frame.penalty_stiffness(own, stiffness)
-            stiffest = added if stiffest is None else stiffest + added
-    points = body.points
-    model: FrameModel = frame.model
-    arrays = FrameArrays(
-        model,
-        jnp.asarray(nodes),
-        jnp.asarray(points.weights(local)),
-        jnp.asarray(shapes @ frame.turned),
-        tuple(touching),
-        frame_chart(frame),
-        jnp.asarray(jnp.inf),  # once all contacts are known
-        None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
-    )
-    rates = np.concatenate([part.twist, part.coordinate_rates])
-    start = placed_state(frame, part.position, part.rotation, part.coordinates, rates)
-    return frame, arrays, start, tuple(touched), stiffest
-
-
 def _stiffness(contact: Contact, masses: FloatArray, short: float) -> FloatArray:
     if contact.stiffness is not None:
         return np.full(len(masses), contact.stiffness)
     return contact.fraction * masses * (2 / short) ** 2
 
 
-def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> FloatArray:
-    if contact.stiffness is not None:
-        return np.full(len(nodes), contact.stiffness)
-    return frame.stiffness_at(nodes, contact.fraction)
-
-
-def _check_outside(contact: Contact, points: FloatArray) -> None:
-    gap = np.asarray(contact.obstacle.gap(jnp.asarray(points.T))[0])
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    if gap.min() < -1e-6 * size:
-        worst = int(gap.argmin())
-        raise ModelError(
-            f"contact of '{contact.nodes}': the node at {np.array2string(points[worst], precision=6)} begins "
-            f"{-gap[worst]:.3g} inside the {type(contact.obstacle).__name__}; move the parts apart"
-        )
+def _touching(
+    system: System, numbers: dict[str, IntArray], x: FloatArray, mass: FloatArray, short: float
+) -> tuple[tuple[NodesTouching, ...], tuple[int, ...], float]:
+    """Explicit nodes in contact with obstacles, the numbers of these, largest stiffness over mass, 1/s^2."""
+    touching, obstacle_of, largest = [], [], 0.0
+    for number, contact in enumerate(system.rigid_contacts):
+        if contact.nodes.body in numbers:
+            nodes = numbers[contact.nodes.body][system.node_numbers(contact.nodes)]
+            stiffness = _stiffness(contact, mass[nodes], short)
+            largest = max(largest, float((stiffness / mass[nodes]).max()))
+            check_outside(contact, x[nodes])
+            touching.append(NodesTouching(jnp.asarray(nodes), jnp.asarray(stiffness)))
+            obstacle_of.append(number)
+    return tuple(touching), tuple(obstacle_of), largest

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
 from numpy.typing import NDArray
 
 from supple.machine import Placed
-from supple.methods.explicit.elements import SolidBlock, solid_block
+from supple.methods.explicit.elements import solid_block
 from supple.methods.explicit.explicit_subdomain import ExplicitSubdomain
-from supple.methods.explicit.materials import Law
+from supple.methods.explicit.march.element_block import SolidArrays, Solids
 
 __all__ = ["Blocks", "explicit_blocks"]
 
@@ -22,23 +21,20 @@ __all__ = ["Blocks", "explicit_blocks"]
 class Blocks:
     """Blocks of elements, one list item each, and their nodes.
 
-    limits : (E,) stable steps at rest, s;   betas : stiffness damping, s, or None
+    rules : law and deletion of each
     spans : part to its blocks;   mass : (N,) kg;   damped : (N,) alpha m, kg/s
     """
 
     mass: NDArray[np.float64]
     damped: NDArray[np.float64]
-    blocks: list[SolidBlock] = field(default_factory=list)
-    limits: list[Array] = field(default_factory=list)
-    laws: list[Law] = field(default_factory=list)
-    deletions: list[float] = field(default_factory=list)
-    betas: list[Array | None] = field(default_factory=list)
+    blocks: list[SolidArrays] = field(default_factory=list)
+    rules: list[Solids] = field(default_factory=list)
     spans: dict[str, slice] = field(default_factory=dict)
 
     @property
     def step_limit(self) -> float:
         """Of all elements at rest, s; infinite without any."""
-        return min((float(np.asarray(limit).min()) for limit in self.limits), default=np.inf)
+        return min((float(own.limit.min()) for own in self.blocks), default=np.inf)
 
 
 def explicit_blocks(
@@ -59,12 +55,8 @@ def explicit_blocks(
         for points, limit, bulk in zip(body.points, body.element_limits, body.bulk_arrays, strict=True):
             turned = points.gradients.swapaxes(2, 3) @ part.rotation.T
             gradients = turned.swapaxes(2, 3)
-            made.blocks.append(
-                solid_block(points, own, n_nodes, gradients, body.law.elastic, body.hourglass, bulk)
-            )
-            made.limits.append(jnp.asarray(limit))
-            made.laws.append(body.law)
-            made.deletions.append(body.deletion)
             beta = 0.0 if body.damping is None else body.damping.beta
-            made.betas.append(jnp.asarray(beta) if beta else None)
+            block = solid_block(points, own, n_nodes, gradients, body.law.elastic, body.hourglass, bulk)
+            made.blocks.append(SolidArrays(block, jnp.asarray(limit), jnp.asarray(beta) if beta else None))
+            made.rules.append(Solids(body.law, body.deletion))
     return made

@@ -105,7 +105,8 @@ def joined_frames(
     sizes = [6 + frame.body.n_modes for frame in frames.values()]
     spans = np.split(np.arange(sum(sizes)), np.cumsum(sizes)[:-1])
     own = np.concatenate([spans[number] for number in limited])
-    moving = linalg.block_diag(*(_floating_rates(system, name, frame) for name, frame in frames.items()))
+    rates = (_floating_rates(system, name, frame) for name, frame in frames.items())
+    moving = np.asarray(linalg.block_diag(*rates))
     elastic, damping = (
         (moving.T @ part @ moving)[np.ix_(own, own)] for part in _of_elements(machine, arrays, states, now)
     )

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.machine import Placed, Support, System
-from supple.methods.explicit.elements import LayerArrays, ShellBlock, shell_block
+from supple.methods.explicit.elements import LayerArrays, shell_block
 from supple.methods.explicit.explicit_shell import ExplicitShell, ShellElements
+from supple.methods.explicit.march.element_block import TriangleArrays, Triangles
 from supple.methods.explicit.march.turning import Spins, Turning
-from supple.methods.explicit.materials import J2Plasticity
 
 __all__ = ["Shells", "explicit_shells"]
 
@@ -28,7 +28,7 @@ class Shells:
     place : (N,)    number of the triad of each node of the march, -1 without
     inertia, turned : (r,) kg m^2, and alpha J;   triads : (3, 3, r), rates : (3, r) at the start
     mass, damped : (N,) kg, and alpha m;   spans : part to its blocks
-    laws, deletions : of each block;   law None: elastic
+    rules : law and deletion of each block
     """
 
     place: IntArray
@@ -38,16 +38,14 @@ class Shells:
     turned: FloatArray
     triads: FloatArray
     rates: FloatArray
-    blocks: list[ShellBlock] = field(default_factory=list)
+    blocks: list[TriangleArrays] = field(default_factory=list)
     spans: dict[str, slice] = field(default_factory=dict)
-    limits: list[float] = field(default_factory=list)
-    laws: list[J2Plasticity | None] = field(default_factory=list)
-    deletions: list[float] = field(default_factory=list)
+    rules: list[Triangles] = field(default_factory=list)
 
     @property
     def step_limit(self) -> float:
         """Of all triangles at rest, s; infinite without any."""
-        return min(self.limits, default=np.inf)
+        return min((float(own.limit) for own in self.blocks), default=np.inf)
 
     def start(self) -> Turning:
         """The triads as they are placed."""
@@ -93,17 +91,14 @@ def explicit_shells(parts: Sequence[Placed], numbers: Mapping[str, IntArray], n_
         made.triads[:, :, place[own]] = part.rotation[:, :, None]
         made.rates[:, place[own]] = (part.rotation @ part.twist[3:])[:, None]
         made.spans[body.name] = slice(len(made.blocks), len(made.blocks) + len(body.elements))
-        made.limits.append(body.step_limit)
         for each in body.elements:
             nodes = own[each.nodes]
             layers = None if body.law is None else _layers(each, body.layers)
-            made.blocks.append(
-                shell_block(
-                    nodes, place[nodes], each.corners, each.stiffness, each.to_stress, n_nodes, r, layers
-                )
+            block = shell_block(
+                nodes, place[nodes], each.corners, each.stiffness, each.to_stress, n_nodes, r, layers
             )
-            made.laws.append(body.law)
-            made.deletions.append(body.deletion)
+            made.blocks.append(TriangleArrays(block, jnp.asarray(body.step_limit)))
+            made.rules.append(Triangles(body.law, body.deletion))
     return made
 
 

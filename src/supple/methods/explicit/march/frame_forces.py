@@ -107,9 +107,9 @@ def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
 
 
 def stored_energy(
-    machine: Model,
     loads: Iterable[Any],
     stores: tuple[bool, ...],
+    machine: Model,
     frames: tuple[FrameArrays, ...],
     states: tuple[FrameState, ...],
     time: Array,

@@ -73,7 +73,7 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
             on_obstacles = on_obstacles.at[number].add(-push.sum(axis=1))
         pulled = point_forces(arrays.weights, arrays.shapes, own.p, own.y, pulls[:, arrays.nodes].T)
         forces.append((external, contact, pulled, stored, dragged))
-    total = [sum(each[1:], each[0]) for each in forces]
+    total = [a + b + c + d + e for a, b, c, d, e in forces]
     frames, turning, driving, joints = _advanced(model, methods, state, total, steps)
     works = jnp.zeros(5)
     for arrays, own, new, force in zip(model.frames, state.frames, frames, forces, strict=True):

@@ -9,15 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.methods.explicit.elements import (
-    SolidBlock,
-    layered_von_mises,
-    shell_von_mises,
-    squashed,
-    von_mises,
-)
-from supple.methods.explicit.elements.bulk_viscosity import bulk_share
-from supple.methods.explicit.elements.solid_block import deformation
+from supple.methods.explicit.march.element_block import with_contact
 from supple.methods.explicit.march.frame_step import frame_step, hanging
 from supple.methods.explicit.march.march_step import kinetic, march_step
 from supple.methods.explicit.march.model import MarchModel, MarchState, Methods
@@ -46,9 +38,6 @@ class Recorded(NamedTuple):
     plastic: tuple[Array, ...]
     alive: tuple[Array, ...]
     von_mises: tuple[Array, ...]
-    shell_plastic: tuple[Array, ...]
-    shell_alive: tuple[Array, ...]
-    shell_stress: tuple[Array, ...]
     frames: tuple[tuple[Array, ...], ...]
     pulls: Array
     obstacles: tuple[tuple[Array, Array], ...]
@@ -90,7 +79,7 @@ def chosen_steps(
         n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
         return span / n, jnp.asarray(1), n.astype(int)
     long = methods.explicit.safety * jnp.min(jnp.stack(frame_limits(model, state)))
-    if not model.blocks and not model.shells:
+    if not model.blocks:
         short = long = jnp.where(fixed > 0, fixed, long)
     long = jnp.minimum(long, jnp.minimum(methods.explicit.largest_ratio, state.ratio_bound) * short)
     n = jnp.maximum(jnp.ceil(span / long * (1 - 1e-9)), 1)
@@ -100,31 +89,14 @@ def chosen_steps(
 
 def nodes_limit(model: MarchModel, state: MarchState, safety: float = 1.0) -> Array:
     """Step of the explicit nodes, s, at a part of the limit of their elements as they stand and move."""
-    # Strains of shells are small: their limit is that at rest.
-    short = _with_contact(model, model.shell_limit)
-    for block, limit, live in zip(model.blocks, model.limits, state.alive, strict=True):
-        short = jnp.minimum(short, _block_limit(model, state, block, limit, live))
+    short = with_contact(jnp.asarray(jnp.inf), model.contact_rate)
+    for block, own in zip(model.blocks, state.blocks, strict=True):
+        short = jnp.minimum(short, block.longest_step(state.x, state.v, own.alive, model.contact_rate))
     short = safety * short
-    for beta in (beta for beta in model.betas if beta is not None):
+    for beta in (block.beta for block in model.blocks if block.beta is not None):
         zeta = beta / short
         short = short * (jnp.sqrt(1 + zeta**2) - zeta)
     return short
-
-
-def _with_contact(model: MarchModel, limit: Array) -> Array:
-    """A step limit with all contacts closed, s."""
-    return 2 / jnp.sqrt((2 / limit) ** 2 + model.contact_rate)
-
-
-def _block_limit(model: MarchModel, state: MarchState, block: SolidBlock, limit: Array, live: Array) -> Array:
-    """Step limit of the elements of a block that are left, as they stand and move, s."""
-    stretch = squashed(block, state.x)
-    longest = _with_contact(model, limit * stretch)
-    if block.bulk is not None:
-        F, rate = (deformation(block, each[:, block.nodes]) for each in (state.x, state.v))
-        xi = bulk_share(block.bulk, F, rate) / stretch
-        longest = longest * (jnp.sqrt(1 + xi**2) - xi)
-    return jnp.min(jnp.where(live > 0, longest, jnp.inf))
 
 
 def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:
@@ -139,7 +111,7 @@ def frame_limits(model: MarchModel, state: MarchState) -> list[Array]:
 
 def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Array, end: Array) -> MarchState:
     """On to an output time; again with a smaller ratio as long as the interface loses or wins too much."""
-    if not model.frames or not (model.blocks or model.shells):
+    if not model.frames or not model.blocks:
         return _marched(model, methods, state, fixed, end)
     allowed = methods.explicit.interface_loss * (_size(state) + kinetic(model, state))
 
@@ -258,21 +230,10 @@ def recorded(
     Rates of frames at t_n, accelerations and multipliers are those of a trial of the step that follows.
     first : length of the trial at the start, s; later it is that of the step before
     """
-    plastic, stress = [], []
-    for law, block, own, live in zip(methods.laws, model.blocks, state.materials, state.alive, strict=True):
-        strain = law.plastic_strain(own)
-        plastic.append(jnp.zeros_like(live) if strain is None else strain.max(axis=0))
-        stress.append(live * von_mises(law, block, state.x, own).max(axis=0))
-    bent, bent_stress = [], []
-    for law, shell, own, live in zip(
-        methods.shell_laws, model.shells, state.layers, state.shells_alive, strict=True
-    ):
-        if law is None or own is None:
-            bent.append(jnp.zeros_like(live))
-            bent_stress.append(shell_von_mises(shell, state.x, state.turning.triads))
-        else:
-            bent.append(own.strain.max(axis=(0, 1)))
-            bent_stress.append(live * layered_von_mises(law, shell, state.x, state.turning.triads, own))
+    worst = [
+        rule.recorded(block, state.x, state.turning.triads, own)
+        for rule, block, own in zip(methods.blocks, model.blocks, state.blocks, strict=True)
+    ]
     acceleration = model.movable * state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
     acceleration = acceleration - model.alpha * state.v
     frames, pulls = [], jnp.zeros(0)
@@ -293,12 +254,9 @@ def recorded(
         state.x,
         state.v,
         acceleration,
-        tuple(plastic),
-        state.alive,
-        tuple(stress),
-        tuple(bent),
-        state.shells_alive,
-        tuple(bent_stress),
+        tuple(plastic for plastic, _ in worst),
+        tuple(own.alive for own in state.blocks),
+        tuple(stress for _, stress in worst),
         tuple(frames),
         pulls,
         tuple((at.offset, at.velocity) for at in state.obstacles),

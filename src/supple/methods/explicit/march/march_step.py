@@ -13,6 +13,7 @@ from jax import Array, lax
 
 from supple.equations.control_force import stepped
 from supple.methods.explicit.frame_invariants import kinetic_energy
+from supple.methods.explicit.march.element_block import Instant
 from supple.methods.explicit.march.frame_forces import frame_motion, gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, hanging
 from supple.methods.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
@@ -73,21 +74,8 @@ def nodal_step(
     obstacles, driven, given = _moved(model, state, from_frames, mean, h)
     x = state.x + h * v
     turning, spun, dragged = turned(model.spins, state.turning, mean, h)
-    out = nodal_forces(
-        model,
-        methods,
-        state.time + h,
-        x,
-        h * v,
-        h,
-        state.materials,
-        state.ratios,
-        state.alive,
-        state.layers,
-        state.shells_alive,
-        obstacles,
-        turning.triads,
-    )
+    at = Instant(x, h * v, h, turning.triads)
+    out = nodal_forces(model, methods, state.time + h, at, state.blocks, obstacles)
     works = mean * (state.forces * middle).sum(axis=(1, 2))
     on_hanging = mean * jnp.sum(jnp.where(hangs, state.forces.sum(axis=0) * middle, 0.0))
     gravity = gravity_at(model, state.time)
@@ -112,11 +100,7 @@ def nodal_step(
         x=x,
         v=v,
         forces=out.forces,
-        materials=out.materials,
-        ratios=out.ratios,
-        alive=out.alive,
-        layers=out.layers,
-        shells_alive=out.shells_alive,
+        blocks=out.blocks,
         obstacles=obstacles,
         turning=turning._replace(moments=out.moments),
         obstacle_forces=out.on_obstacles,
@@ -150,21 +134,8 @@ def _fall(model: MarchModel, number: int, gravity: Array) -> Array:
 
 def with_forces(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
     """A state at the start of a run with the forces there."""
-    out = nodal_forces(
-        model,
-        methods,
-        state.time,
-        state.x,
-        jnp.zeros_like(state.x),
-        jnp.ones(()),
-        state.materials,
-        state.ratios,
-        state.alive,
-        state.layers,
-        state.shells_alive,
-        state.obstacles,
-        state.turning.triads,
-    )
+    at = Instant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
+    out = nodal_forces(model, methods, state.time, at, state.blocks, state.obstacles)
     turning = state.turning._replace(moments=out.moments)
     return state._replace(forces=out.forces, obstacle_forces=out.on_obstacles, turning=turning)
 

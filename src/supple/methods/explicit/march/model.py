@@ -10,13 +10,16 @@ from jax import Array
 from supple.equations.configuration import ControlState
 from supple.equations.model import Model
 from supple.machine.obstacles import Obstacle
-from supple.methods.explicit.elements import ShellBlock, SolidBlock
 from supple.methods.explicit.frame_chart import FrameChart
 from supple.methods.explicit.frame_model import FrameModel, FrameState
+from supple.methods.explicit.march.element_block import (
+    BlockRule,
+    BlockState,
+    SolidArrays,
+    TriangleArrays,
+)
 from supple.methods.explicit.march.touching_surface import TouchingSurface
 from supple.methods.explicit.march.turning import Spins, Turning
-from supple.methods.explicit.materials import J2Plasticity, Law
-from supple.methods.explicit.materials.plane_stress import LayerState
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_tie import ModalTie
 
@@ -60,20 +63,17 @@ class FrameArrays(NamedTuple):
 class MarchModel(NamedTuple):
     """Numbers of the march.
 
-    blocks : of explicit elements;   limits : (E,) of each block at rest, s;   betas : (s) of each, or None
+    blocks : of explicit elements
     mass, alpha : (N,) of the nodes, kg and 1/s;   movable : (3, N) 1, or 0 where held
     ties : of frames to each other
     surfaces : contacts between parts
     contact_rate : largest stiffness over mass of a node in contact, 1/s^2
-    shells : of triangles, with their triads;   shell_limit : of their step, s
     base_accelerations : laws, (3,) m/s^2
     machine : the frames as floating bodies, with what joins them and acts on them; None without frames
     driven : (m,)   1 of equations of joints that laws move, else 0
     """
 
-    blocks: tuple[SolidBlock, ...]
-    limits: tuple[Array, ...]
-    betas: tuple[Array | None, ...]
+    blocks: tuple[SolidArrays | TriangleArrays, ...]
     mass: Array
     alpha: Array
     movable: Array
@@ -85,9 +85,7 @@ class MarchModel(NamedTuple):
     obstacle_mass: Array
     gravity: Array
     contact_rate: Array
-    shells: tuple[ShellBlock, ...]
     spins: Spins
-    shell_limit: Array
     base_accelerations: tuple[Any, ...]
     machine: Model | None
     driven: Array
@@ -97,7 +95,7 @@ class MarchModel(NamedTuple):
 class Methods:
     """What the march is compiled for.
 
-    laws, deletions : of each block;   shell_laws, shell_deletions : likewise, law None of elastic ones
+    blocks : law and deletion of each
     obstacles : those of contacts, explicit ones first;   frame_obstacles : numbers per frame
     obstacle_of : number of the obstacle of each contact of explicit nodes
     tied : which two frames each of their ties joins
@@ -106,10 +104,7 @@ class Methods:
     explicit : Explicit     of the run
     """
 
-    laws: tuple[Law, ...]
-    deletions: tuple[float, ...]
-    shell_laws: tuple[J2Plasticity | None, ...]
-    shell_deletions: tuple[float, ...]
+    blocks: tuple[BlockRule, ...]
     obstacles: tuple[Obstacle, ...]
     obstacle_of: tuple[int, ...]
     frame_obstacles: tuple[tuple[int, ...], ...]
@@ -153,7 +148,7 @@ class MarchState(NamedTuple):
 
     before, frame_before : the last step of the explicit nodes and of the frames, s; zero at the start
     x, v : (3, N);   forces : (4, 3, N) internal, hourglass, contact, external, at t_n
-    materials, ratios (det F), alive : of each block;   layers, shells_alive : of each block of shells
+    blocks : state of each
     smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
@@ -167,11 +162,7 @@ class MarchState(NamedTuple):
     x: Array
     v: Array
     forces: Array
-    materials: tuple[Any, ...]
-    ratios: tuple[Array, ...]
-    alive: tuple[Array, ...]
-    layers: tuple[LayerState | None, ...]
-    shells_alive: tuple[Array, ...]
+    blocks: tuple[BlockState, ...]
     frames: tuple[FrameState, ...]
     obstacles: tuple[ObstacleState, ...]
     turning: Turning

@@ -1,0 +1,247 @@
+"""Modal parts and rigid bodies as the frames of a march, with what joins them and acts on them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+from numpy.typing import NDArray
+
+from supple.body import RigidBody
+from supple.equations.build_model import build_model
+from supple.equations.compiled_machine import CompiledMachine
+from supple.equations.configuration import Configuration, ControlState
+from supple.equations.consistent_start import consistent_start
+from supple.equations.control_start import first_control
+from supple.equations.model import Model
+from supple.equations.start_change import StartChange
+from supple.errors import ModelError
+from supple.machine import Contact, ForceElement, Placed, System
+from supple.methods.explicit.frame_chart import frame_chart, placed_state
+from supple.methods.explicit.frame_model import FrameModel, FrameState
+from supple.methods.explicit.march.build_joined import JoinedFrames, joined_frames
+from supple.methods.explicit.march.build_surfaces import Hanging, ModalSkin, touching_surfaces
+from supple.methods.explicit.march.frame_forces import frame_motion, stored_energy, storing_elements
+from supple.methods.explicit.march.model import FrameArrays, NodesTouching
+from supple.methods.explicit.march.touching_surface import TouchingSurface
+from supple.methods.explicit.method import Explicit
+from supple.methods.explicit.modal_frame import ModalFrame, modal_frame
+from supple.methods.explicit.rigid_frame import RigidFrame
+from supple.methods.explicit.start_motion import undeformed
+
+__all__ = ["Framed", "MarchNodes", "build_frames", "check_outside"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class MarchNodes:
+    """The nodes of a march.
+
+    numbers : of the nodes of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
+    skins : points of modal parts in contact;   hanging : nodes that hang on frames
+    short : step limit of the explicit nodes, s
+    """
+
+    numbers: Mapping[str, IntArray]
+    x: FloatArray
+    mass: FloatArray
+    skins: Sequence[ModalSkin]
+    hanging: Sequence[Hanging]
+    short: float
+
+
+@dataclass(frozen=True, eq=False)
+class Framed:
+    """The frames of a march.
+
+    frames : parts and bodies in the order of the march, with their modes as marched
+    arrays, states : of each, at the start;   obstacles : those that it touches
+    surfaces, contact_rate : contacts between parts, 1/s^2
+    joined : ties, joints and step limits
+    machine : the frames as a system of floating bodies, with what joins them and acts on them, or None
+    change : by what joints changed their start; None without joints
+    stores, stored : which groups of force elements store energy, and how much at the start, J
+    control : of the controllers, None without any
+    """
+
+    frames: dict[str, ModalFrame]
+    arrays: tuple[FrameArrays, ...]
+    states: tuple[FrameState, ...]
+    obstacles: tuple[tuple[int, ...], ...]
+    surfaces: tuple[TouchingSurface, ...]
+    contact_rate: float
+    joined: JoinedFrames
+    machine: System | None
+    change: StartChange | None
+    stores: tuple[bool, ...]
+    stored: Array
+    control: ControlState | None
+
+
+def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: float) -> Framed:
+    """The frames of a march that starts at a time."""
+    frames, arrays, states, obstacles, penalties = {}, [], [], [], {}
+    for part in (placed for placed in system.bodies if placed.body.has_frame):
+        name = part.body.name
+        own = [each for each in nodes.hanging if each.part == name]
+        frames[name], own_arrays, state, touched, penalties[name] = _frame(
+            system, part, own, nodes.mass, nodes.x
+        )
+        arrays.append(own_arrays)
+        states.append(state)
+        obstacles.append(touched)
+    surfaces, contact_rate, between = touching_surfaces(
+        system, nodes.numbers, nodes.skins, nodes.hanging, frames, nodes.mass, nodes.x, nodes.short
+    )
+    pressed = {}
+    for place, (name, frame) in enumerate(frames.items()):
+        both = [each for each in (penalties[name], between.get(name)) if each is not None]
+        pressed[name] = sum(both[1:], both[0]) if both else None
+        limit = jnp.asarray(frame.step_limit(pressed[name]))
+        arrays[place] = arrays[place]._replace(step_limit=limit)
+    floating, machine, change = _floating(system, tuple(frames)), None, None
+    if floating is not None:
+        machine, change, states = _joined_start(floating, frames, states, time)
+    joined = joined_frames(
+        system, method.scheme, frames, tuple(arrays), tuple(states), pressed, machine, time
+    )
+    for place in joined.limited:
+        arrays[place] = arrays[place]._replace(step_limit=jnp.asarray(joined.step_limit))
+    stores, stored, control = (), jnp.zeros(()), None
+    if floating is not None and joined.machine is not None:
+        elements = [load for load in system.loads if isinstance(load, ForceElement)]
+        stores = storing_elements(joined.machine, elements)
+        at = joined.machine, tuple(arrays), tuple(states), jnp.asarray(time)
+        stored = stored_energy(elements, stores, *at)
+        if system.controllers:
+            first = first_control(floating, joined.machine, jax.tree.map(np.asarray, frame_motion(*at)))
+            control = jax.tree.map(jnp.asarray, first)
+    return Framed(
+        frames,
+        tuple(arrays),
+        tuple(states),
+        tuple(obstacles),
+        surfaces,
+        contact_rate,
+        joined,
+        floating,
+        change,
+        stores,
+        stored,
+        control,
+    )
+
+
+def _floating(system: System, names: Sequence[str]) -> System | None:
+    """The bodies on frames alone, with what joins them and acts on them; None without any."""
+
+    def acts(load: Any) -> bool:
+        if isinstance(load, ForceElement):
+            return load.first.body in names or load.second.body in names
+        return getattr(load, "body", None) in names
+
+    if not names:
+        return None
+    return replace(
+        system,
+        bodies=tuple(placed for placed in system.bodies if placed.body.name in names),
+        loads=tuple(load for load in system.loads if acts(load)),
+        ties=(),
+        contacts=(),
+        supports=(),
+    )
+
+
+def _joined_start(
+    floating: System, frames: dict[str, ModalFrame], states: list[FrameState], time: float
+) -> tuple[Model, StartChange | None, list[FrameState]]:
+    """The frames as floating bodies without redundant joints, and their states, which fit the joints."""
+    model, change = build_model(floating), None
+    if floating.joints:
+        start = consistent_start(CompiledMachine(floating, model), time)
+        model, change = start.machine.model, start.change
+        states = [
+            placed_state(frame, *place, start.velocity[part])
+            for frame, place, part in zip(
+                frames.values(),
+                _places(model, start.configuration),
+                model.slices,
+                strict=True,
+            )
+        ]
+    return replace(model, groups=()), change, states
+
+
+def _places(model: Model, where: Configuration) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    for number, part in enumerate(model.coordinate_slices):
+        yield where.origins[number], where.rotations[number], where.coordinates[part]
+
+
+def _frame(
+    system: System, part: Placed, hanging: list[Hanging], mass: FloatArray, x: FloatArray
+) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
+    body: Any = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
+    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
+    local = (x[nodes] - part.position) @ part.rotation
+    shapes = np.concatenate(
+        [np.einsum("nc,ncik->nik", each.weights, body.shapes[each.corners]) for each in hanging]
+        or [np.empty((0, 3, body.n_modes))]
+    )
+    frame = modal_frame(body, local, shapes, mass[nodes])
+    touching, touched, stiffest = [], [], None
+    for number, contact in enumerate(system.rigid_contacts):
+        if contact.nodes.body == body.name:
+            own = system.node_numbers(contact.nodes)
+            stiffness = _modal_stiffness(contact, frame, own)
+            check_outside(contact, undeformed(part)[own])
+            touching.append(
+                NodesTouching(
+                    jnp.asarray(own),
+                    jnp.asarray(stiffness),
+                    jnp.asarray(frame.weights(own)),
+                    jnp.asarray(frame.shapes[own]),
+                )
+            )
+            touched.append(number)
+            added = frame.penalty_stiffness(own, stiffness)
+            stiffest = added if stiffest is None else stiffest + added
+    points = body.points
+    model: FrameModel = frame.model
+    arrays = FrameArrays(
+        model,
+        jnp.asarray(nodes),
+        jnp.asarray(points.weights(local)),
+        jnp.asarray(shapes @ frame.turned),
+        tuple(touching),
+        frame_chart(frame),
+        jnp.asarray(jnp.inf),  # once all contacts are known
+        None if frame.spin_bound is None else jnp.asarray(frame.spin_bound),
+    )
+    rates = np.concatenate([part.twist, part.coordinate_rates])
+    start = placed_state(frame, part.position, part.rotation, part.coordinates, rates)
+    return frame, arrays, start, tuple(touched), stiffest
+
+
+def _modal_stiffness(contact: Contact, frame: ModalFrame, nodes: IntArray) -> FloatArray:
+    if contact.stiffness is not None:
+        return np.full(len(nodes), contact.stiffness)
+    return frame.stiffness_at(nodes, contact.fraction)
+
+
+def check_outside(contact: Contact, points: FloatArray) -> None:
+    """ModelError for a point (n, 3) in space that begins inside the obstacle of a contact."""
+    gap = np.asarray(contact.obstacle.gap(jnp.asarray(points.T))[0])
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if gap.min() < -1e-6 * size:
+        worst = int(gap.argmin())
+        raise ModelError(
+            f"contact of '{contact.nodes}': the node at {np.array2string(points[worst], precision=6)} begins "
+            f"{-gap[worst]:.3g} inside the {type(contact.obstacle).__name__}; move the parts apart"
+        )

@@ -1,0 +1,190 @@
+"""Blocks of elements of the march, solids and triangles alike: force, step limit, what is recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import jax.numpy as jnp
+from jax import Array
+
+from supple.methods.explicit.elements import (
+    ShellBlock,
+    SolidBlock,
+    block_force,
+    layered_force,
+    layered_von_mises,
+    rest_layers,
+    shell_force,
+    shell_von_mises,
+    squashed,
+    von_mises,
+)
+from supple.methods.explicit.elements.bulk_viscosity import bulk_share
+from supple.methods.explicit.elements.solid_block import deformation
+from supple.methods.explicit.materials import J2Plasticity, Law
+
+__all__ = [
+    "BlockRule",
+    "BlockState",
+    "Forces",
+    "Instant",
+    "SolidArrays",
+    "Solids",
+    "TriangleArrays",
+    "Triangles",
+    "with_contact",
+]
+
+
+class Instant(NamedTuple):
+    """Positions x (3, N), reached by the increment dx in a step h; triads (3, 3, r) at nodes of shells."""
+
+    x: Array
+    dx: Array
+    h: Array
+    triads: Array
+
+
+class BlockState(NamedTuple):
+    """Of a block of E elements.
+
+    material : of the law, or layers of shells;   ratios : (g, E) det F of solids, else None
+    alive : (E,) 1, or 0 from when an element has been deleted
+    """
+
+    material: Any
+    ratios: Any
+    alive: Array
+
+
+class Forces(NamedTuple):
+    """Of a block at an instant.
+
+    force, hourglass : (3, N);   moment : (3, r) on the triads, None of solids
+    plastic, viscous : work of the step that led here, J;   smallest : det F of the worst point, or None
+    """
+
+    force: Array
+    hourglass: Array | None
+    moment: Array | None
+    state: BlockState
+    plastic: Array | None
+    viscous: Array | None
+    smallest: Array | None
+
+
+class SolidArrays(NamedTuple):
+    """Solids: stable steps (E,) at rest, s, and stiffness damping, s, or None."""
+
+    block: SolidBlock
+    limit: Array
+    beta: Array | None
+
+    def longest_step(self, x: Array, v: Array, alive: Array, contact_rate: Array) -> Array:
+        """Step limit of the elements that are left, as they stand and move, with all contacts closed, s."""
+        stretch = squashed(self.block, x)
+        longest = with_contact(self.limit * stretch, contact_rate)
+        if self.block.bulk is not None:
+            F, rate = (deformation(self.block, each[:, self.block.nodes]) for each in (x, v))
+            xi = bulk_share(self.block.bulk, F, rate) / stretch
+            longest = longest * (jnp.sqrt(1 + xi**2) - xi)
+        return jnp.min(jnp.where(alive > 0, longest, jnp.inf))
+
+
+class TriangleArrays(NamedTuple):
+    """Triangles of a shell: their step limit, s."""
+
+    block: ShellBlock
+    limit: Array
+    beta: None = None
+
+    def longest_step(self, _x: Array, _v: Array, _alive: Array, contact_rate: Array) -> Array:
+        """That at rest, with all contacts closed, s: strains of shells are small."""
+        return with_contact(self.limit, contact_rate)
+
+
+def with_contact(limit: Array, rate: Array) -> Array:
+    """A step limit with all contacts closed, s; rate : largest stiffness over mass, 1/s^2."""
+    return 2 / jnp.sqrt((2 / limit) ** 2 + rate)
+
+
+class BlockRule(Protocol):
+    """What a block of elements is compiled for; `own` are its arrays."""
+
+    def start(self, own: Any) -> BlockState:
+        """Undeformed."""
+        ...
+
+    def force(self, own: Any, at: Instant, state: BlockState) -> Forces:
+        """Forces at an instant, and the state that led there."""
+        ...
+
+    def recorded(self, own: Any, x: Array, triads: Array, state: BlockState, /) -> tuple[Array, Array]:
+        """Plastic strain and von Mises' stress (E,) of the worst point of each element."""
+        ...
+
+
+@dataclass(frozen=True)
+class Solids:
+    """What a block of solids is compiled for."""
+
+    law: Law
+    deletion: float
+
+    def start(self, own: SolidArrays) -> BlockState:
+        """Undeformed."""
+        shape = own.block.volumes.shape
+        return BlockState(self.law.initial(shape), jnp.ones(shape), jnp.ones(shape[1]))
+
+    def force(self, own: SolidArrays, at: Instant, state: BlockState) -> Forces:
+        """Stress, damping, hourglass control; elements beyond the strain of deletion are gone afterwards."""
+        out = block_force(
+            self.law, own.block, at.x, at.dx, state.material, state.ratios, state.alive, own.beta, at.h
+        )
+        strain, alive = self.law.plastic_strain(out.state), state.alive
+        if strain is not None and self.deletion != float("inf"):
+            alive = alive * (strain.max(axis=0) < self.deletion)
+        reached = BlockState(out.state, out.ratios, alive)
+        return Forces(out.force, out.hourglass, None, reached, out.plastic, out.viscous, out.smallest)
+
+    def recorded(self, own: SolidArrays, x: Array, _triads: Array, state: BlockState) -> tuple[Array, Array]:
+        """Plastic strain and von Mises' stress (E,) of the worst point of each element."""
+        strain = self.law.plastic_strain(state.material)
+        stress = von_mises(self.law, own.block, x, state.material).max(axis=0)
+        return jnp.zeros_like(state.alive) if strain is None else strain.max(axis=0), state.alive * stress
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """What a block of shells is compiled for; law None: elastic."""
+
+    law: J2Plasticity | None
+    deletion: float
+
+    def start(self, own: TriangleArrays) -> BlockState:
+        """Undeformed."""
+        layers = None if own.block.layers is None else rest_layers(own.block)
+        return BlockState(layers, None, jnp.ones(own.block.nodes.shape[1]))
+
+    def force(self, own: TriangleArrays, at: Instant, state: BlockState) -> Forces:
+        """Force and moment; elements beyond the strain of deletion are gone afterwards."""
+        if self.law is None:
+            pull = shell_force(own.block, at.x, at.triads)
+            return Forces(pull.force, None, pull.moment, state, None, None, None)
+        out = layered_force(self.law, own.block, at.x, at.triads, state.material, state.alive)
+        alive = state.alive
+        if self.deletion != float("inf"):
+            alive = alive * (out.state.strain.max(axis=(0, 1)) < self.deletion)
+        return Forces(
+            out.force, None, out.moment, BlockState(out.state, None, alive), out.plastic, None, None
+        )
+
+    def recorded(
+        self, own: TriangleArrays, x: Array, triads: Array, state: BlockState
+    ) -> tuple[Array, Array]:
+        """Plastic strain and von Mises' stress (E,) of the worst point of each element."""
+        if self.law is None:
+            return jnp.zeros_like(state.alive), shell_von_mises(own.block, x, triads)
+        stress = layered_von_mises(self.law, own.block, x, triads, state.material)
+        return state.material.strain.max(axis=(0, 1)), state.alive * stress
