@@ -32,6 +32,7 @@ from supple.quantities import (
 )
 from supple.results import stress_numbers, summarize
 from supple.simulation import reduced_bodies, simulate_kept
+from supple.simulation.engines import is_explicit
 from supple.storage import write_errors, write_json
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
@@ -253,7 +254,7 @@ def _simulated(
 
     simulating(0.0)
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
-    if errors and not system.has_parts:
+    if errors and not is_explicit(system, case.run):
         known(system, solution)
         solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)

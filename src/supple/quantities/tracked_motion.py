@@ -101,13 +101,12 @@ def observer_of(
 
     bases : interfaces, by the names of the bodies seen from there; undeformed they share their axes
     rows : output times
-    Returns None of a part of an explicit march, unless an interface is named.
+    Returns None of a body without a frame, unless an interface is named.
     """
     base = bases.get(body)
     if base is None:
         own = system.placed(body).body
-        explicit = own.kind in ("modal", "explicit")
-        return None if explicit else observer(own, solution.bodies[body].at(rows))
+        return observer(own, solution.bodies[body].at(rows)) if own.has_frame else None
     seen = observer(system.placed(base.body).body, solution.bodies[base.body].at(rows), base.interface)
     return seen if base.body == body else seen._replace(name=f"{base.body}.{base.interface}")
 
@@ -150,8 +149,7 @@ def tracked_motion(
     """
     place = Place(body.name, at if isinstance(at, str) else tuple(np.asarray(at).tolist()))
     position = place.points(body, motion).mean(axis=1)
-    # Parts of an explicit march deflect against no frame that others could see.
-    if not body.n_coordinates or body.kind in ("modal", "explicit"):
+    if not body.n_coordinates or not body.has_frame:
         return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
     seen_from = seen_from or observer(body, motion)
     rest = place.rest(body) - seen_from.rest
