@@ -18,8 +18,7 @@ from supple.error.check_run import check_run
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine import System
-from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
-from supple.quantities.run_distance import largest_displacement
+from supple.quantities.quantity_of_interest import QuantityOfInterest, largest_displacement, quantity_distance
 from supple.reduction import ReductionBasis
 
 __all__ = ["basis_parts", "distances", "in_full", "stated_of"]

@@ -40,7 +40,7 @@ from supple.integrate import ErrorPart, FloatingMotion, Solution
 from supple.integrate.engine import Progress
 from supple.machine import System
 from supple.quantities import PositionSensor, QuantityOfInterest, WholeBody
-from supple.quantities.run_distance import blocks_of_times, largest_displacement
+from supple.quantities.quantity_of_interest import blocks_of_times, largest_displacement
 from supple.reduction import ReductionBasis
 
 __all__ = ["model_errors", "model_errors_by_limit", "widest_instants"]

@@ -21,27 +21,21 @@ __all__ = ["Acceleration", "StateSpace", "Velocity", "state_space"]
 
 
 @dataclass(frozen=True)
-class Velocity:
+class _Derivative:
+    of: Port
+
+    @property
+    def label(self) -> str:
+        """Of the port."""
+        return f"{type(self).__name__.lower()} of {self.of.label}"
+
+
+class Velocity(_Derivative):
     """The rate of a port's motion, as output; of a machine that turns, seen in axes that turn along."""
 
-    of: Port
 
-    @property
-    def label(self) -> str:
-        """Of the port."""
-        return f"velocity of {self.of.label}"
-
-
-@dataclass(frozen=True)
-class Acceleration:
+class Acceleration(_Derivative):
     """The second derivative of a port's motion, as output, in the same axes."""
-
-    of: Port
-
-    @property
-    def label(self) -> str:
-        """Of the port."""
-        return f"acceleration of {self.of.label}"
 
 
 @dataclass(frozen=True, eq=False)

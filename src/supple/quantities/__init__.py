@@ -1,8 +1,6 @@
 """What is read off a machine: sensors, tracked places, stress, and the quantities whose error is stated."""
 
-from supple.quantities.energy_sensor import *
 from supple.quantities.force_sensors import *
-from supple.quantities.joint_loads import *
 from supple.quantities.joint_motion_sensor import *
 from supple.quantities.over_nodes import *
 from supple.quantities.place import *

@@ -13,7 +13,7 @@ from supple.machine.forces import ForceElement
 from supple.machine.pose import Pose
 from supple.quantities.place import body_named
 
-__all__ = ["both_ends", "check_ends", "end_poses", "joint_named"]
+__all__ = ["both_ends", "check_ends", "joint_named"]
 
 
 def joint_named(system: System, name: str, sensor: str) -> Joint:
@@ -35,33 +35,19 @@ def check_ends(system: System, sensor: str, element: Joint | ForceElement) -> No
 def both_ends(
     system: System, solution: Solution, element: Joint | ForceElement, sensor: str
 ) -> tuple[Pose, Pose]:
-    """Poses (t, ...) of both ends of a joint or force."""
-    axes = element.initial_axes
-    ends = (element.first, element.second)
-    first, second = (
-        end_poses(system, solution, end, axes, at_rest, sensor)
-        for end, at_rest in zip(ends, initial_points(system, element), strict=True)
-    )
-    return first, second
+    """Place and motion (t, ...) of both ends of a joint or force, with its axes as they turn with each."""
 
+    def poses(end: At, ground_point: np.ndarray) -> Pose:
+        axes, n_times = element.initial_axes, len(solution.times)
+        if end == GROUND:
+            still = np.zeros((n_times, 3))
+            parts = still + ground_point, np.tile(axes, (n_times, 1, 1)), still, still
+        else:
+            placed = system.placed(end.body, f"sensor '{sensor}'")
+            moving = placed.body.interface_motion(solution.bodies[end.body], end.interface)
+            turned = moving.rotation @ (placed.assembly.rotation.T @ axes)
+            parts = moving.position, turned, moving.velocity, moving.angular_velocity
+        return Pose(*(jnp.asarray(part) for part in parts))
 
-def end_poses(
-    system: System, solution: Solution, end: At, axes: np.ndarray, ground_point: np.ndarray, sensor: str
-) -> Pose:
-    """Place and motion (t, ...) of one end.
-
-    axes : (3, 3) of the joint or force when the machine was put together, global
-    ground_point : (3,) of an end on the ground
-    """
-    n_times = len(solution.times)
-    if end == GROUND:
-        still = np.zeros((n_times, 3))
-        return Pose(
-            *(jnp.asarray(x) for x in (still + ground_point, np.tile(axes, (n_times, 1, 1)), still, still))
-        )
-    placed = system.placed(end.body, f"sensor '{sensor}'")
-    moving = placed.body.interface_motion(solution.bodies[end.body], end.interface)
-    turned = moving.rotation @ (placed.assembly.rotation.T @ axes)
-    return Pose(
-        *(jnp.asarray(x) for x in (moving.position, turned, moving.velocity, moving.angular_velocity))
-    )
+    at_rest = initial_points(system, element)
+    return poses(element.first, at_rest[0]), poses(element.second, at_rest[1])

@@ -1,4 +1,4 @@
-"""Forces and moments in joints, springs and other elements; what elements store, and their power."""
+"""Forces of joints and elements, the energy and power of elements, the energies of a machine."""
 
 from __future__ import annotations
 
@@ -13,15 +13,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_fields
+from supple.equations import balances
 from supple.equations.build_model import initial_points
 from supple.integrate import JOINT_AXES, Solution
-from supple.machine import System
+from supple.machine import Joint, System
 from supple.machine.forces import ForceElement, JointFriction
 from supple.machine.pose import Pose, Wrench
 from supple.quantities.end_motion import both_ends, check_ends, joint_named
 from supple.quantities.reading import Channel, QuantityKind
 
-__all__ = ["ElementEnergySensor", "JointForceSensor", "SpringForceSensor"]
+__all__ = [
+    "ElementEnergySensor",
+    "EnergySensor",
+    "JointForceSensor",
+    "SpringForceSensor",
+    "joint_loads",
+    "joint_meanings",
+]
 
 Array = NDArray[np.float64]
 
@@ -149,3 +157,54 @@ def _of_element(
 
 def _power(end: Pose, load: Wrench) -> Any:
     return load.force @ end.velocity + load.moment @ end.angular_velocity
+
+
+@dataclass(frozen=True)
+class EnergySensor:
+    """Kinetic energy, strain energy of the bodies, potential energy of gravity, and their sum.
+
+    Springs and what they store are not in it. The potential is zero at the global origin.
+    """
+
+    name: str
+
+    def channels(self, _system: System) -> Sequence[Channel]:
+        """kinetic, strain, potential, total."""
+        return [
+            Channel(each, QuantityKind.ENERGY, "") for each in ("kinetic", "strain", "potential", "total")
+        ]
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 4)."""
+        found = balances(system, solution)
+        return np.column_stack([found.kinetic, found.strain, found.potential, found.total])
+
+
+def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array]]:
+    """Loads on the second end of each joint, along the joint axes that turn with its first end.
+
+    Returns
+    -------
+    by joint, then "force" (t, 3) and "moment" (t, 3) at the second end's point, in the units of the model; of
+    a joint that holds no direction, or no turn, there is no such entry
+    """
+    return {
+        joint.name: {
+            what: solution.joint_forces[joint.name][:, part]
+            for what, part, is_held in (
+                ("force", slice(0, 3), any(_holds_a_place(joint))),
+                ("moment", slice(3, 6), not all(_holds_a_place(joint))),
+            )
+            if is_held
+        }
+        for joint in system.joints
+    }
+
+
+def joint_meanings(system: System) -> dict[str, dict[str, str]]:
+    """By joint: the end that its forces act on, and the axes that they are along, in words."""
+    return {joint.name: {"acts on": str(joint.second), "axes": JOINT_AXES} for joint in system.joints}
+
+
+def _holds_a_place(joint: Joint) -> list[bool]:
+    return [row.startswith("position") for row in joint.rows]

@@ -17,8 +17,8 @@ from supple.integrate import Solution
 from supple.machine import GROUND, At, BaseAcceleration, System, as_end
 from supple.quantities.place import Place, as_place, body_named
 from supple.quantities.quantity import vector_channels
+from supple.quantities.quantity_of_interest import largest_displacement
 from supple.quantities.reading import Channel, QuantityKind
-from supple.quantities.run_distance import largest_displacement
 from supple.quantities.tracked_motion import observer_of, tracked_motion
 
 __all__ = [

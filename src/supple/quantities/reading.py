@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
 from supple.arguments import checked_arguments
@@ -138,6 +138,11 @@ class Reading:
             f"node of {extreme}": int(self.nodes[time, channel]),
             f"point of {extreme}": self.points[time, channel].tolist(),
         }
+
+
+def point_words(node: int, point: ArrayLike) -> str:
+    """Such as "node 17 at (0.5, 0, 0.01)", in mesh axes."""
+    return f"node {node} at ({', '.join(f'{x:.4g}' for x in np.asarray(point))})"
 
 
 @checked_arguments

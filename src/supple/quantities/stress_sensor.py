@@ -19,8 +19,7 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.quantities.over_nodes import Maximum, MeasuredBlock, OverNodes
 from supple.quantities.place import body_named
-from supple.quantities.point_words import point_words
-from supple.quantities.reading import Channel, Located, QuantityKind
+from supple.quantities.reading import Channel, Located, QuantityKind, point_words
 from supple.quantities.stress_history import tensor_blocks
 from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor, TensorModes, tensor_modes
 

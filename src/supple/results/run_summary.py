@@ -14,7 +14,7 @@ from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
-from supple.quantities.joint_loads import joint_loads, joint_meanings
+from supple.quantities.force_sensors import joint_loads, joint_meanings
 from supple.quantities.stress_history import largest_stress
 from supple.quantities.tracked_motion import TrackedMotion
 from supple.reduction import Locking, ReducedBody, body_modes, clamped_modes

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from supple.integrate import PARTS, Statistics
-from supple.quantities.point_words import point_words
+from supple.quantities.reading import point_words
 from supple.results.round_off import without_noise
 from supple.units import UNNAMED, UnitSystem, headed
 
