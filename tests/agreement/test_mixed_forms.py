@@ -6,6 +6,7 @@ import pytest
 from fixtures.beam_lines import beam_line, straight
 
 from supple.body import FullBody, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
+from supple.equations import joint_residuals
 from supple.fem import BeamSection, Isotropic, shell_model
 from supple.integrate import AdaptiveStep, FixedStep, GeneralizedAlpha, Run
 from supple.linearization import linearize, machine_modes
@@ -118,6 +119,7 @@ def test_it_goes_on_in_the_same_bits():
     through = simulate(machine, run, record=parts.append)
     rest = simulate(machine, run, resume=parts[0])
     assert 1 < len(parts)
+    assert np.abs(joint_residuals(machine, through)).max() < 1e-10  # of stations that joints hold too
     for name, motion in through.bodies.items():
         for what in ("position", "rotation", "coordinates", "velocity"):
             own = getattr(rest.bodies[name], what)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import jax
 import jax.numpy as jnp
@@ -39,9 +39,9 @@ class CompiledMachine:
     system: System
     model: Model
 
-    def restricted(self, active: tuple[int, ...]) -> CompiledMachine:
+    def restricted(self, active: tuple[int, ...]) -> Self:
         """Without some of the constraint equations."""
-        return CompiledMachine(self.system, replace(self.model, active=active))
+        return replace(self, model=replace(self.model, active=active))
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Constraints and their derivatives."""

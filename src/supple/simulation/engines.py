@@ -10,7 +10,7 @@ from supple.errors import ModelError
 from supple.integrate import AdaptiveStep, Engine, ExplicitRule, Kinematic, Run
 from supple.machine import System
 from supple.methods.explicit import ExplicitEngine
-from supple.methods.floating import CompiledEngine, FullEngine, KinematicEngine
+from supple.methods.floating import CompiledEngine, FullEngine, FullKinematicEngine, KinematicEngine
 from supple.methods.intrinsic import intrinsic_engine
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.supported_root import is_joined
@@ -51,9 +51,10 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
 
     Raises ModelError for controllers that the machine's engine does not take.
     """
-    if isinstance(run.method, Kinematic):
-        return KinematicEngine(system, run)
     kinds = {placed.body.kind for placed in system.bodies}
+    if isinstance(run.method, Kinematic):
+        sparse = kinds & {"full", "intrinsic"}
+        return FullKinematicEngine(seen_machine(system), run) if sparse else KinematicEngine(system, run)
     if is_explicit(system, run):
         return ExplicitEngine(system, run)
     factory = next((factory for kind, factory in _ENGINES.items() if kind in kinds), CompiledEngine)

@@ -6,10 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fixtures.beam_lines import beam_line, straight
 
+from supple.algebra.cross import cross_matrix
+from supple.body import FullBody, NodalFixedFrame, RigidBody
 from supple.errors import ConvergenceError, ModelError, ResolutionWarning
 from supple.integrate import FixedStep, Kinematic, Run, Tolerances
 from supple.machine import GROUND, At, ConstantRate, Placed, PrescribedRotation, Prismatic, Revolute, System
+from supple.methods.intrinsic import CLAMPED, intrinsic_body, released
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple.simulation import simulate
 
 Z = (0.0, 0.0, 1.0)
@@ -122,3 +127,55 @@ def test_a_step_that_is_too_long_is_warned_of(rod):
     """Between instants the crank turns by 1.2 rad: another configuration may be nearer than the right one."""
     with pytest.warns(ResolutionWarning, match="turn"):
         simulate(slider_crank(rod, angle=ConstantRate(1.0)), Run(6.0, 1.2, method=Kinematic()))
+
+
+@pytest.mark.filterwarnings("ignore:body '.*' is held in the shape:supple.errors.ValidityWarning")
+@pytest.mark.parametrize("form", ["full", "reduced", pytest.param("intrinsic", marks=pytest.mark.slow)])
+def test_a_body_of_any_form_is_moved_as_a_rigid_one_of_its_mass(rod, blade, form):
+    """A coupler of another form in a crank mechanism: motion and forces of a rigid body like it."""
+    if form == "full":
+        body = FullBody(blade, NodalFixedFrame("root"))
+        modes, mass = blade.rigid_modes, blade.mass
+    elif form == "reduced":
+        modes, mass = blade.rigid_modes, blade.mass
+        basis = CraigBampton(1)
+        body = reduce(blade, NodalFixedFrame("root"), basis, derivatives=NoDerivatives(), loads=NoLoads)
+    else:
+        section = {"EA": 1e4, "EI": 5.0, "GJ": 5.0, "mass_per_length": 1.0, "radius": 0.05}
+        body = released(intrinsic_body(beam_line(straight(1.0, 3), **section), CLAMPED))
+        modes, mass = body.line.twists, body.line.mass
+    gram = modes.T @ mass @ modes
+    centre, cross = body.centre_of_mass, cross_matrix(body.centre_of_mass)
+    inertia = gram[3:, 3:] + body.mass * cross @ cross
+    ends = {"root": np.zeros(3), "tip": [1.0, 0, 0]}
+    rigid = RigidBody(body.name, body.mass, centre, inertia, ends)
+
+    def machine(coupler):
+        name = coupler.name
+        crank, slider = rod("crank", 0.4), rod("slider", 0.2)
+        return System(
+            bodies=(
+                Placed(crank, position=[0.2, 0, 0]),
+                Placed(coupler, position=[0.4, 0, 0]),
+                Placed(slider, position=[1.5, 0, 0]),
+            ),
+            joints=(
+                PrescribedRotation(
+                    first=GROUND, second=At("crank", "left"), axis=Z, angle=lambda t: t**2, name="motor"
+                ),
+                Revolute(first=At("crank", "right"), second=At(name, "root"), axis=Z, name="pin"),
+                Revolute(first=At(name, "tip"), second=At("slider", "left"), axis=Z, name="wrist"),
+                Prismatic(first=GROUND, second=At("slider", "left"), axis=(1, 0, 0), name="slide"),
+            ),
+            gravity=(0, -9.81, 0),
+        )
+
+    run = kinematic(1.0, 10)
+    legs = []
+    own = simulate(machine(body), run, record=legs.append)
+    expected = simulate(machine(rigid), run)
+    assert own.bodies["slider"].position == pytest.approx(expected.bodies["slider"].position, abs=1e-11)
+    for name, forces in expected.joint_forces.items():
+        assert own.joint_forces[name] == pytest.approx(forces, abs=1e-8 * abs(forces).max() + 1e-9)
+    rest = simulate(machine(body), run, resume=legs[0])
+    assert np.array_equal(rest.joint_forces["pin"][-1], own.joint_forces["pin"][-1])

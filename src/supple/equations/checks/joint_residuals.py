@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.body import RigidBody
 from supple.equations.build_model import build_model, seen_coordinates
 from supple.equations.configuration import Configuration
 from supple.equations.joint_force import constraints
 from supple.equations.model import Model
-from supple.integrate import Solution
-from supple.machine import System
+from supple.integrate import FloatingMotion, Solution
+from supple.machine import GROUND, At, Placed, System
 
 __all__ = ["joint_residuals"]
 
@@ -23,7 +28,8 @@ def _residuals(model: Model, times: jax.Array, configurations: Configuration) ->
 
 def joint_residuals(system: System, solution: Solution) -> np.ndarray:
     """Constraint equations g (t, m) of all joints at the output times: m and rad, zero where exact."""
-    motions = [solution.bodies[placed.body.name] for placed in system.bodies]
+    system, bodies = _with_stations(system, solution.bodies)
+    motions = [bodies[placed.body.name] for placed in system.bodies]
     configurations = Configuration(
         origins=jnp.stack([jnp.asarray(motion.position) for motion in motions], axis=1),
         rotations=jnp.stack([jnp.asarray(motion.rotation) for motion in motions], axis=1),
@@ -36,3 +42,33 @@ def joint_residuals(system: System, solution: Solution) -> np.ndarray:
         ),
     )
     return np.asarray(_residuals(build_model(system), jnp.asarray(solution.times), configurations))
+
+
+class _Pose(NamedTuple):
+    """Of a station over time."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+    coordinates: np.ndarray
+
+
+def _with_stations(system: System, bodies: Mapping[str, Any]) -> tuple[System, dict[str, Any]]:
+    """Ends on bodies that are in no floating frame as bodies of their own; loads do not matter."""
+    floating = {name for name, motion in bodies.items() if isinstance(motion, FloatingMotion)}
+    motions = {name: bodies[name] for name in floating}
+    placed = [each for each in system.bodies if each.body.name in floating]
+
+    def seen(end: At) -> At:
+        label = f"{end.body}, {end.interface}"
+        if end == GROUND or end.body in floating:
+            return end
+        if label not in motions:
+            owner = system.bodies[system.body_index(end.body)]
+            found = owner.body.interface_motion(bodies[end.body], end.interface)
+            motions[label] = _Pose(found.position, found.rotation, np.zeros((len(found.position), 0)))
+            point = RigidBody(label, 1.0, np.zeros(3), np.eye(3), {"station": np.zeros(3)})
+            placed.append(Placed(point, system.initial_point(end), owner.assembly.rotation))
+        return At(label, "station")
+
+    joints = [replace(each, first=seen(each.first), second=seen(each.second)) for each in system.joints]
+    return System(placed, joints), motions

@@ -4,4 +4,5 @@ from supple.methods.floating.compiled.engine import *
 from supple.methods.floating.compiled.kinematics import *
 from supple.methods.floating.compiled.statics import *
 from supple.methods.floating.full.engine import *
+from supple.methods.floating.full.kinematics import *
 from supple.methods.floating.full.statics import *

@@ -180,6 +180,7 @@ class JoinedEngine:
             f"leaf {number}": np.asarray(leaf, dtype=float)
             for number, leaf in enumerate(jax.tree.leaves(leg.last))
         }
+        state["active"] = np.array(self._arrays.model.active, dtype=float)
         machine = self._machine._replace(arrays=self._arrays)
         return joined_solution(machine, now, velocities, rates, multipliers, leg.statistics, state)
 

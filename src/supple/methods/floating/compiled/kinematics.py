@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -20,7 +21,7 @@ from supple.equations.consistent_start import consistent_start
 from supple.equations.floating_solution import floating_solution, last_instant
 from supple.equations.joint_force import constraints
 from supple.equations.model import Model
-from supple.equations.starting_machine import joint_terms
+from supple.equations.starting_machine import JointTerms, joint_terms
 from supple.equations.step_size import position_rounding
 from supple.errors import ModelError, ValidityWarning
 from supple.integrate import Leg, Run, Solution, Statistics
@@ -29,12 +30,12 @@ from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["KinematicEngine"]
 
-_KEEPING_SHAPE = ("rigid", "reduced")
+_HELD = ("rigid", "reduced", "full", "intrinsic")
 _INSTANTS_AT_ONCE = 128
-_MOST_ITERATIONS = 20
+MOST_ITERATIONS = 20
 _REACTIONS, _SETTLED = 60, 1e-9
 """Iterations for friction that depends on the joints' forces, and by what part the last may change these."""
-_DEAD_POINT = 1e-9
+DEAD_POINT = 1e-9
 """Smallest singular value of the joints' Jacobian over its largest, turns times the machine's size."""
 
 
@@ -56,49 +57,96 @@ class Instant(NamedTuple):
     """True once the joints could not be closed: the state stays that before."""
 
 
+def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
+    """The equations of joints whose bodies keep their shape: without columns for deformation.
+
+    parts : where the velocities of each body stand, its frame's six first
+    """
+    jacobian = np.zeros_like(terms.jacobian)
+    for part in parts:
+        frame = slice(part.start, part.start + 6)
+        jacobian[:, frame] = terms.jacobian[:, frame]
+    return terms._replace(jacobian=jacobian)
+
+
+class _HeldMachine(CompiledMachine):
+    """Which equations are independent the frames say: in a closed loop bodies that deform have more."""
+
+    def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
+        """Of bodies that keep their shape."""
+        return of_frames(super().joint_terms(time, configuration, velocity), self.seen_slices)
+
+
+def check_held(system: System, run: Run) -> None:
+    """Refuse what a kinematic run has no use for; warn of bodies that are held in shape."""
+    if system.controllers:
+        raise ModelError(
+            "the machine has controllers, but the joints alone move it in a kinematic run: integrate it, "
+            "or leave out the controllers"
+        )
+    for placed in system.bodies:
+        if placed.body.kind not in _HELD:
+            raise ModelError(
+                f"body '{placed.body.name}' is {placed.body.kind}, but a kinematic run moves bodies in "
+                "their shape: place a RigidBody, or another body, which is held as it is placed"
+            )
+        if placed.body.n_coordinates:
+            message = (
+                f"body '{placed.body.name}' is held in the shape in which it is placed: a kinematic run "
+                "tells the forces on a rigid body of its mass. To see it deform, integrate"
+            )
+            say(message, ValidityWarning, run.validity)
+
+
+def check_determined(system: System, active: Sequence[int]) -> None:
+    """ModelError where the joints leave a motion free."""
+    free = 6 * len(system.bodies) - len(active)
+    if free:
+        raise ModelError(
+            f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot tell: "
+            "prescribe one for each (PrescribedRotation in the place of Revolute, PrescribedTranslation "
+            "in that of Prismatic), or simulate the machine with an integrator"
+        )
+
+
+def instants_between(begin: float, times: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """All instants on the way to output times, no further apart than a step; and which are these."""
+    intervals = np.diff(times, prepend=begin)
+    ends = np.cumsum(np.maximum(np.ceil(intervals / step * (1 - 1e-9)), 1).astype(int))
+    every = np.interp(np.arange(1, ends[-1] + 1), [0, *ends], [begin, *times])
+    return every, ends - 1
+
+
+def not_closed(time: float) -> str:
+    """Why a run ends there."""
+    return (
+        f"the joints cannot be closed at t = {time:.6g}: the machine is in a dead point there, or its "
+        "laws ask for what its bodies cannot reach. Prescribe another motion, one that determines the "
+        "machine throughout; where it moves far from one instant to the next, take a shorter step"
+    )
+
+
 class KinematicEngine:
     """An `Engine` that solves the joints' equations at each instant for the frames of the bodies."""
 
     def __init__(self, system: System, run: Run) -> None:
-        if system.controllers:
-            raise ModelError(
-                "the machine has controllers, but the joints alone move it in a kinematic run: integrate it, "
-                "or leave out the controllers"
-            )
-        for placed in system.bodies:
-            if placed.body.kind not in _KEEPING_SHAPE:
-                raise ModelError(
-                    f"body '{placed.body.name}' is {placed.body.kind}, but a kinematic run moves bodies that "
-                    "keep their shape: place a RigidBody, or a reduced body, which is held as it is placed"
-                )
-            if placed.body.n_coordinates:
-                message = (
-                    f"body '{placed.body.name}' is held in the shape in which it is placed: a kinematic run "
-                    "tells the forces on a rigid body of its mass. To see it deform, integrate"
-                )
-                say(message, ValidityWarning, run.validity)
+        check_held(system, run)
         self._system, self._run = system, run
         self._step = run.step_control.largest
         self._model: Model | None = None
 
     def start(self, time: float) -> Instant:
         """The joints closed; ModelError where they leave a motion free."""
-        start = consistent_start(CompiledMachine(self._system, build_model(self._system)), time)
+        start = consistent_start(_HeldMachine(self._system, build_model(self._system)), time)
         report_start(start.change, self._run.validity)
         model = start.machine.model
-        free = 6 * len(self._system.bodies) - len(model.active)
-        if free:
-            raise ModelError(
-                f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot tell: "
-                "prescribe one for each (PrescribedRotation in the place of Revolute, PrescribedTranslation "
-                "in that of Prismatic), or simulate the machine with an integrator"
-            )
+        check_determined(self._system, model.active)
         self._model = jax.device_put(model)
         still = np.zeros_like(start.velocity)
         placed = _instant(time, start.configuration, still, still, np.zeros(len(model.active)))
         _, rows = _march_instants(self._model, placed, np.full(_INSTANTS_AT_ONCE, float(time)))
         if rows.failed[0]:
-            raise ModelError(self._why(time))
+            raise ModelError(not_closed(time))
         return jax.tree.map(lambda leaf: np.asarray(leaf)[0], rows)
 
     def resumed(self, last: Solution) -> Instant:
@@ -117,7 +165,7 @@ class KinematicEngine:
     def march(self, state: Instant, times: np.ndarray) -> Leg[Instant]:
         """To each of the output times, by as many instants between them as the step asks for."""
         began = clock.perf_counter()
-        every, outputs = self._instants(float(state.time), times)
+        every, outputs = instants_between(float(state.time), times, self._step)
         calls = np.pad(every, (0, -len(every) % _INSTANTS_AT_ONCE), mode="edge").reshape(
             -1, _INSTANTS_AT_ONCE
         )
@@ -144,21 +192,7 @@ class KinematicEngine:
                 compile_seconds=ready - began,
                 largest_turn=float(after.largest_turn),
             ),
-            stopped=self._why(float(every[n_instants])) if after.failed else None,
-        )
-
-    def _instants(self, begin: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All instants on the way to output times, no further apart than the step; and which are these."""
-        intervals = np.diff(times, prepend=begin)
-        ends = np.cumsum(np.maximum(np.ceil(intervals / self._step * (1 - 1e-9)), 1).astype(int))
-        every = np.interp(np.arange(1, ends[-1] + 1), [0, *ends], [begin, *times])
-        return every, ends - 1
-
-    def _why(self, time: float) -> str:
-        return (
-            f"the joints cannot be closed at t = {time:.6g}: the machine is in a dead point there, or its "
-            "laws ask for what its bodies cannot reach. Prescribe another motion, one that determines the "
-            "machine throughout; where it moves far from one instant to the next, take a shorter step"
+            stopped=not_closed(float(every[n_instants])) if after.failed else None,
         )
 
     def solution(self, leg: Leg[Instant]) -> Solution:
@@ -224,7 +258,7 @@ def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
     scale = jnp.tile(jnp.array([1.0, 1.0, 1.0, model.length, model.length, model.length]), len(model.sizes))
     sizes = jnp.linalg.svd(jacobian / scale, compute_uv=False)
     rounding = model.length * position_rounding(model.length, configuration.origins)
-    good = (gap <= rounding) & (sizes[-1] > _DEAD_POINT * sizes[0]) & jnp.all(jnp.isfinite(acceleration))
+    good = (gap <= rounding) & (sizes[-1] > DEAD_POINT * sizes[0]) & jnp.all(jnp.isfinite(acceleration))
     good = good & (unsettled <= _SETTLED)
     turned = jnp.einsum("bji,bjk->bik", before.configuration.rotations, configuration.rotations)
     cosine = jnp.clip((jnp.trace(turned, axis1=1, axis2=2) - 1) / 2, -1.0, 1.0)
@@ -254,7 +288,7 @@ def _closed(
         configuration, gap, before, iterations = at
         rounding = model.length * position_rounding(model.length, configuration.origins)
         settled = (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
-        return ~settled & jnp.isfinite(gap) & (iterations < _MOST_ITERATIONS)
+        return ~settled & jnp.isfinite(gap) & (iterations < MOST_ITERATIONS)
 
     def corrected(
         at: tuple[Configuration, jax.Array, jax.Array, jax.Array],

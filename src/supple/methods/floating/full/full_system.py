@@ -19,6 +19,7 @@ from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Self
 
 import jax
 import jax.numpy as jnp
@@ -127,7 +128,7 @@ class FullSystem:
         """Bodies that are not seen at stations."""
         return [index for index in range(len(self.system.bodies)) if index not in self.line_of]
 
-    def restricted(self, active: tuple[int, ...]) -> FullSystem:
+    def restricted(self, active: tuple[int, ...]) -> Self:
         """Without some of the constraint equations."""
         other = copy(self)
         other.model = replace(self.model, active=active)
