@@ -222,7 +222,7 @@ def test_every_command_reads_such_a_case(bar):
     assert "Check of body 'rest'" in checked.output
     for command in ("static", "modes"):
         said = CliRunner().invoke(app, [command, str(path), "-o", str(path.parent / command)]).output
-        assert "is a part of an explicit march" in " ".join(said.split())
+        assert "is of explicit finite elements, which" in " ".join(said.split())
 
 
 PLATE = """

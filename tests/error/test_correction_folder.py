@@ -81,7 +81,7 @@ def repeated(system, folder):
 def test_a_finished_correction_is_read_and_not_run(system, kept, simulated, monkeypatch):
     """The same rounds, without one step, residual or eigenvalue."""
     result, folder = kept
-    monkeypatch.delattr("supple.error.error_estimate.ErrorEstimator.judge")
+    monkeypatch.delattr("supple.error.error_estimate.ErrorEstimator.assess")
     for what in ("reduction_basis", "enrich"):
         monkeypatch.delattr(f"supple.error.system_correction.{what}")
     again = repeated(system, folder)

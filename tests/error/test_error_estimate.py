@@ -83,7 +83,7 @@ def test_columns_are_made_of_the_error_where_it_has_settled(size):
     """Elsewhere of the residual's corrections alone: the march has shapes of its own instability."""
     system, run = sprung(NODAL)
     small, bases = reduced(system, *size)
-    told = ErrorEstimator(system, run).judge(small, bases, simulate(small, run))
+    told = ErrorEstimator(system, run).assess(small, bases, simulate(small, run))
     settled = size == (5, 8)
     assert settled == all(error.second <= FIRST_ORDER for error in told.error.bodies.values())
     for name, missed in told.missed.items():
@@ -96,9 +96,9 @@ def test_an_error_clearly_above_what_is_allowed_is_told_to_first_order():
     system, run = spinning(NODAL)
     small, bases = reduced(system, 3, 3)
     solution, estimator = simulate(small, run), ErrorEstimator(system, run)
-    settled = estimator.judge(small, bases, solution).error.bodies["strip"]
+    settled = estimator.assess(small, bases, solution).error.bodies["strip"]
     for allowed, is_clear in ((settled.rms / 3, True), (settled.rms / 1.5, False)):
-        told = estimator.judge(small, bases, solution, allowed={"strip": allowed}).error.bodies["strip"]
+        told = estimator.assess(small, bases, solution, allowed={"strip": allowed}).error.bodies["strip"]
         assert (told.rms != settled.rms) == is_clear
         assert told.rms == pytest.approx(settled.rms, rel=told.second)
         assert told.second < 0.1

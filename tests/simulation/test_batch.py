@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import pickle
 import threading
 from dataclasses import replace
 
@@ -12,10 +14,10 @@ import pytest
 
 from supple.algebra import available_memory
 from supple.algebra.jax_settings import give_programs_back
-from supple.body import FullBody, MeanAxisFrame, RigidBody
+from supple.body import FullBody, NodalFixedFrame, RigidBody
 from supple.equations.build_model import build_model
 from supple.equations.compiler_options import STARTING
-from supple.errors import ConvergenceError, MemoryShortageError, ModelError
+from supple.errors import ConvergenceError, MemoryShortageError, ModelError, ValidityWarning
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import (
     GROUND,
@@ -38,7 +40,8 @@ from supple.machine import (
 from supple.methods.floating.compiled import kept_tangent
 from supple.programs import worker_processes
 from supple.programs.kept_programs import KeptProgram
-from supple.simulation import shares_of_cases, simulate, simulate_batch
+from supple.simulation import case_worker, shares_of_cases, simulate, simulate_batch
+from supple.simulation.case_worker import CaseWork
 
 
 def pendulum(turned, angle=2.0, gravity=9.81, rows=2):
@@ -118,12 +121,42 @@ def test_a_batch_needs_a_case():
         simulate_batch([], Run(duration=1.0, output_step=0.1))
 
 
-def test_full_bodies_do_not_go_in_batches(blade):
-    system = System((Placed(FullBody(blade, MeanAxisFrame())),))
-    with pytest.raises(
-        ModelError, match="a batch takes rigid and reduced bodies: reduce the full ones first"
-    ):
-        simulate_batch([system], Run(duration=1.0, output_step=0.1))
+def swinging(body, rate):
+    hinge = Revolute(first="ground", second="blade.root", axis=(0, 1, 0), name="hinge")
+    return System((Placed(body, angular_velocity=[0, rate, 0]),), (hinge,))
+
+
+@pytest.mark.parametrize("processes", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_full_bodies_go_one_after_another(blade, monkeypatch, processes):
+    """Each in the bits of its own run, also where another process shares the work."""
+    monkeypatch.setattr(worker_processes, "_number_worth", lambda *_: processes)
+    body = FullBody(blade, NodalFixedFrame("root"))
+    cases = [swinging(body, rate) for rate in (0.1, 0.2, 0.3)]
+    run = Run(duration=0.01, output_step=0.005)
+    done = []
+    batch = simulate_batch(cases, run, progress=done.append).check()
+    assert done == pytest.approx([1 / 3, 2 / 3, 1.0])
+    alone = simulate(cases[2], run)
+    own = batch.solutions[2]
+    assert np.array_equal(own.bodies["blade"].coordinates, alone.bodies["blade"].coordinates)
+    assert np.array_equal(own.joint_forces["hinge"], alone.joint_forces["hinge"])
+    assert own.bodies["blade"].angular_velocity[0, 1] == pytest.approx(0.3)
+
+
+def test_another_process_answers_with_the_same_bits_and_what_it_warns_of(blade):
+    run = Run(duration=0.01, output_step=0.005)
+    case = swinging(FullBody(blade, NodalFixedFrame("root")), 3.0)
+    work, answers = CaseWork(run), io.BytesIO()
+    sent = [work.greeting(), work.question((case,))]
+    case_worker.answer(io.BytesIO(b"".join(map(pickle.dumps, sent))), answers)
+    answers.seek(0)
+    assert pickle.load(answers) == "ready"
+    seconds, (parts, warned) = pickle.load(answers)
+    assert seconds > 0
+    own, alone = work.result((parts, warned)), simulate(case, run)
+    assert np.array_equal(own.bodies["blade"].coordinates, alone.bodies["blade"].coordinates)
+    with pytest.warns(ValidityWarning, match="too far"):
+        work.result((parts, [ValidityWarning("too far")]))
 
 
 def test_chunks_hold_a_case(cases):

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from fixtures.explicit_bars import SOFT, explicit_bar
+from fixtures.explicit_bars import SOFT, bar, explicit_bar
 
+from supple.body import RigidBody, flexible_body
 from supple.fem import solid_model
-from supple.integrate import Solution, Statistics
+from supple.integrate import Run, Solution, Statistics
 from supple.machine import (
     At,
+    Ball,
     Contact,
     Placed,
     RigidPlane,
@@ -19,12 +21,15 @@ from supple.mesh import CellType, block
 from supple.methods.explicit import (
     NodalMotion,
     explicit_subdomain,
+    modal_subdomain,
 )
-from supple.viz import explicit_pictures, skin_of
+from supple.reduction import NormalModes
+from supple.simulation import simulate
+from supple.viz import run_pictures, skin_of
 from supple.viz.camera import Camera
+from supple.viz.colouring import DEFLECTION, PLASTIC_STRAIN, stress_colouring
 from supple.viz.contact_clearance import CLEARANCE, clear_of_contact
 from supple.viz.depth_buffer import visible_triangles
-from supple.viz.explicit_pictures import COLOURINGS, draw_explicit
 from supple.viz.obstacle_surface import obstacle_actor
 from supple.viz.scene import Actor, scene_of
 
@@ -92,25 +97,47 @@ def test_stress_of_round_off_has_no_colour():
     part = explicit_bar(CellType.HEXA8)
     noise = 1e-12 * SOFT.youngs_modulus * np.random.default_rng(0).uniform(size=(2, 4))
     still = np.broadcast_to(part.nodes, (2, *part.nodes.shape))
-    flying = NodalMotion(still, 0 * still, 0 * noise, np.ones((2, 4)), noise)
-    assert not COLOURINGS["von-mises"].values(part, flying).any()
-    stressed = NodalMotion(still, 0 * still, 0 * noise, np.ones((2, 4)), 1e6 * noise)
-    assert COLOURINGS["von-mises"].values(part, stressed).any()
+    colouring = stress_colouring({"bar": part.model})
+
+    def flying(stress):
+        return NodalMotion(still, 0 * still, 0 * still, 0 * noise, np.ones((2, 4)), stress)
+
+    assert not colouring.values(part, flying(noise), None).any()
+    assert colouring.values(part, flying(1e6 * noise), None).any()
 
 
-def test_ways_and_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):
+def test_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):
     panels = []
-    monkeypatch.setattr(
-        explicit_pictures, "plot_time_history", lambda path, own, **_: panels.append(own) or path
-    )
+    monkeypatch.setattr(run_pictures, "plot_time_history", lambda path, own, **_: panels.append(own) or path)
     times = np.linspace(0.0, 1.0, 5)
     energies = np.zeros((5, 8))
     energies[:, 0], energies[:, 6] = 1.0, 1e-14 * times
-    solution = Solution(times, {}, {}, Statistics(), series={"energies": energies})
-    way = np.column_stack([1.2 + 0.01 * times, 1e-15 * times, np.full(5, 0.3)])
-    draw_explicit(tmp_path, solution, {"tip": way})
-    (energy,), (x, y, z) = panels
+    still = np.zeros((5, 4))
+    bar = explicit_bar(CellType.HEXA8)
+    nodes = np.broadcast_to(bar.nodes, (5, *bar.nodes.shape))
+    motion = NodalMotion(nodes, 0 * nodes, 0 * nodes, still, still + 1, still)
+    solution = Solution(times, {"bar": motion}, {}, Statistics(), series={"energies": energies})
+    run_pictures.draw_run(tmp_path, System([bar]), solution, {"bar": bar.mesh})
+    ((energy,),) = panels
     assert [series.label for series in energy.series] == ["kinetic"]
-    assert x.series[0].values == pytest.approx(0.01 * times)
-    assert not y.series[0].values.any()
-    assert not z.series[0].values.any()
+
+
+def test_a_film_shows_frames_elements_and_rigid_bodies_together(tmp_path):
+    """A hammer on a hinge hits nothing: a rigid body on a modal bar, beside elements that fly."""
+    modal = modal_subdomain(flexible_body("arm", bar(CellType.HEXA8)), NormalModes(2))
+    head = RigidBody("head", 1.0, np.zeros(3), np.eye(3), {"eye": np.zeros(3)})
+    flying = Placed(explicit_bar(CellType.HEXA8), position=(0, 3, 0))
+    system = System(
+        [modal, Placed(head, position=modal.interface("tip").position), flying],
+        joints=[Ball(name="pin", first="arm.tip", second="head.eye")],
+        contacts=[Contact(At("bar", "tip"), RigidPlane((4.5, 0, 0), (-1.0, 0, 0)))],
+    )
+    solution = simulate(system, Run(0.02, 0.01))
+    meshes = {name: system.mesh_of(name) for name in ("arm", "bar")}
+    elements = {name: bar(CellType.HEXA8) for name in meshes}
+    for colouring in (stress_colouring(elements), PLASTIC_STRAIN, DEFLECTION):
+        path = run_pictures.animate_run(tmp_path / "film.gif", system, solution, meshes, colouring=colouring)
+        assert path.stat().st_size > 0
+    drawn = {path.name for path in run_pictures.draw_run(tmp_path, system, solution, meshes)}
+    assert {"arm-deformed.png", "bar-mesh.png", "machine.png", "energies.png", "joint-forces.png"} <= drawn
+    assert "bar-deformed.png" not in drawn

@@ -102,6 +102,11 @@ class BodyForm(Protocol):
         ...
 
     @property
+    def has_frame(self) -> bool:
+        """Whether its deformation is measured in a frame that moves with it."""
+        ...
+
+    @property
     def dofs_per_node(self) -> int:
         """Freedoms of a node: 3, or 6 with rotations."""
         ...

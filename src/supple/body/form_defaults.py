@@ -34,6 +34,11 @@ class FormDefaults:
     """Members of `BodyForm` that most forms answer alike."""
 
     @property
+    def has_frame(self) -> bool:
+        """True: its deformation is measured in a frame that moves with it."""
+        return True
+
+    @property
     def dofs_per_node(self) -> int:
         """Three displacements."""
         return 3

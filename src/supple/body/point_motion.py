@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from supple.body.floating_kinematics import (
 )
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import Interface, place_in_frame
-from supple.body.sections import ElementSections, Sections
+from supple.body.sections import Sections, section_loads
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate.motion import FloatingMotion
@@ -77,7 +78,7 @@ class FloatingForm(FormDefaults):
                 f"the elements of body '{self.name}' are not known, and section forces are theirs; give its "
                 "model, or read the force of a joint or a spring"
             )
-        return ElementSections(self, model)
+        return Sections(f"axes of {self.name}", partial(section_loads, self, model))
 
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from supple.fem import FiniteElementModel, QuadraticStrain
 from supple.fem.quadratic_strain import internal_forces
 from supple.integrate.motion import FloatingMotion
 
-__all__ = ["CuttingPlane", "ElementSections", "Sections"]
+__all__ = ["CuttingPlane", "Sections", "section_loads"]
 
 Array = NDArray[np.float64]
 
@@ -67,64 +68,46 @@ class _Layer(NamedTuple):
     """(k, 3) of these nodes, undeformed"""
 
 
-class Sections(Protocol):
+class Sections(NamedTuple):
     """The sections of a body, across which it carries forces."""
 
-    @property
-    def axes(self) -> str:
-        """What forces are along, in words."""
-        ...
-
-    def loads(self, motion: Any, plane: CuttingPlane) -> Array:
-        """Force and moment (t, 6) of what lies beyond a plane on what lies before it.
-
-        Raises ModelError for a plane across which the body has no forces.
-        """
-        ...
+    axes: str
+    """What these are along, in words"""
+    loads: Callable[[Any, CuttingPlane], Array]
+    """Force and moment (t, 6) in a motion, of what lies beyond a plane on what lies before it"""
 
 
-@dataclass(frozen=True, eq=False)
-class ElementSections:
-    """Sections of a reduced or full body, whose elements carry the forces.
+def section_loads(body: Any, model: FiniteElementModel, motion: FloatingMotion, plane: CuttingPlane) -> Array:
+    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, in the body's axes.
 
-    body : BodyForm     model : of its elements
+        F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
+
+    over the nodes n that elements on both sides share, where f, m are the internal forces of the elements
+    before the plane, and those beyond with the other sign: their mean, which differs by the loads on these
+    very nodes. So the balance of either part is met however coarse the mesh, and loads spread over the body
+    cost an error of second order. An element is where the mean of its nodes is. `p` is the point of the
+    plane, moved by the mean displacement of the nodes.
+
+    Parameters
+    ----------
+    body : BodyForm                 reduced or full
+    model : FiniteElementModel      the one the body was made of
+
+    Raises
+    ------
+    ModelError   a model of other nodes; a plane that cuts nothing, or cuts beside a rigid interface
     """
-
-    body: Any
-    model: FiniteElementModel
-
-    @property
-    def axes(self) -> str:
-        """The body's."""
-        return f"axes of {self.body.name}"
-
-    def loads(self, motion: FloatingMotion, plane: CuttingPlane) -> Array:
-        """Force and moment (t, 6) of what lies beyond a plane on what lies before it, in the body's axes.
-
-            F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
-
-        over the nodes n that elements on both sides share, where f, m are the internal forces of the elements
-        before the plane, and those beyond with the other sign: their mean, which differs by the loads on
-        these very nodes. So the balance of either part is met however coarse the mesh, and loads spread over
-        the body cost an error of second order. An element is where the mean of its nodes is. `p` is the point
-        of the plane, moved by the mean displacement of the nodes.
-
-        Raises
-        ------
-        ModelError   a model of other nodes; a plane that cuts nothing, or cuts beside a rigid interface
-        """
-        body, model = self.body, self.model
-        if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
-            raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
-        layer = _layer(body, model, plane)
-        coordinates = np.asarray(motion.coordinates)
-        elements = sum(block.B[..., 0].size + block.G[..., 0].size for block in layer.blocks)
-        rows = max(1, ROOM // max(1, elements))
-        found = np.empty((len(coordinates), 6))
-        for first in range(0, len(coordinates), rows):
-            part = slice(first, first + rows)
-            found[part] = _resultants(layer, plane, *body.nodal_fields(coordinates[part], layer.freedoms))
-        return found
+    if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
+        raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
+    layer = _layer(body, model, plane)
+    coordinates = np.asarray(motion.coordinates)
+    elements = sum(block.B[..., 0].size + block.G[..., 0].size for block in layer.blocks)
+    rows = max(1, ROOM // max(1, elements))
+    found = np.empty((len(coordinates), 6))
+    for first in range(0, len(coordinates), rows):
+        part = slice(first, first + rows)
+        found[part] = _resultants(layer, plane, *body.nodal_fields(coordinates[part], layer.freedoms))
+    return found
 
 
 def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:

@@ -28,7 +28,7 @@ from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mista
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
 from supple.mesh import Mesh
-from supple.quantities import Place, QuantityOfInterest, Sensor
+from supple.quantities import Place, Quantity, QuantityOfInterest
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.simulation.full_rest import known_fulls
@@ -275,7 +275,7 @@ class Case:
         return table.quantity(self.place, self.elements)
 
     @cached_property
-    def sensors(self) -> tuple[Sensor, ...]:
+    def sensors(self) -> tuple[Quantity, ...]:
         """What is read off its motion.
 
         Raises

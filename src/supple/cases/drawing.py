@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from supple.cases.case import Case
-from supple.cases.notify import Progress, silent
+from supple.cases.notify import silent
 from supple.fem import FiniteElementModel
-from supple.integrate import Solution
+from supple.integrate import Solution, StepProgress
 from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.quantities import TrackedMotion
@@ -40,14 +40,12 @@ class Drawing:
     film: bool
     colour: str = "deflection"
 
-    def draw(self, progress: Progress = silent) -> None:
+    def draw(self, progress: StepProgress = silent) -> None:
         """Draw them into the folder."""
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.viz import animate_run, draw_run
+        from supple.viz.colouring import PLASTIC_STRAIN
 
-        if self.system.has_parts:
-            self._draw_march(progress)
-            return
         run = (self.system, self.solution, self.meshes)
         if self.pictures:
             progress("drawing pictures", 0.0)
@@ -66,25 +64,8 @@ class Drawing:
                 self.folder / "motion.gif",
                 *run,
                 elements=self.elements,
+                colouring=PLASTIC_STRAIN if self.colour == "plastic-strain" else None,
                 bases=self.bases,
-                units=self.units,
-                progress=lambda share: progress("drawing the animation", share),
-            )
-
-    def _draw_march(self, progress: Progress) -> None:
-        from supple.viz.explicit_pictures import COLOURINGS, animate_explicit, draw_explicit
-
-        if self.pictures:
-            progress("drawing pictures", 0.0)
-            ways = {name: place.position for name, place in self.tracked.items()}
-            draw_explicit(self.folder, self.solution, ways, units=self.units)
-            progress("drawing pictures", 1.0)
-        if self.film:
-            animate_explicit(
-                self.folder / "motion.gif",
-                self.system,
-                self.solution,
-                COLOURINGS.get(self.colour, COLOURINGS["von-mises"]),
                 units=self.units,
                 progress=lambda share: progress("drawing the animation", share),
             )
@@ -101,6 +82,8 @@ def drawing_of(
     output = case.tables.output
     if not (output.pictures or output.animation):
         return None
+    # What has no frame does not deflect: its film is of its stress.
+    framed = all(placed.body.has_frame for placed in system.bodies)
     return Drawing(
         folder,
         system,
@@ -108,7 +91,7 @@ def drawing_of(
         case.drawn,
         tracked,
         case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
-        case.elements if output.colour == "von-mises" else None,
+        case.elements if output.colour == "von-mises" or not framed else None,
         case.bases,
         case.units,
         pictures=output.pictures,

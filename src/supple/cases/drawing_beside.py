@@ -19,7 +19,7 @@ from types import MappingProxyType
 from typing import Any
 
 from supple.cases.drawing import Drawing
-from supple.cases.notify import Progress
+from supple.integrate import StepProgress
 from supple.other_processes import available_cores, python_command, python_environment
 
 __all__ = ["DrawingBeside"]
@@ -54,12 +54,12 @@ class DrawingBeside:
         with suppress(Exception):
             self._process = None if asked is None else _process(asked)
 
-    def finish(self, drawing: Drawing | None, progress: Progress) -> None:
+    def finish(self, drawing: Drawing | None, progress: StepProgress) -> None:
         """Wait for what is drawn beside, or draw it; errors of `Drawing.draw`."""
         if drawing is not None and not self._is_drawn_beside(progress):
             drawing.draw(progress)
 
-    def _is_drawn_beside(self, progress: Progress) -> bool:
+    def _is_drawn_beside(self, progress: StepProgress) -> bool:
         """Whether it was begun beside, and comes to its end there."""
         process = self._process
         if process is None or process.stdout is None:

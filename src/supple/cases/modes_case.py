@@ -12,12 +12,13 @@ import numpy as np
 from supple.body import FullBody
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
-from supple.cases.notify import Progress, silent
+from supple.cases.notify import silent
 from supple.cases.reductions import DEFAULT_ACCURACY
 from supple.cases.static_case import looked_at, spin_of
 from supple.equations.build_model import system_length
 from supple.error import Missed, correct_statically
 from supple.errors import CaseError
+from supple.integrate import StepProgress
 from supple.linearization import (
     CampbellDiagram,
     LinearMachine,
@@ -51,7 +52,7 @@ def modes_case(
     time: float = 0.0,
     errors: bool = True,
     allow_code: bool = False,
-    progress: Progress = silent,
+    progress: StepProgress = silent,
 ) -> tuple[MachineModes, dict[str, Any]]:
     """Modes of a case's machine; writes `CASE-modes.json`, and pictures and animations of the shapes.
 
@@ -92,7 +93,7 @@ def campbell_case(
     n_modes: int = 6,
     errors: bool = True,
     allow_code: bool = False,
-    progress: Progress = silent,
+    progress: StepProgress = silent,
 ) -> CampbellDiagram:
     """Modes over the rate of the case's spin; writes `CASE-campbell.json` and a picture.
 
@@ -220,7 +221,7 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     }
 
 
-def _draw(case: Case, modes: MachineModes, folder: Path, progress: Progress) -> None:
+def _draw(case: Case, modes: MachineModes, folder: Path, progress: StepProgress) -> None:
     from supple.viz import animate_run, draw_machine, mode_titles
 
     titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)

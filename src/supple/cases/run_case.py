@@ -13,14 +13,14 @@ from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import drawing_of
 from supple.cases.drawing_beside import DrawingBeside
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
-from supple.cases.notify import Progress, silent
+from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
 from supple.cases.remains import check_remains, readings_paths, report_path, result_path
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
-from supple.integrate import Solution, Validity
+from supple.integrate import Solution, StepProgress, Validity
 from supple.machine import System
 from supple.quantities import (
     Reading,
@@ -32,6 +32,7 @@ from supple.quantities import (
 )
 from supple.results import stress_numbers, summarize
 from supple.simulation import reduced_bodies, simulate_kept
+from supple.simulation.engines import is_explicit
 from supple.storage import write_errors, write_json
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
@@ -66,7 +67,7 @@ def run_case(
     strict: bool = False,
     errors: bool = True,
     allow_code: bool = False,
-    progress: Progress = silent,
+    progress: StepProgress = silent,
 ) -> CaseResult:
     """Run a case and write its results (HDF5, JSON) and, if it asks for them, its pictures into `folder`.
 
@@ -134,7 +135,7 @@ def _run_case(
     strict: bool,
     errors: bool,
     allow_code: bool,
-    progress: Progress,
+    progress: StepProgress,
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
@@ -224,7 +225,7 @@ def _simulated(
     validity: Validity,
     errors: bool,
     allow_code: bool,
-    progress: Progress,
+    progress: StepProgress,
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished.
 
@@ -253,7 +254,7 @@ def _simulated(
 
     simulating(0.0)
     system, solution = simulate_kept(*given, path, case.made_here, **of_file, progress=simulating)
-    if errors and not system.has_parts:
+    if errors and not is_explicit(system, case.run):
         known(system, solution)
         solution = state_errors(system, case.run, solution, case.study, fulls=case.fulls, progress=progress)
         write_errors(path, solution)

@@ -48,7 +48,7 @@ class _Deflection(SensorTable):
         None, description="BODY.INTERFACE; the body's first one if left out"
     )
 
-    def build(self, *context: Any) -> quantities.Sensor:
+    def build(self, *context: Any) -> quantities.Quantity:
         """The sensor."""
         (case,) = context
         at = case.place(self.at)
@@ -69,7 +69,7 @@ class TensorSensor(SensorTable):
         description="of the nodes of the set: largest magnitude, mean, or the node nearest the centroid",
     )
 
-    def build(self, *context: Any) -> quantities.Sensor:
+    def build(self, *context: Any) -> quantities.Quantity:
         """The sensor."""
         (case,) = context
         body, nodes = case.place(self.at).body, case.place(self.at).at

@@ -78,11 +78,16 @@ def _an_explicit_march_has_its_own_steps(raw: Raw) -> Mistakes:
         if "explicit" in given:
             yield ("simulation", "explicit"), "no body marches modal or explicit; remove the key"
         return
-    for key in ("adaptive", "rho_inf", "kinematic", "assemble"):
+    for key in ("adaptive", "rho_inf", "kinematic"):
         if key in given:
             yield ("simulation", key), "an explicit march has no such thing; remove the key"
+    if not any("explicit" in body for _, body in tables(raw, "body")):
+        return
+    what = "explicit elements start as they are placed; remove the key"
     if given.get("start") == "equilibrium":
-        yield ("simulation", "start"), "parts of an explicit march start as they are placed; remove the key"
+        yield ("simulation", "start"), what
+    if "assemble" in given:
+        yield ("simulation", "assemble"), what
 
 
 def _first_step_is_not_too_long(raw: Raw) -> Mistakes:

@@ -12,9 +12,10 @@ import numpy as np
 
 from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
-from supple.cases.notify import Progress, silent
+from supple.cases.notify import silent
 from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
+from supple.integrate import StepProgress
 from supple.machine import Controller, Spin, System
 from supple.quantities import TrackedMotion, tracked_places
 from supple.results import summarize
@@ -124,7 +125,7 @@ def static_case(
     time: float = 0.0,
     errors: bool = True,
     allow_code: bool = False,
-    progress: Progress = silent,
+    progress: StepProgress = silent,
 ) -> StaticResult:
     """Find the equilibrium of a case, write its numbers (`CASE-static.json`) and a picture.
 

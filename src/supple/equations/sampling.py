@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import jax
 import numpy as np
@@ -14,13 +14,15 @@ from supple.equations.configuration import ControlState, ControlStep, SystemMoti
 from supple.equations.control_force import readings_at
 from supple.equations.model import Model
 from supple.errors import ModelError
-from supple.integrate import Run
+from supple.integrate import Leg, Run, Statistics
 from supple.machine import System
 from supple.machine.control import SampledController
 from supple.machine.control.controller import as_memory
 from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["Sampling", "sampling_of"]
+__all__ = ["Sampling", "march_sampled", "sampling_of"]
+
+S = TypeVar("S")
 
 _SAME = 1e-6
 """Of a period: instants as near to an output time are that time."""
@@ -103,6 +105,46 @@ def sampling_of(system: System, run: Run) -> Sampling | None:
                 instants = np.where(same, output, instants)
             found[number] = instants
     return Sampling(system, found) if found else None
+
+
+def march_sampled(
+    sampling: Sampling,
+    marched: Callable[[S, np.ndarray], Leg[S]],
+    sampled: Callable[[S], S],
+    state: S,
+    times: np.ndarray,
+) -> Leg[S]:
+    """To each of the output times by a march between instants.
+
+    marched : the march without a break;   sampled : a state after the controllers that are due were called
+    """
+    now = float(cast(Any, state).time)
+    if times[-1] <= now:
+        return marched(state, times)
+    every = sampling.every
+    legs: list[Leg[S]] = []
+    while now < times[-1]:
+        state = sampled(state)
+        later = every[(every > now) & (every < times[-1])]
+        end = float(later[0]) if later.size else float(times[-1])
+        outputs = times[(times > now) & (times <= end)]
+        leg = marched(state, np.unique(np.append(outputs, end)))
+        if end not in times:  # an instant alone is no output
+            kept = min(leg.n_reached, len(outputs))
+            rows = jax.tree.map(lambda leaf, kept=kept: leaf[:kept], leg.states)
+            leg = Leg(rows, kept, leg.last, leg.statistics, leg.stopped)
+        legs.append(leg)
+        state, now = leg.last, end
+        if leg.stopped is not None:
+            break
+    parts = [leg.states for leg in legs]
+    return Leg(
+        states=jax.tree.map(lambda *own: np.concatenate(own), *parts),
+        n_reached=sum(leg.n_reached for leg in legs),
+        last=legs[-1].last,
+        statistics=sum((leg.statistics for leg in legs), Statistics()),
+        stopped=legs[-1].stopped,
+    )
 
 
 def _readings(model: Model, motion: SystemMotion) -> Any:

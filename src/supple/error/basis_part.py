@@ -1,13 +1,13 @@
 """The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
 
-The error equation tells the true motion, to first order, and says itself where that is not enough
+The error equation estimates the true motion, to first order, and says itself where that is not enough
 (`BodyError.second` above a third). There a run with much richer bases is made instead. So it is where the
 estimate is doubtful (`BodyError.is_doubtful`): about a run that locks the equation can find too little.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
 from supple.error.check_run import check_run
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
-from supple.integrate import ErrorPart, Run, Solution
+from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
 from supple.quantities.run_distance import largest_displacement
@@ -36,11 +36,11 @@ def basis_parts(
     bases: Mapping[str, ReductionBasis],
     quantities: Sequence[QuantityOfInterest],
     *,
-    progress: Callable[[str, float], None] | None = None,
+    progress: StepProgress | None = None,
 ) -> dict[str, ErrorPart]:
     """The part of the bases in some quantities of a finished run, by their names.
 
-    fulls, bases : of the reduced bodies that are judged, by name
+    fulls, bases : of the reduced bodies whose bases are assessed, by name
     """
     asked = stated_of(system, bases, quantities)
     if system.controllers:  # they have no part in the error equation
@@ -48,7 +48,7 @@ def basis_parts(
     step = "the error equation"
     share = None if progress is None else lambda fraction: progress(step, fraction)
     whole = in_full(system, fulls, bases)
-    estimate = ErrorEstimator(whole, run).judge(system, bases, solution, progress=share)
+    estimate = ErrorEstimator(whole, run).assess(system, bases, solution, progress=share)
     found = estimate.error.bodies
     doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
     if all(each.is_converged for each in found.values()) and not doubtful:
@@ -64,7 +64,7 @@ def stated_of(
 ) -> list[QuantityOfInterest]:
     """Those quantities of which the bases of some bodies are all that is missing.
 
-    names : of the bodies whose bases are judged; what moves with others as well is not known from these
+    names : of the bodies whose bases are assessed; what moves with others as well is not known from these
     """
     elastic = {each.body.name for each in system.bodies if each.body.n_coordinates}
     is_whole = elastic <= set(names)
@@ -87,7 +87,7 @@ def distances(
 
 
 def _negligible(system: System, solution: Solution, name: str) -> float:
-    body = system.bodies[system.body_index(name)].body
+    body = system.placed(name).body
     return NEGLIGIBLE * largest_displacement(body, solution.bodies[name])
 
 

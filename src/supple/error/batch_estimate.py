@@ -3,7 +3,7 @@
 The runs share their bodies and bases, and so they can share what is dear: one space of errors, made of
 corrections at instants of all runs together, and the matrices of the deformed bodies. Each run has its own
 residual and its own march, over which the compiled program is mapped. Where an error is not small, its run is
-judged once more by itself.
+assessed once more by itself.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH, FIRST_ORDER, BasisError
 from supple.error.basis_part import in_full, stated_of
 from supple.error.check_run import check_run
+from supple.error.converged_error import converged, is_small
 from supple.error.equation import (
+    AssessedBody,
     ErrorEquation,
-    JudgedBody,
     error_space,
     modes_in_frame,
     run_columns,
@@ -35,13 +36,12 @@ from supple.error.error_estimate import (
     deformed_rows,
     is_smooth,
     modal_damping,
+    no_estimate,
     reduced_form,
-    untold,
 )
 from supple.error.error_study import ErrorStudy, statements
 from supple.error.looked_at_instants import jittered
 from supple.error.residual_correction import system_corrections
-from supple.error.settled_error import is_small, settled
 from supple.error.stopping import withheld
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
@@ -97,7 +97,7 @@ def estimate_batch_errors(
     Parameters
     ----------
     cases, run, solutions : as they were simulated, all with the same bodies
-    fulls : the bodies to judge, with all their coordinates, by name
+    fulls : the bodies to assess, with all their coordinates, by name
 
     Returns
     -------
@@ -105,7 +105,7 @@ def estimate_batch_errors(
 
     Raises
     ------
-    ModelError      bodies that differ from case to case, or are not made of those in full; nothing to judge
+    ModelError      bodies that differ from case to case, or are not made of those in full; nothing to assess
     """
     check_linearised(cases[0])
     bases = kept_bases(cases[0], fulls)
@@ -119,7 +119,7 @@ def estimate_batch_errors(
                 )
     whole = [number for number, solution in enumerate(solutions) if solution.stopped is None]
     found = {
-        number: BasisError(dict.fromkeys(bases, untold(solution)))
+        number: BasisError(dict.fromkeys(bases, no_estimate(solution)))
         for number, solution in enumerate(solutions)
         if number not in whole
     }
@@ -150,7 +150,7 @@ class _Batch:
     def errors(self) -> list[BasisError]:
         """Of every run."""
         looked, fresh = self._corrections(INSTANTS - FRESH, 0), self._corrections(FRESH, 1)
-        bodies = {name: self._judged(name, looked[name]) for name in self.bases}
+        bodies = {name: self._assessed(name, looked[name]) for name in self.bases}
         equations = [self._equation(number, bodies) for number in range(len(self.cases))]
         # A compiled march goes over as many steps in all its runs.
         found = {}
@@ -184,7 +184,7 @@ class _Batch:
         """The same in all runs."""
         return reduced_form(self.cases[0], name)
 
-    def _judged(self, name: str, corrections: np.ndarray) -> JudgedBody:
+    def _assessed(self, name: str, corrections: np.ndarray) -> AssessedBody:
         """A body along all runs, one after the other."""
         full, body = self.fulls[name], self._body(name)
         motions = [each.solution.bodies[name] for each in self.steps]
@@ -198,9 +198,9 @@ class _Batch:
         rows = deformed_rows(len(motion.coordinates))[1:]
         deformed = motion.vectors @ motion.coordinates[rows].T
         space = error_space(modes_in_frame(full.body, full.frame), motion.vectors, corrections, deformed)
-        return JudgedBody(full, motion, space, full.damping or modal_damping(body))
+        return AssessedBody(full, motion, space, full.damping or modal_damping(body))
 
-    def _equation(self, number: int, bodies: Mapping[str, JudgedBody]) -> ErrorEquation:
+    def _equation(self, number: int, bodies: Mapping[str, AssessedBody]) -> ErrorEquation:
         ends = np.cumsum([0, *(len(each.solution.times) for each in self.steps)])
         rows = slice(int(ends[number]), int(ends[number + 1]))
         steps, estimator = self.steps[number].solution, self.estimators[number]
@@ -221,7 +221,7 @@ class _Batch:
             second = {name: second_correction(history) for name, history in histories.items()}
             small = is_small(histories, second)
             if small and not is_smooth(self.cases[number]):
-                _, histories, second = settled(equation, found, histories, smooth=False)
+                _, histories, second = converged(equation, found, histories, smooth=False)
                 small = max(second.values()) <= FIRST_ORDER
             if small:
                 outputs = self.steps[number].outputs
@@ -237,4 +237,4 @@ class _Batch:
                         for name, history in histories.items()
                     }
                 )
-        return self.estimators[number].judge(self.cases[number], self.bases, self.solutions[number]).error
+        return self.estimators[number].assess(self.cases[number], self.bases, self.solutions[number]).error

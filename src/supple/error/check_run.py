@@ -1,4 +1,4 @@
-"""What the bases of a finished run cost, told by one more run with much richer ones.
+"""What the bases of a finished run cost, by one more run with much richer ones.
 
 The richer bases hold the old one, the lowest vibrations in the frame and the leading directions of the motion
 that the run missed (`system_corrections`): 24 and 12. Beside controllers, whose forces at an instant are
@@ -10,7 +10,7 @@ the truth, the distance to such a run was 0.75 to 1.0 of it.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from supple.error.basis_error import ENRICH
 from supple.error.looked_at_instants import jittered
 from supple.error.residual_correction import system_corrections
 from supple.errors import SuppleWarning
-from supple.integrate import ErrorPart, Run, Solution, Validity
+from supple.integrate import ErrorPart, Run, Solution, StepProgress, Validity
 from supple.machine import Placed, System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, quantity_distance
 from supple.reduction import (
@@ -54,22 +54,22 @@ def check_run(
     bases: Mapping[str, ReductionBasis],
     quantities: Sequence[QuantityOfInterest],
     *,
-    progress: Callable[[str, float], None] | None = None,
+    progress: StepProgress | None = None,
 ) -> dict[str, ErrorPart]:
     """The part of the bases in some quantities of a finished run, by their names.
 
-    fulls, bases : of the reduced bodies that are judged, by name
+    fulls, bases : of the reduced bodies whose bases are assessed, by name
     """
-    told = progress or (lambda _step, _share: None)
+    report = progress or (lambda _step, _share: None)
     step = "what the bases miss"
-    told(step, 0.0)
+    report(step, 0.0)
     added: Mapping[str, np.ndarray] = {}
     if not system.controllers:
-        judged = [fulls[name] for name in bases]
+        reduced = [fulls[name] for name in bases]
         n_times = len(solution.times)
         instants = jittered(n_times, min(INSTANTS, n_times - 1), seed=n_times)
         missed = system_corrections(
-            system, judged, bases, solution, instants, progress=lambda x: told(step, x)
+            system, reduced, bases, solution, instants, progress=lambda x: report(step, x)
         )
         added = {name: own.deformation for name, own in missed.items()}
     richer = {}
@@ -79,9 +79,9 @@ def check_run(
             richer[name] = _richer(fulls[name], basis, added.get(name))
         finer = replace(system, bodies=tuple(_placed(each, fulls, bases, richer) for each in system.bodies))
         step = "the same run with richer bases"
-        told(step, 0.0)
+        report(step, 0.0)
         check = watched_run(
-            finer, replace(run, validity=Validity()), progress=lambda x: told(step, x), check=False
+            finer, replace(run, validity=Validity()), progress=lambda x: report(step, x), check=False
         )
     besides = "static shapes with derivatives" if system.controllers else "corrections"
     how = f"a run with {MODES} modes and {DIRECTIONS} {besides} more"

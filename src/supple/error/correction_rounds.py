@@ -72,7 +72,7 @@ class SelfCorrection:
         return self.absolute or (self.relative or 0.0) * size
 
     def quantity(self, body: str) -> QuantityOfInterest:
-        """What the error of a body is judged by."""
+        """The quantity of interest of a body."""
         return self.of or WholeBody(body)
 
     @property
@@ -177,7 +177,7 @@ class CorrectedSystem:
     system : System                     with the reduced bodies
     bodies : SelfCorrected, by name     their rounds, which are the same runs
     run : Run                           as it was stepped; None where that is the run that was asked for
-    of_basis : ErrorPart, by quantity   what the bases cost in what a study judges besides the targets
+    of_basis : ErrorPart, by quantity   what the bases cost in the quantities of a study besides the targets
     """
 
     system: System

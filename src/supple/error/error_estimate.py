@@ -14,10 +14,11 @@ from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
 from supple.error.basis_error import FIRST_ORDER, BasisError, BodyError
+from supple.error.converged_error import Differences, converged, is_clearly_larger, is_finite, is_small
 from supple.error.equation import (
+    AssessedBody,
     ErrorEquation,
     ErrorHistory,
-    JudgedBody,
     MissedAtRest,
     ModesInFrame,
     StartError,
@@ -29,7 +30,6 @@ from supple.error.equation import (
 from supple.error.looked_at_instants import followed, jittered, striking
 from supple.error.missing_motion import FOLLOWED
 from supple.error.residual_correction import ResidualCorrections, system_corrections
-from supple.error.settled_error import Told, is_clearly_larger, is_finite, is_small, settled
 from supple.error.stopping import withheld
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
@@ -57,8 +57,8 @@ class ErrorEstimate:
     histories : ErrorHistory, by body       the error at every step of the run
     missed : (n, m), by body                displacement fields outside the basis, by their size along the run
     corrections : ResidualCorrections, by body      the static ones among them
-    corrected : the system in the columns of the error and its true motion, as far as it is told: what any
-                quantity of the run differs from; None where it is not told
+    corrected : the system in the columns of the error and the estimate of its true motion, from
+                which any quantity of the run differs; None without an estimate
     factorizations : int    of matrices of the whole system or a body in full
     """
 
@@ -88,7 +88,7 @@ def estimate_error(
 
     Parameters
     ----------
-    system : System         with the bodies to judge as FullBody
+    system : System         with the bodies to assess as FullBody
     reduced : System        as it was simulated, with these bodies reduced
     bases : ReductionBasis  by body
     run, solution : of the reduced system
@@ -103,13 +103,13 @@ def estimate_error(
     ModelError      bodies that are not full in the one system and reduced in the other
     AccuracyError   a tangent is singular, as for `system_corrections`
     """
-    return ErrorEstimator(system, run).judge(reduced, bases, solution, progress=progress).error
+    return ErrorEstimator(system, run).assess(reduced, bases, solution, progress=progress).error
 
 
 class ErrorEstimator:
-    """Judges the runs of one system, whose full bodies it looks at once.
+    """Assesses the runs of one system, whose full bodies it looks at once.
 
-    system : System     with the bodies to judge as FullBody
+    system : System     with the bodies to assess as FullBody
     run : Run           of every reduced system
     """
 
@@ -119,7 +119,7 @@ class ErrorEstimator:
         self._run = run
         self._modes: dict[str, ModesInFrame] = {}
 
-    def judge(
+    def assess(
         self,
         reduced: System,
         bases: Mapping[str, ReductionBasis],
@@ -132,9 +132,9 @@ class ErrorEstimator:
         """What the bases of one run cost; parameters as for `estimate_error`.
 
         instants : at which the residual is balanced, beside those where loads peak or kink
-        allowed : RMS over the nodes, by body: errors that are clearly larger are told to first order
+        allowed : RMS over the nodes, by body: errors that are clearly larger are estimated to first order
         """
-        fulls = self._judged(bases)
+        fulls = self._to_assess(bases)
         # A run that broke off tells what its bases miss, but not what that costs.
         whole = solution.stopped is None
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
@@ -153,17 +153,17 @@ class ErrorEstimator:
         missed = {name: own.at(places) for name, own in at_each.items()}
         fields = {name: own.deformation for name, own in missed.items()}
         if not whole:
-            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, no_estimate(solution))), {}, fields, missed)
         start = self.start_errors(steps.solution, bases)
-        judged = {
-            name: self._judged_body(
+        assessed = {
+            name: self._assessed_body(
                 name, full, reduced, bases[name], steps.solution, missed[name], len(looked), start
             )
             for name, full in fulls.items()
         }
         equation = ErrorEquation(
             reduced,
-            judged,
+            assessed,
             self._run.second_order_method.coefficients,
             steps.solution,
             self.active(solution),
@@ -175,10 +175,10 @@ class ErrorEstimator:
                 reduced, tuple(fulls.values()), bases, steps.solution, along, settled=FOLLOWED
             )
 
-        told = _told(equation, missed_along, allowed or {}, is_smooth(reduced))
-        if told is None:
-            return ErrorEstimate(BasisError(dict.fromkeys(fulls, untold(solution))), {}, fields, missed)
-        found, histories, second = told
+        differences = _differences(equation, missed_along, allowed or {}, is_smooth(reduced))
+        if differences is None:
+            return ErrorEstimate(BasisError(dict.fromkeys(fulls, no_estimate(solution))), {}, fields, missed)
+        found, histories, second = differences
         if progress is not None:
             progress(1.0)
         errors = {
@@ -198,7 +198,7 @@ class ErrorEstimator:
         factorizations = max(own.factorizations for own in missed.values()) + 2 * len(fulls)
         return ErrorEstimate(BasisError(errors), histories, missing, missed, corrected, factorizations)
 
-    def _judged(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
+    def _to_assess(self, bases: Mapping[str, ReductionBasis]) -> dict[str, FullBody]:
         fulls = self._system.bodies_of(FullBody)
         for name in bases:
             if name not in fulls:
@@ -220,7 +220,7 @@ class ErrorEstimator:
             warnings.simplefilter("ignore", RedundantConstraintWarning)
             return compiled_start(self._system, self._run.start).model.active
 
-    def _judged_body(
+    def _assessed_body(
         self,
         name: str,
         full: FullBody,
@@ -230,7 +230,7 @@ class ErrorEstimator:
         missed: ResidualCorrections,
         n_looked: int,
         start: Mapping[str, StartError],
-    ) -> JudgedBody:
+    ) -> AssessedBody:
         if name not in self._modes:
             self._modes[name] = modes_in_frame(full.body, full.frame)
         body = reduced_form(reduced, name)
@@ -241,7 +241,7 @@ class ErrorEstimator:
             corrections = np.hstack([corrections, at_start])
         deformed = motion.vectors @ motion.coordinates[deformed_rows(len(steps.times))[1:]].T
         space = error_space(self._modes[name], motion.vectors, corrections, deformed)
-        return JudgedBody(full, motion, space, full.damping or modal_damping(body))
+        return AssessedBody(full, motion, space, full.damping or modal_damping(body))
 
     def start_errors(self, steps: Solution, bases: Mapping[str, ReductionBasis]) -> dict[str, StartError]:
         """How the full system would start, less how the run did; nothing where both start as placed."""
@@ -274,7 +274,7 @@ class ErrorEstimator:
 
 def reduced_form(system: System, name: str) -> ReducedBody:
     """A body of a run as it was reduced; ModelError for another form."""
-    body = system.bodies[system.body_index(name, "error estimate")].body
+    body = system.placed(name, "error estimate").body
     if not isinstance(body, ReducedBody):
         raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
     return body
@@ -336,37 +336,37 @@ def _start_error(
     return StartError(position, moving)
 
 
-def _told(
+def _differences(
     equation: ErrorEquation,
     missed_along: Callable[[], Mapping[str, ResidualCorrections]],
     allowed: Mapping[str, float],
     smooth: bool,
-) -> Told | None:
+) -> Differences | None:
     """The differences of the true motion and the run's, and by body what the last sweep changed.
 
     None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
     missed_along : what the run misses at rest, at many instants
-    allowed : as for `ErrorEstimator.judge`
+    allowed : as for `ErrorEstimator.assess`
     smooth : bool   whether elastic second corrections say all about how small an error is
     """
     found = equation.first()
     histories = equation.histories(found)
-    told: Told = found, histories, dict.fromkeys(histories, np.inf)
+    first: Differences = found, histories, dict.fromkeys(histories, np.inf)
     bounded = _are_bounded(histories)
     if bounded:
         second = {name: second_correction(history) for name, history in histories.items()}
         known = (smooth and is_small(histories, second)) or is_clearly_larger(histories, second, allowed)
-        told = (found, histories, second) if known else settled(equation, found, histories, smooth=smooth)
+        first = (found, histories, second) if known else converged(equation, found, histories, smooth=smooth)
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
-    if nonlinear and max(told[2].values()) > FIRST_ORDER:
+    if nonlinear and max(first[2].values()) > FIRST_ORDER:
         # The run may be no place to take tangents at: walls that should have buckled, and in the run have
         # not, let any difference grow. With the motion that it misses at rest they do not.
         tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
-        other = settled(equation, about, equation.histories(about), tangents, smooth=smooth)
+        other = converged(equation, about, equation.histories(about), tangents, smooth=smooth)
         if max(other[2].values()) <= FIRST_ORDER:
             return other
-    return told if bounded else None
+    return first if bounded else None
 
 
 def _are_bounded(histories: Mapping[str, ErrorHistory]) -> bool:
@@ -425,7 +425,7 @@ def _deflection(history: ErrorHistory) -> float:
     return float(np.sqrt(np.mean(np.sum(deformed**2, axis=2), axis=1)).max(initial=0.0))
 
 
-def untold(solution: Solution) -> BodyError:
+def no_estimate(solution: Solution) -> BodyError:
     """Of a run that broke off, or whose error equation grows out of bounds."""
     times = solution.times
     return BodyError(np.inf, np.inf, 0, float(times[-1]), np.inf, None, np.full(len(times), np.inf))

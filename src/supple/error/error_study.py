@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from supple.arguments import check_fields, check_members, checked_arguments
@@ -12,7 +12,7 @@ from supple.error.integration_error import integration_errors
 from supple.error.line_parts import line_parts
 from supple.error.model_error import model_errors
 from supple.errors import ModelError
-from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution
+from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution, StepProgress
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody, with_chosen_step
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
@@ -21,9 +21,6 @@ from supple.simulation.engines import refuse_explicit
 from supple.simulation.kept_basis import kept_bases
 
 __all__ = ["ErrorStudy", "state_errors"]
-
-Told = Callable[[str, float], None]
-"""Hears what is done, in words, and the completed fraction of it."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +55,7 @@ def state_errors(
     study: ErrorStudy | None = None,
     *,
     fulls: Mapping[str, FullBody] | Sequence[FullBody] = (),
-    progress: Told | None = None,
+    progress: StepProgress | None = None,
 ) -> Solution:
     """The solution with what is known of its error: `solution.errors`, and `motion.error` of its bodies.
 
@@ -70,7 +67,7 @@ def state_errors(
     system, run, solution : the machine as it was simulated, how, and what came out
     study : ErrorStudy      by default all parts, of every elastic body
     fulls : the bodies with all their coordinates, which reduced ones were made of: without them the basis is
-        not judged, and the model by its limit of rotation alone
+        not assessed, and the model by its limit of rotation alone
     progress : called with the step at work, in words, and the completed fraction of it
 
     Raises
@@ -116,7 +113,7 @@ def statements(
     *,
     allowed: Mapping[str, float] | None = None,
     quantities: Sequence[QuantityOfInterest] | None = None,
-    progress: Told | None = None,
+    progress: StepProgress | None = None,
 ) -> dict[str, ErrorStatement]:
     """The statements of a run whose part of the basis is known, by the names of the quantities.
 
@@ -130,8 +127,8 @@ def statements(
     model: Mapping[str, ErrorPart] = {}
     if study.model:
         step = "elements and ties at the widest turns"
-        told = None if progress is None else lambda fraction: progress(step, fraction)
-        model = model_errors(system, fulls, bases, solution, quantities, progress=told)
+        share = None if progress is None else lambda fraction: progress(step, fraction)
+        model = model_errors(system, fulls, bases, solution, quantities, progress=share)
     full_order = system.bodies_of(FullBody)
     no_basis = all(each.body.name in full_order for each in system.bodies if each.body.n_coordinates)
     return {
@@ -153,7 +150,7 @@ def statements(
 def _of_machine(system: System, fulls: Mapping[str, FullBody]) -> dict[str, FullBody]:
     """The full bodies that the machine has reduced."""
     for name, full in fulls.items():
-        body = system.bodies[system.body_index(name, "stated error")].body
+        body = system.placed(name, "stated error").body
         if len(body.nodes) != len(full.nodes):
             raise ModelError(
                 f"stated error: body '{name}' has {len(full.nodes)} nodes in full and {len(body.nodes)} in "

@@ -5,7 +5,7 @@ step. With q(h) their motions and an integrator of second order, q(h) = q + c h^
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),
 
-both in the norm of the quantity that is judged. Where a load jumps, a fixed step sees the jump up to half a
+both in the norm of the quantity of interest. Where a load jumps, a fixed step sees the jump up to half a
 step too early or too late, an error of first order, q(h) = q + c h + .., which falls by 2 instead of 4: there
 the step costs 2 |q(h) - q(h/2)| at most, and so much is stated. Adaptive steps of a local error tol have a
 global one of about tol^(2/3): an eighth of the tolerance, and half the largest step, stand for half the step.
@@ -16,7 +16,7 @@ displacement |u| times it: the floor of the integration, below which nothing is 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 
@@ -29,6 +29,7 @@ from supple.integrate import (
     Run,
     Solution,
     StepControl,
+    StepProgress,
     Tolerances,
     Validity,
 )
@@ -40,7 +41,7 @@ __all__ = ["IntegrationError", "floor_of", "integration_errors", "with_shorter_s
 
 HALF = 0.5
 TIGHTER = 1e-2
-"""Of the tolerance of the run: that of the runs it is judged by."""
+"""Of the tolerance of the run: that of the runs it is compared with."""
 RICHARDSON = 4 / 3
 """1 / (1 - HALF^2): the whole of an error of second order over its change from h to h/2."""
 AT_JUMPS = 2.0
@@ -49,9 +50,6 @@ FLOOR = 10.0
 """Displacements times tolerances below which nothing is stated."""
 TIGHTEST = 1e-12
 """Relative residual that rounding still allows to ask for."""
-
-Told = Callable[[str, float], None]
-"""Hears what is run, in words, and the completed fraction of it."""
 
 
 @dataclass(frozen=True)
@@ -69,13 +67,13 @@ def integration_errors(
     quantities: Sequence[QuantityOfInterest],
     *,
     measured: bool = True,
-    progress: Told | None = None,
+    progress: StepProgress | None = None,
 ) -> Mapping[str, IntegrationError]:
     """Error of the step and of the tolerance of a finished run in some quantities, by their names.
 
     Parameters
     ----------
-    system, run, solution : of which the error is told
+    system, run, solution : whose error is stated
     measured : bool     make the two runs; otherwise the floor of the integration is all that is stated
     """
     floors = {each.name: floor_of(run.tolerances, each.size(system, solution)) for each in quantities}
@@ -139,14 +137,14 @@ def _below(step: StepControl, first: float) -> float | None:
     return None if step.smallest is None else min(step.smallest, first)
 
 
-def _quiet(system: System, run: Run, words: str, progress: Told | None) -> Solution:
-    """A run that is only measured: what there is to warn of was said of the run that it judges."""
-    told = None if progress is None else lambda fraction: progress(words, fraction)
+def _quiet(system: System, run: Run, words: str, progress: StepProgress | None) -> Solution:
+    """A run that is only measured: the run that is assessed has given its warnings."""
+    share = None if progress is None else lambda fraction: progress(words, fraction)
     if progress is not None:
         progress(words, 0.0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuppleWarning)
-        return watched_run(system, replace(run, validity=Validity()), progress=told, check=False)
+        return watched_run(system, replace(run, validity=Validity()), progress=share, check=False)
 
 
 def _remedy_of_step(run: Run, whole: float) -> str:

@@ -13,7 +13,7 @@ and K_t nearly singular there. Of a strip of 1 m, bent by a quarter, it made 5 m
 Quasi-static: a stiffness that is off moves frequencies too, which a long vibration shows by its phase. What
 is not in it is the mesh.
 
-A body whose elements are not at hand, or any in a machine with controllers, is told by its limit: a
+A body whose elements are not at hand, or any in a machine with controllers, is assessed by its limit: a
 deflection is off by some 2e-3 at its `rotation_limit` (strips of h/t = 10), by the third power of the turn.
 
 A linear body lacks the shortening by its bending: its error is at least theta^2 / 2 of its length, theta its
@@ -67,10 +67,10 @@ def model_errors(
     Parameters
     ----------
     system, solution : the run, with its bodies reduced
-    fulls : the same bodies with all coordinates, by name; those without elements are told by their limit
+    fulls : the same bodies with all coordinates, by name; those without elements are assessed by their limit
     bases : of the reduced bodies, by name
-    quantities : positions of bodies among these are told by their own motion, all else by that of the body
-        that is worst, in parts of its displacement
+    quantities : positions of bodies among these are assessed by their own motion, all else by that of the
+        body that is worst, in parts of its displacement
     """
     seen_bodies = [full for name, full in fulls.items() if full.body.model is not None and name in bases]
     if system.controllers:  # what they do at an instant is known to the run alone
@@ -165,7 +165,7 @@ def _part(
         return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]
     for body, limit in limits.items():
-        size = largest_displacement(system.bodies[system.body_index(body)].body, solution.bodies[body])
+        size = largest_displacement(system.placed(body).body, solution.bodies[body])
         own = limit
         if body in missed:
             own = max(float(missed[body].rms.max()), _shortening(system, body, limits))
@@ -184,7 +184,7 @@ def _remedy(system: System, name: str | None) -> str:
 
 def _shortening(system: System, name: str | None, limits: Mapping[str, float]) -> float:
     """What a linear body lacks of its shortening by bending; none of a nonlinear one."""
-    if name is None or not system.bodies[system.body_index(name)].body.is_linear:
+    if name is None or not system.placed(name).body.is_linear:
         return 0.0
     return limits[name]
 

@@ -15,9 +15,9 @@ from supple.error.correction_rounds import CorrectedSystem, ReductionStart, Roun
 from supple.error.error_study import ErrorStudy
 from supple.error.round_table import best_round, correction_numbers
 from supple.error.self_correction import self_correct
-from supple.error.system_correction import Accepted, Announce, CorrectionProgress
+from supple.error.system_correction import Accepted, Announce
 from supple.errors import ResolutionWarning, ResultFileError, StartWarning, ValidityWarning
-from supple.integrate import Run, Validity
+from supple.integrate import Run, StepProgress, Validity
 from supple.machine import System
 from supple.simulation import keep_bodies
 from supple.simulation.recorded_columns import columns_of
@@ -48,7 +48,7 @@ def correct_recorded(
     overwrite: bool = False,
     announce: Announce | None = None,
     accepted: Accepted | None = None,
-    progress: CorrectionProgress | None = None,
+    progress: StepProgress | None = None,
     study: ErrorStudy | None = None,
 ) -> CorrectedSystem:
     """`self_correct`, keeping the rounds as they are computed, then the accepted run and its bodies.
@@ -126,7 +126,7 @@ def _corrected(
     archive: CorrectionFolder,
     announce: Announce | None,
     accepted: Accepted | None,
-    progress: CorrectionProgress | None,
+    progress: StepProgress | None,
     study: ErrorStudy | None,
 ) -> tuple[CorrectedSystem, list[Round]]:
     """The self-correction, and its rounds in the order in which they were finished."""

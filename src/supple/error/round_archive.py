@@ -34,7 +34,7 @@ class RoundBases:
     bases : ReductionBasis, by body
     missed : MissedMotion, by body      of the run before, from which the bases were enriched; empty at first
     seconds : float                     wall time of the round before
-    besides : float, by quantity        error of the run before in what is judged besides (`Problem.besides`)
+    besides : float, by quantity        of the run before in quantities of interest (`Problem.besides`)
     """
 
     bases: Mapping[str, ReductionBasis]

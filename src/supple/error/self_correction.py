@@ -10,10 +10,10 @@ from supple.body import FullBody
 from supple.error.correction_rounds import CorrectedSystem, ReductionStart, SelfCorrection
 from supple.error.error_study import ErrorStudy, quantities_of_interest
 from supple.error.round_archive import InMemoryArchive, RoundArchive
-from supple.error.system_correction import Accepted, Announce, CorrectionProgress, Problem, correct
+from supple.error.system_correction import Accepted, Announce, Problem, correct
 from supple.error.whole_correction import correct_wholly
 from supple.errors import ModelError
-from supple.integrate import Run
+from supple.integrate import Run, StepProgress
 from supple.machine import System
 
 __all__ = ["self_correct"]
@@ -27,7 +27,7 @@ def self_correct(
     *,
     announce: Announce | None = None,
     accepted: Accepted | None = None,
-    progress: CorrectionProgress | None = None,
+    progress: StepProgress | None = None,
     archive: RoundArchive | None = None,
     study: ErrorStudy | None = None,
 ) -> CorrectedSystem:
@@ -37,7 +37,7 @@ def self_correct(
     append the leading directions of that to the bases, run again. No full-order time integration is made, and
     no finer run to measure by: the run's own residual at every step drives its linearised integrator. The
     motion that it would take to balance the residual at rest, at some instants (`system_corrections`), is
-    among what is appended; its size (`Round.indicator`) is told beside. Modes inside the band in which the
+    among what is appended; its size (`Round.indicator`) is stated beside. Modes inside the band in which the
     loads excite the body belong in the basis from the start (`load_spectrum` looks).
 
     Every round runs all bodies reduced and enriches them all, until every body meets its error in the same
@@ -52,7 +52,7 @@ def self_correct(
         (ReductionStart); or such a start for each body that is named, the others staying as they are
     announce : function     called with every round as it is finished
     accepted : function     called with the run whose basis keeps to the error, in every pass, before the
-        other parts that a study names are told
+        other parts that a study names are stated
     progress : function     called with the step at work, in words, and the completed fraction of it
     archive : RoundArchive  keeps what is computed, and is read first; none: all is in memory
     study : ErrorStudy      the error to reach is that of all parts which it names, added up: steps are cut
@@ -113,7 +113,7 @@ def _starts(
 
 
 def _full(system: System, name: str) -> FullBody:
-    body = system.bodies[system.body_index(name, "self-correction")].body
+    body = system.placed(name, "self-correction").body
     fulls = system.bodies_of(FullBody)
     if name not in fulls:
         raise ModelError(

@@ -29,7 +29,7 @@ __all__ = ["Missed", "StaticallyCorrected", "correct_at_rest", "correct_statical
 class Missed(NamedTuple):
     """What the basis of one body misses.
 
-    error, allowed : in the unit of what is judged
+    error, allowed : in the unit of the quantity of interest
     fields : (n, m)     displacements of its coordinates, to enrich the basis by
     """
 
@@ -129,7 +129,7 @@ def correct_statically(
     while True:
         reduced = _reduced(system, fulls, starts, bases)
         with warnings.catch_warnings():
-            # What is missed is told by the rounds.
+            # The rounds report what is missed.
             warnings.simplefilter("ignore", BasisWarning)
             missed = look(reduced, fulls)
         for name, each in missed.items():

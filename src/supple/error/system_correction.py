@@ -26,21 +26,19 @@ from supple.error.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.error.start_deformation import with_reduced, with_start
 from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part
 from supple.errors import ConvergenceError, LockingWarning
-from supple.integrate import ErrorPart, Run, Solution
+from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine.system import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody, quantity_distance
 from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
 from supple.reduction.tensor_memory import require_tensor_memory
 
-__all__ = ["Accepted", "Announce", "CorrectionProgress", "Problem", "correct"]
+__all__ = ["Accepted", "Announce", "Problem", "correct"]
 
 Announce = Callable[[Round], None]
 """Called with every round as it is finished; of several bodies one after the other."""
-CorrectionProgress = Callable[[str, float], None]
-"""Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
 
 Accepted = Callable[[CorrectedSystem], None]
-"""Called with the run whose basis keeps to the error, before the other parts of the error are told."""
+"""Called with the run whose basis keeps to the error, before the other parts of the error are stated."""
 
 MOST_STEPS_WITH_ROOM = 20_000
 """Of runs whose rounds share compiled programs (`with_room`): in longer ones inert coordinates cost more."""
@@ -57,7 +55,7 @@ class Problem:
     first : bases to begin with, where an earlier pass has found them; its number in the archive
     spent : of what is allowed to a body, what other parts of the error than the basis take
     confirmed : bodies whose estimates an earlier pass has confirmed, from whose bases this one begins
-    besides : what is judged of the accepted run as well
+    besides : quantities of interest of the accepted run, as well
     """
 
     system: System
@@ -65,7 +63,7 @@ class Problem:
     starts: Mapping[str, ReductionStart]
     run: Run
     announce: Announce | None
-    progress: CorrectionProgress | None
+    progress: StepProgress | None
     archive: RoundArchive
     first: RoundBases | None = None
     number: int = 0
@@ -110,7 +108,7 @@ class _Run:
 
 
 @dataclass(frozen=True, eq=False)
-class _Judged:
+class _Assessed:
     """A round of one body, and whether it meets the target."""
 
     round: Round
@@ -126,7 +124,7 @@ def correct(problem: Problem) -> CorrectedSystem:
             strain_rate_damping=full.damping is not None and bool(full.damping.retardation_time),
             named="as largest_size",
         )
-    past: dict[str, list[_Judged]] = {name: [] for name in problem.fulls}
+    past: dict[str, list[_Assessed]] = {name: [] for name in problem.fulls}
     estimator = ErrorEstimator(problem.system, problem.run)
     before: _Run | None = None
     number = problem.number
@@ -139,12 +137,12 @@ def correct(problem: Problem) -> CorrectedSystem:
         allowed = {name: _allowed(problem, name, run) for name in problem.fulls}
         kept = problem.archive.read_bases(number, problem.fulls)
         next_bases = kept or _enriched(problem, estimator, run, allowed)
-        for name, judged in past.items():
-            confirmed = _confirmed(problem, name, judged, before, run, allowed[name])
-            judged.append(_judge(problem, name, judged, run, next_bases, allowed[name], confirmed))
+        for name, assessed in past.items():
+            confirmed = _confirmed(problem, name, assessed, before, run, allowed[name])
+            assessed.append(_assess(problem, name, assessed, run, next_bases, allowed[name], confirmed))
             if problem.announce is not None:
-                problem.announce(judged[-1].round)
-        if all(judged[-1].met for judged in past.values()):
+                problem.announce(assessed[-1].round)
+        if all(assessed[-1].met for assessed in past.values()):
             return _result(past, run, next_bases)
         _check_prospects(problem, past, number, next_bases)
         before = run
@@ -158,7 +156,7 @@ def _first_bases(problem: Problem) -> RoundBases:
         problem.report(step, 0.0)
         start = problem.starts[name]
         basis = reduction_basis(full.body, full.frame, start.basis, derivatives=start.derivatives)
-        bases[name] = with_start(problem.system.bodies[problem.system.body_index(name)], full, basis)
+        bases[name] = with_start(problem.system.placed(name), full, basis)
         problem.report(step, 1.0)
     return RoundBases(bases)
 
@@ -209,7 +207,7 @@ def _enriched(
     model = run.model
     step = f"{model.label}: what they miss"
     problem.report(step, 0.0)
-    estimate = estimator.judge(
+    estimate = estimator.assess(
         model.system,
         model.bases.bases,
         run.solution,
@@ -248,19 +246,19 @@ def _enriched(
 
 
 def _error(quantity: QuantityOfInterest, name: str, run: _Run, estimate: ErrorEstimate) -> float:
-    """The error of a quantity: to the motion that the error equation tells, and what that cannot know.
+    """The error of a quantity: to the motion that the error equation finds, and what that cannot know.
 
     Infinite where the second correction is over a third of the first: an order of magnitude then.
     """
-    told = estimate.error.bodies[name]
-    if estimate.corrected is None or told.second is None or told.second > FIRST_ORDER:
+    own = estimate.error.bodies[name]
+    if estimate.corrected is None or own.second is None or own.second > FIRST_ORDER:
         return np.inf
     difference = quantity_distance(quantity, run.model.system, run.solution, *estimate.corrected)
-    return difference * (told.estimate / told.rms if told.rms else 1.0)
+    return difference * (own.estimate / own.rms if own.rms else 1.0)
 
 
 def _confirmed(
-    problem: Problem, name: str, past: list[_Judged], before: _Run | None, run: _Run, allowed: float
+    problem: Problem, name: str, past: list[_Assessed], before: _Run | None, run: _Run, allowed: float
 ) -> bool:
     """Whether a run with fewer coordinates was as far from this one as was estimated of it."""
     if before is None:
@@ -275,21 +273,21 @@ def _confirmed(
     return is_confirmed(past[-1].round.estimated_error, distance, allowed)
 
 
-def _judge(
+def _assess(
     problem: Problem,
     name: str,
-    before: list[_Judged],
+    before: list[_Assessed],
     run: _Run,
     after: RoundBases,
     allowed: float,
     confirmed: bool,
-) -> _Judged:
+) -> _Assessed:
     """What is known of the error of a run, against what is asked."""
     missed = after.missed[name]
     known = [np.inf if each.round.unconfirmed else each.round.estimated_error for each in before]
     was_met = any(each.met for each in before)
     after_useless = bool(before) and before[-1].round.useless and not was_met
-    return _Judged(
+    return _Assessed(
         Round(
             body=run.model.bodies[name],
             solution=run.solution,
@@ -315,12 +313,12 @@ def _allowed(problem: Problem, name: str, run: _Run) -> float:
     return target.allowed(target.quantity(name).size(run.model.system, run.solution))
 
 
-def _result(past: Mapping[str, list[_Judged]], run: _Run, after: RoundBases) -> CorrectedSystem:
+def _result(past: Mapping[str, list[_Assessed]], run: _Run, after: RoundBases) -> CorrectedSystem:
     return CorrectedSystem(
         run.model.system,
         {
-            name: SelfCorrected(tuple(each.round for each in judged), run.model.bases.bases[name])
-            for name, judged in past.items()
+            name: SelfCorrected(tuple(each.round for each in assessed), run.model.bases.bases[name])
+            for name, assessed in past.items()
         },
         of_basis={
             name: ErrorPart(error, "the error equation", ASK_FOR_LESS)
@@ -330,11 +328,11 @@ def _result(past: Mapping[str, list[_Judged]], run: _Run, after: RoundBases) -> 
 
 
 def _check_prospects(
-    problem: Problem, past: Mapping[str, list[_Judged]], number: int, after: RoundBases
+    problem: Problem, past: Mapping[str, list[_Assessed]], number: int, after: RoundBases
 ) -> None:
     """SelfCorrectionError when the next round would be one too many, or too large."""
     allowed_rounds = max(problem.target(name).max_rounds for name in past)
-    unmet = [name for name, judged in past.items() if not judged[-1].met]
+    unmet = [name for name, assessed in past.items() if not assessed[-1].met]
     too_large = [name for name in unmet if after.bases[name].r > problem.target(name).largest_size]
     if too_large:
         name = too_large[0]
@@ -365,5 +363,5 @@ def _check_prospects(
         "".join(said) + "Start with more modes (all those in the band of the loads), add more directions a "
         "round, tighten the tolerances of the time integration, or allow more; the rounds are kept in this "
         "error",
-        tuple(each.round for judged in past.values() for each in judged),
+        tuple(each.round for assessed in past.values() for each in assessed),
     )

@@ -126,10 +126,10 @@ def _with_rounds(corrected: CorrectedSystem, before: Mapping[str, tuple[Round, .
 def _with_solution(corrected: CorrectedSystem, solution: Solution, run: Run) -> CorrectedSystem:
     """The accepted round of every body with the solution that knows its error, and how it was stepped."""
 
-    def judged_rounds(own: SelfCorrected) -> SelfCorrected:
+    def assessed_rounds(own: SelfCorrected) -> SelfCorrected:
         return replace(own, rounds=(*own.rounds[:-1], replace(own.rounds[-1], solution=solution)))
 
-    bodies = {name: judged_rounds(own) for name, own in corrected.bodies.items()}
+    bodies = {name: assessed_rounds(own) for name, own in corrected.bodies.items()}
     return replace(corrected, bodies=bodies, run=run)
 
 

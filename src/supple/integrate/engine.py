@@ -10,12 +10,14 @@ import numpy as np
 
 from supple.integrate.solution import Solution, Statistics
 
-__all__ = ["Engine", "Leg", "Progress", "Recorder"]
+__all__ = ["Engine", "Leg", "Progress", "Recorder", "StepProgress"]
 
 S = TypeVar("S")
 
 Progress = Callable[[float], None]
 """Called with the completed fraction of a run, 0 to 1."""
+StepProgress = Callable[[str, float], None]
+"""Called with the step at work, in words, and the completed fraction of it, 0 to 1."""
 Recorder = Callable[[Solution], None]
 """Called with each completed leg of a run; the first begins with the initial state."""
 

@@ -97,5 +97,5 @@ def _direction(vector: tuple[float, float, float]) -> str:
 
 def _rates(machine: LinearMachine, at: At) -> InterfaceMotion:
     """Of an interface at the rate of each independent coordinate, (k, ...), global."""
-    body = machine.system.bodies[machine.system.body_index(at.body, "port")].body
+    body = machine.system.placed(at.body, "port").body
     return body.interface_motion(machine.unit_rates.bodies[at.body], at.interface)

@@ -241,15 +241,10 @@ class System:
                 if isinstance(each, Tie):
                     self.body_index(each.on, what)
 
-    @property
-    def has_parts(self) -> bool:
-        """Whether it has parts of an explicit march."""
-        return any(placed.body.kind in _EXPLICIT for placed in self.bodies)
-
     def check_has_frames(self) -> None:
         """ModelError for explicit finite elements, whose equations no other method has."""
         for body in (placed.body for placed in self.bodies):
-            if body.kind == "explicit":
+            if not body.has_frame:
                 raise ModelError(
                     f"body '{body.name}' is of explicit finite elements, which `simulate` alone takes; for "
                     "statics, modes, batches and error estimates reduce the body, or stand it in full"

@@ -1,9 +1,9 @@
-"""All cores of a processor for one compiled program: processes that run it on what this one has not begun.
+"""All cores of a processor for many tasks of one kind: processes do what this one has not begun.
 
 JAX runs the programs of a process one after the other where it has one thread, and with more a program alone
-takes twice the processor for nothing (`jax_settings`). So the other cores have processes of their own. They
-read the program from where it is kept and know nothing else: what it is made of, functions of a user among
-them, need not be sent. They are ready in the time that it takes to import JAX.
+takes twice the processor for nothing (`jax_settings`). So the other cores have processes of their own. Those
+of a compiled program read it from where it is kept and know nothing else: what it is made of, functions of a
+user among them, need not be sent. They are ready in the time that it takes to import JAX.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ import sys
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import numpy as np
@@ -28,7 +27,7 @@ from supple.other_processes import available_cores, python_command, python_envir
 from supple.programs import program_worker
 from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["Finished", "Task", "on_all_cores"]
+__all__ = ["Finished", "Task", "Work", "on_all_cores", "shared_out"]
 
 _WORTH = 3.0
 """Seconds of work left for each process that is started: it takes more than one to be ready."""
@@ -48,34 +47,90 @@ class Finished(NamedTuple):
     result: Any
 
 
+class Work(Protocol):
+    """What is to be done for many arguments, here or by the script of a process that is fed with them."""
+
+    script: str
+
+    def prepare(self, arguments: tuple[Any, ...]) -> None:
+        """What the first arguments are needed for, and all others share."""
+        ...
+
+    def here(self, arguments: tuple[Any, ...]) -> Any:
+        """The result, found by this process."""
+        ...
+
+    def greeting(self) -> Any:
+        """What a process is sent first, which it answers; None where there can be none."""
+        ...
+
+    def question(self, arguments: tuple[Any, ...]) -> Any:
+        """What it is sent for some arguments; it answers with seconds and what `result` takes."""
+        ...
+
+    def result(self, answer: Any) -> Any:
+        """The result."""
+        ...
+
+
+class _ProgramWork:
+    """A compiled program."""
+
+    script = program_worker.__file__
+
+    def __init__(self, program: KeptProgram) -> None:
+        self._program, self._compiled, self._first = program, None, ()
+
+    def prepare(self, arguments: tuple[Any, ...]) -> None:
+        self._first, self._compiled = arguments, self._program.compiled(*arguments)
+
+    def here(self, arguments: tuple[Any, ...]) -> Any:
+        assert self._compiled is not None
+        return jax.device_get(self._compiled(*arguments))
+
+    def greeting(self) -> Any:
+        assert self._compiled is not None
+        file = self._program.file(*self._first)
+        if file is None:
+            return None
+        return str(file), jax.tree.structure(self._first).num_leaves, self._compiled.out_tree.num_leaves
+
+    def question(self, arguments: tuple[Any, ...]) -> Any:
+        return [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
+
+    def result(self, answer: Any) -> Any:
+        assert self._compiled is not None
+        return jax.tree.unflatten(self._compiled.out_tree, answer)
+
+
 def on_all_cores(program: KeptProgram, tasks: Sequence[Task]) -> Iterator[Finished]:
-    """Run a program for many arguments, which agree in all but numbers; what comes first is given first.
+    """Run a program for many arguments, which agree in all but numbers; what comes first is given first."""
+    return shared_out(_ProgramWork(program), tasks)
+
+
+def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
+    """Work for many arguments; what is finished first is given first.
 
     The first one tells how long the others will take, and how many processes are worth it: none where they
-    are over soon, where the program is not kept, on other devices than a processor. What a process that ends
-    before its time has left undone, this one does.
+    are over soon, where no process can do the work, on other devices than a processor. What a process that
+    ends before its time has left undone, this one does.
     """
     waiting = deque(range(len(tasks)))
     number = _next(waiting)
     if number is None:
         return
     arguments = tasks[number]()
-    compiled = program.compiled(*arguments)
+    work.prepare(arguments)
 
     def finished_here(number: int, arguments: tuple[Any, ...]) -> Finished:
         began = perf_counter()
-        result = jax.device_get(compiled(*arguments))
+        result = work.here(arguments)
         return Finished(number, perf_counter() - began, result)
 
     first = finished_here(number, arguments)
     yield first
     done: SimpleQueue[Finished | None] = SimpleQueue()
-    workers = _workers(
-        program.file(*arguments),
-        jax.tree.structure(arguments).num_leaves,
-        compiled.out_tree,
-        _number_worth(first.seconds * len(waiting), len(waiting)),
-    )
+    workers = _workers(work, _number_worth(first.seconds * len(waiting), len(waiting)))
     try:
         for worker in workers:
             worker.begin(tasks, waiting, done)
@@ -103,18 +158,17 @@ def _next(waiting: deque[int]) -> int | None:
 
 
 class _Worker:
-    """A process that runs a program, and is asked to by a thread."""
+    """A process that does some work, and is asked to by a thread."""
 
-    def __init__(self, file: Path, n_arguments: int, given: Any) -> None:
-        self._given = given
+    def __init__(self, work: Work, greeting: Any) -> None:
+        self._work, self._greeting = work, greeting
         self._process = subprocess.Popen(
-            python_command(program_worker.__file__),
+            python_command(work.script),
             env=python_environment(JAX_ENABLE_X64="1", JAX_PLATFORMS="cpu"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
         )
-        self._program = str(file), n_arguments, given.num_leaves
         self._thread: Thread | None = None
 
     def begin(self, *work: Any) -> None:
@@ -125,10 +179,10 @@ class _Worker:
     def _feed(self, tasks: Sequence[Task], waiting: deque[int], done: SimpleQueue[Finished | None]) -> None:
         number = None
         try:
-            self._ask(self._program)
+            self._ask(self._greeting)
             while (number := _next(waiting)) is not None:
-                seconds, leaves = self._ask([np.asarray(leaf) for leaf in jax.tree.leaves(tasks[number]())])
-                done.put(Finished(number, seconds, jax.tree.unflatten(self._given, leaves)))
+                seconds, answer = self._ask(self._work.question(tasks[number]()))
+                done.put(Finished(number, seconds, self._work.result(answer)))
         except Exception:  # whatever it is, this process does the task or meets the same
             if number is not None:
                 waiting.append(number)
@@ -158,12 +212,13 @@ def _number_worth(seconds: float, n_tasks: int) -> int:
     return min(available_cores() - 1, most, int(seconds / _WORTH))
 
 
-def _workers(file: Path | None, n_arguments: int, given: Any, number: int) -> list[_Worker]:
+def _workers(work: Work, number: int) -> list[_Worker]:
     """As many as can be started."""
     workers: list[_Worker] = []
-    if file is None or not sys.executable:
+    greeting = work.greeting() if number else None
+    if greeting is None or not sys.executable:
         return workers
     with suppress(OSError):  # no more processes are to be had
         for _ in range(number):
-            workers.append(_Worker(file, n_arguments, given))
+            workers.append(_Worker(work, greeting))
     return workers

@@ -7,10 +7,10 @@ from supple.quantities.joint_motion_sensor import *
 from supple.quantities.over_nodes import *
 from supple.quantities.place import *
 from supple.quantities.place_sensors import *
+from supple.quantities.quantity import *
 from supple.quantities.quantity_of_interest import *
 from supple.quantities.reading import *
 from supple.quantities.section_sensor import *
-from supple.quantities.sensor import *
 from supple.quantities.stress_history import *
 from supple.quantities.stress_sensor import *
 from supple.quantities.tensor_modes import *

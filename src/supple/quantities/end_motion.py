@@ -59,7 +59,7 @@ def end_poses(
         return Pose(
             *(jnp.asarray(x) for x in (still + ground_point, np.tile(axes, (n_times, 1, 1)), still, still))
         )
-    placed = system.bodies[system.body_index(end.body, f"sensor '{sensor}'")]
+    placed = system.placed(end.body, f"sensor '{sensor}'")
     moving = placed.body.interface_motion(solution.bodies[end.body], end.interface)
     turned = moving.rotation @ (placed.assembly.rotation.T @ axes)
     return Pose(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from supple.equations import balances
 from supple.integrate import Solution
 from supple.machine import System
-from supple.quantities.reading import Channel, Quantity
+from supple.quantities.reading import Channel, QuantityKind
 
 __all__ = ["EnergySensor"]
 
@@ -27,7 +27,9 @@ class EnergySensor:
 
     def channels(self, _system: System) -> Sequence[Channel]:
         """kinetic, strain, potential, total."""
-        return [Channel(each, Quantity.ENERGY, "") for each in ("kinetic", "strain", "potential", "total")]
+        return [
+            Channel(each, QuantityKind.ENERGY, "") for each in ("kinetic", "strain", "potential", "total")
+        ]
 
     def values(self, system: System, solution: Solution) -> NDArray[np.float64]:
         """(t, 4)."""

@@ -19,7 +19,7 @@ from supple.machine import System
 from supple.machine.forces import ForceElement, JointFriction
 from supple.machine.pose import Pose, Wrench
 from supple.quantities.end_motion import both_ends, check_ends, joint_named
-from supple.quantities.reading import Channel, Quantity
+from supple.quantities.reading import Channel, QuantityKind
 
 __all__ = ["ElementEnergySensor", "JointForceSensor", "SpringForceSensor"]
 
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 def six_channels(axes: str) -> tuple[Channel, ...]:
     """Of a force and a moment."""
-    parts = (("F", Quantity.FORCE), ("M", Quantity.MOMENT))
+    parts = (("F", QuantityKind.FORCE), ("M", QuantityKind.MOMENT))
     return tuple(Channel(f"{letter}{axis}", quantity, axes) for letter, quantity in parts for axis in "xyz")
 
 
@@ -126,7 +126,7 @@ class ElementEnergySensor(_OfElement):
     def channels(self, system: System) -> Sequence[Channel]:
         """stored, power."""
         check_ends(system, self.name, self.element)
-        return (Channel("stored", Quantity.ENERGY, ""), Channel("power", Quantity.POWER, ""))
+        return (Channel("stored", QuantityKind.ENERGY, ""), Channel("power", QuantityKind.POWER, ""))
 
     def values(self, system: System, solution: Solution) -> Array:
         """(t, 2)."""

@@ -14,7 +14,7 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.machine.forces.relative_motion import axial_motion
 from supple.quantities.end_motion import both_ends, check_ends, joint_named
-from supple.quantities.reading import Channel, Quantity
+from supple.quantities.reading import Channel, QuantityKind
 
 __all__ = ["JointMotionSensor"]
 
@@ -46,10 +46,10 @@ class JointMotionSensor:
         check_ends(system, self.name, joint)
         axis = f"z of {joint.name}"
         return (
-            Channel("angle", Quantity.ANGLE, axis),
-            Channel("rate", Quantity.ANGULAR_VELOCITY, axis),
-            Channel("slide", Quantity.LENGTH, axis),
-            Channel("speed", Quantity.VELOCITY, axis),
+            Channel("angle", QuantityKind.ANGLE, axis),
+            Channel("rate", QuantityKind.ANGULAR_VELOCITY, axis),
+            Channel("slide", QuantityKind.LENGTH, axis),
+            Channel("speed", QuantityKind.VELOCITY, axis),
         )
 
     def values(self, system: System, solution: Solution) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -51,10 +51,7 @@ class OverNodes(Protocol):
 class Maximum:
     """The value of largest magnitude over the nodes, with its sign, at every instant and of every channel."""
 
-    @property
-    def words(self) -> str:
-        """For tables."""
-        return "largest"
+    words: str = field(default="largest", init=False)
 
     def read(self, points: Array) -> IntArray:
         """All nodes."""
@@ -78,10 +75,7 @@ class Maximum:
 class Mean:
     """The mean over the nodes, each of which counts once."""
 
-    @property
-    def words(self) -> str:
-        """For tables."""
-        return "mean"
+    words: str = field(default="mean", init=False)
 
     def read(self, points: Array) -> IntArray:
         """All nodes."""
@@ -100,10 +94,7 @@ class Mean:
 class Nearest:
     """The one node that lies nearest to the centroid of all."""
 
-    @property
-    def words(self) -> str:
-        """For tables."""
-        return "nearest to the centroid"
+    words: str = field(default="nearest to the centroid", init=False)
 
     def read(self, points: Array) -> IntArray:
         """That node."""

@@ -78,4 +78,4 @@ def as_place(what: str, value: Any) -> Place:
 
 def body_named(system: System, body: str, sensor: str) -> Any:
     """The form of a body; ModelError names the nearest where there is none."""
-    return system.bodies[system.body_index(body, f"sensor '{sensor}'")].body
+    return system.placed(body, f"sensor '{sensor}'").body

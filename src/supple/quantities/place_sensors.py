@@ -16,9 +16,9 @@ from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import GROUND, At, BaseAcceleration, System, as_end
 from supple.quantities.place import Place, as_place, body_named
-from supple.quantities.reading import Channel, Quantity
+from supple.quantities.quantity import vector_channels
+from supple.quantities.reading import Channel, QuantityKind
 from supple.quantities.run_distance import largest_displacement
-from supple.quantities.sensor import vector_channels
 from supple.quantities.tracked_motion import observer_of, tracked_motion
 
 __all__ = [
@@ -39,7 +39,7 @@ class _AtPlace:
     name: str
     place: Place | Any
 
-    quantity: ClassVar[Quantity]
+    quantity: ClassVar[QuantityKind]
 
     def __post_init__(self) -> None:
         kind = type(self).__name__
@@ -58,7 +58,7 @@ class _AtPlace:
 class PositionSensor(_AtPlace):
     """Position of a place in space, (t, 3); of interest is that of each of its nodes."""
 
-    quantity = Quantity.LENGTH
+    quantity = QuantityKind.LENGTH
 
     def values(self, system: System, solution: Solution) -> Array:
         """R (t, 3)."""
@@ -89,7 +89,7 @@ class PositionSensor(_AtPlace):
 class VelocitySensor(_AtPlace):
     """Velocity of a place in space, (t, 3)."""
 
-    quantity = Quantity.VELOCITY
+    quantity = QuantityKind.VELOCITY
 
     def values(self, system: System, solution: Solution) -> Array:
         """dr/dt (t, 3)."""
@@ -103,7 +103,7 @@ class AccelerationSensor(_AtPlace):
     from it; the acceleration has that of the base added.
     """
 
-    quantity = Quantity.ACCELERATION
+    quantity = QuantityKind.ACCELERATION
 
     def values(self, system: System, solution: Solution) -> Array:
         """d2r/dt2 (t, 3)."""
@@ -141,7 +141,7 @@ class AngularVelocitySensor:
         """x, y, z."""
         if self.at != GROUND:
             body_named(system, self.at.body, self.name).interface(self.at.interface)
-        return vector_channels(Quantity.ANGULAR_VELOCITY, "global")
+        return vector_channels(QuantityKind.ANGULAR_VELOCITY, "global")
 
     def values(self, system: System, solution: Solution) -> Array:
         """W (t, 3)."""
@@ -160,7 +160,7 @@ class DeflectionSensor(_AtPlace):
 
     seen_from: At | None = None
 
-    quantity = Quantity.LENGTH
+    quantity = QuantityKind.LENGTH
 
     def __post_init__(self) -> None:
         super().__post_init__()

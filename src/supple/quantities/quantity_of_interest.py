@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from supple.integrate import Solution
 from supple.machine import System
-from supple.quantities.place import body_named
 from supple.quantities.run_distance import blocks_of_times, largest_displacement
 
 __all__ = ["QuantityOfInterest", "WholeBody"]
@@ -77,8 +76,8 @@ class WholeBody:
 
     def at_points(self, system: System, solution: Solution) -> Array:
         """Positions (t, N, 3)."""
-        return body_named(system, self.body, self.name).positions(solution.bodies[self.body])
+        return system.placed(self.body, "stated error").body.positions(solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
         """Largest displacement of a node, seen from the first interface."""
-        return largest_displacement(body_named(system, self.body, self.name), solution.bodies[self.body])
+        return largest_displacement(system.placed(self.body, "stated error").body, solution.bodies[self.body])

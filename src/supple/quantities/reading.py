@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
-class Quantity(Enum):
-    """What a channel measures; its unit follows from those of the model."""
+class QuantityKind(Enum):
+    """The kind of quantity that a channel measures; its unit follows from those of the model."""
 
     LENGTH = "length"
     VELOCITY = "velocity"
@@ -42,7 +42,7 @@ class Quantity(Enum):
 
     def unit(self, units: UnitSystem) -> str:
         """The name of its unit, "" where nothing is said of it; angles are in rad, strains are numbers."""
-        known = {Quantity.ANGLE: "rad", Quantity.STRAIN: ""}
+        known = {QuantityKind.ANGLE: "rad", QuantityKind.STRAIN: ""}
         return known[self] if self in known else str(getattr(units, self.value.replace(" ", "_")))
 
 
@@ -51,7 +51,7 @@ class Channel(NamedTuple):
 
     name: str
     """"x", "angle", ..."""
-    quantity: Quantity
+    quantity: QuantityKind
     axes: str
     """What its component is along, in words; "" of a scalar"""
     place: str = ""
@@ -107,10 +107,10 @@ class Reading:
     @checked_arguments
     def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
         """By channel: unit, axes, smallest, largest and last value, when they are met, and at which node."""
-        told = {}
+        found = {}
         for number, (channel, column) in enumerate(zip(self.channels, self.values.T, strict=True)):
             low, high = int(np.argmin(column)), int(np.argmax(column))
-            told[channel.name or self.name] = {
+            found[channel.name or self.name] = {
                 "quantity": channel.quantity.value,
                 "unit": channel.quantity.unit(units),
                 "axes": channel.axes,
@@ -123,7 +123,7 @@ class Reading:
                 **self._node(number, low, "smallest"),
                 **self._node(number, high, "largest"),
             }
-        return told
+        return found
 
     @property
     def peaks(self) -> IntArray:
@@ -205,12 +205,12 @@ def as_dataset(readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> A
     for each in readings:
         for channel, column in zip(each.channels, each.values.T, strict=True):
             name = f"{each.name}.{channel.name}" if channel.name else each.name
-            told = {
+            attributes = {
                 "units": channel.quantity.unit(units),
                 "axes": channel.axes,
                 "place": channel.place,
             }
-            variables[name] = ("time", column, {key: word for key, word in told.items() if word})
+            variables[name] = ("time", column, {key: word for key, word in attributes.items() if word})
     time = ("time", times, {"units": units.time} if units.time else {})
     return xarray.Dataset(variables, coords={"time": time})
 

@@ -1,4 +1,4 @@
-"""How far two runs of a body are apart, and how far it is displaced, over nodes and times."""
+"""How far a body is displaced, over nodes and times."""
 
 from __future__ import annotations
 
@@ -7,21 +7,10 @@ import numpy as np
 from supple.body import BodyForm
 from supple.integrate import FloatingMotion
 
-__all__ = ["blocks_of_times", "largest_displacement", "largest_distance"]
+__all__ = ["blocks_of_times", "largest_displacement"]
 
 _ROWS = 64
 """Output times whose nodal positions are held at once."""
-
-
-def largest_distance(
-    body: BodyForm, motion: FloatingMotion, other_body: BodyForm, other_motion: FloatingMotion
-) -> float:
-    """Largest RMS distance of the nodes over time, between two motions at the same output times."""
-    largest = 0.0
-    for rows in blocks_of_times(len(motion.position)):
-        apart = body.positions(motion.at(rows)) - other_body.positions(other_motion.at(rows))
-        largest = max(largest, float(np.sum(apart**2, axis=(1, 2)).max()))
-    return float(np.sqrt(largest / len(body.nodes)))
 
 
 def largest_displacement(

@@ -20,7 +20,7 @@ from supple.machine import System
 from supple.quantities.over_nodes import Maximum, MeasuredBlock, OverNodes
 from supple.quantities.place import body_named
 from supple.quantities.point_words import point_words
-from supple.quantities.reading import Channel, Located, Quantity
+from supple.quantities.reading import Channel, Located, QuantityKind
 from supple.quantities.stress_history import tensor_blocks
 from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor, TensorModes, tensor_modes
 
@@ -122,7 +122,7 @@ class _TensorSensor(ABC):
         default_factory=WeakKeyDictionary, init=False, repr=False
     )
 
-    quantity: ClassVar[Quantity]
+    quantity: ClassVar[QuantityKind]
     tensor: ClassVar[NodalTensor]
 
     def __post_init__(self) -> None:
@@ -216,7 +216,7 @@ class StressSensor(_TensorSensor):
     over : of several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid
     """
 
-    quantity, tensor = Quantity.STRESS, STRESS
+    quantity, tensor = QuantityKind.STRESS, STRESS
 
     def _measured(self, tensors: Array) -> Array:
         return self.measure.of_stress(tensors)
@@ -225,7 +225,7 @@ class StressSensor(_TensorSensor):
 class StrainSensor(_TensorSensor):
     """Strain at nodes of a body: as a `StressSensor`, such as a strain gauge reads."""
 
-    quantity, tensor = Quantity.STRAIN, STRAIN
+    quantity, tensor = QuantityKind.STRAIN, STRAIN
 
     def _measured(self, tensors: Array) -> Array:
         return self.measure.of_strain(tensors)

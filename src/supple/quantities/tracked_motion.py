@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from supple.body import BodyForm, node_displacements
+from supple.body import BodyForm
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import At, System
 from supple.quantities.place import Place
@@ -76,10 +76,16 @@ class Observer(NamedTuple):
     axes: Array
 
 
-def observer(body: BodyForm, motion: Any, interface: str) -> Observer:
-    """An interface of a body as an observer; ModelError for one that the body does not have."""
-    moving = body.interface_motion(motion, interface)
-    return Observer(interface, body.interface(interface).position, moving.position, moving.rotation)
+def observer(body: BodyForm, motion: Any, interface: str | None = None) -> Observer:
+    """An interface of a body as an observer: its first one unless named, its frame where it has none.
+
+    Raises ModelError for an interface that the body does not have.
+    """
+    if interface is None and not body.interfaces:
+        return Observer("", np.zeros(3), motion.position, motion.rotation)
+    seen_from = body.interfaces[0] if interface is None else body.interface(interface)
+    moving = body.interface_motion(motion, seen_from.name)
+    return Observer(seen_from.name, seen_from.position, moving.position, moving.rotation)
 
 
 def observer_of(
@@ -95,16 +101,13 @@ def observer_of(
 
     bases : interfaces, by the names of the bodies seen from there; undeformed they share their axes
     rows : output times
-    Returns None when the body has no interface, and none is named, and of a part of an explicit march.
+    Returns None of a body without a frame, unless an interface is named.
     """
     base = bases.get(body)
     if base is None:
-        own = system.bodies[system.body_index(body)].body
-        if not own.interfaces or own.kind in ("modal", "explicit"):
-            return None
-        return observer(own, solution.bodies[body].at(rows), own.interfaces[0].name)
-    there = system.bodies[system.body_index(base.body)].body
-    seen = observer(there, solution.bodies[base.body].at(rows), base.interface)
+        own = system.placed(body).body
+        return observer(own, solution.bodies[body].at(rows)) if own.has_frame else None
+    seen = observer(system.placed(base.body).body, solution.bodies[base.body].at(rows), base.interface)
     return seen if base.body == body else seen._replace(name=f"{base.body}.{base.interface}")
 
 
@@ -146,13 +149,9 @@ def tracked_motion(
     """
     place = Place(body.name, at if isinstance(at, str) else tuple(np.asarray(at).tolist()))
     position = place.points(body, motion).mean(axis=1)
-    # Parts of an explicit march deflect against no frame that others could see.
-    if not body.n_coordinates or body.kind in ("modal", "explicit"):
+    if not body.n_coordinates or not body.has_frame:
         return TrackedMotion(position, "", np.zeros_like(position), is_elastic=False)
-    if seen_from is None and body.interfaces:
-        seen_from = observer(body, motion, body.interfaces[0].name)
-    if seen_from is None:
-        seen_from = Observer("", np.zeros(3), motion.position, motion.rotation)
+    seen_from = seen_from or observer(body, motion)
     rest = place.rest(body) - seen_from.rest
     deflection = displacement_from_axes(position, seen_from.origin, seen_from.axes, rest)
     return TrackedMotion(position, seen_from.name, deflection)
@@ -170,7 +169,7 @@ def tracked_places(
     """
     return {
         name: tracked_motion(
-            system.bodies[system.body_index(place.body)].body,
+            system.placed(place.body).body,
             solution.bodies[place.body],
             place.at,
             observer_of(system, solution, place.body, bases),
@@ -184,9 +183,6 @@ def deflections(body: BodyForm, motion: Any, seen_from: Observer | None = None) 
 
     seen_from : another interface, of this or another body, at the same times
     """
-    if seen_from is None:
-        if not body.interfaces:
-            return node_displacements(body, motion.coordinates)
-        seen_from = observer(body, motion, body.interfaces[0].name)
+    seen_from = seen_from or observer(body, motion)
     origin, rest = seen_from.origin[:, None], body.nodes - seen_from.rest
     return displacement_from_axes(body.positions(motion), origin, seen_from.axes, rest)

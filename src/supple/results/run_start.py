@@ -21,7 +21,7 @@ NOTED = 0.5
 
 def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
     """Bodies that were given no velocity and start with one; those that gravity sets swinging."""
-    if system.has_parts:  # which start as they are placed
+    if not all(placed.body.has_frame for placed in system.bodies):  # and start as they are placed
         return {"velocities taken": [], "swings from gravity": {}}
     motions = [solution.bodies[placed.body.name] for placed in system.bodies]
     moving = np.array([[*motion.velocity[0], *motion.angular_velocity[0]] for motion in motions])

@@ -82,7 +82,7 @@ def stress_numbers(
         model = elements.get(body.name)
         if model is None or not has_stress(model):
             continue
-        if body.kind in ("modal", "explicit"):
+        if not body.has_frame:
             found[body.name] = _part_stress(body, solution, units)
         elif body.n_coordinates:
             largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
@@ -97,12 +97,12 @@ def stress_numbers(
 
 
 def _part_stress(body: Any, solution: Solution, units: UnitSystem) -> dict[str, Any]:
-    """The same of a part of an explicit march; of explicit elements at a cell."""
+    """The same of explicit elements, at a cell."""
     largest = largest_part_stress(body, solution.times, solution.bodies[body.name])
     return {
         "largest von Mises stress": largest.value,
         "unit": units.stress,
-        "cell" if body.kind == "explicit" else "node": largest.place,
+        "cell": largest.place,
         "point": largest.point.tolist(),
         "time": largest.time,
     }

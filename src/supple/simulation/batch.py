@@ -17,7 +17,6 @@ import numpy as np
 from supple.algebra.available_memory import require_memory
 from supple.algebra.jax_settings import before_compiled_code
 from supple.arguments import check_instance, checked_arguments
-from supple.body.full_body import FullBody
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.validity import Peaks, watch
@@ -38,8 +37,8 @@ from supple.machine.system import System
 from supple.methods.floating.compiled.batch_start import Axes, BatchStart, batch_start, differing
 from supple.methods.floating.compiled.engine import controls, tangents_made
 from supple.methods.floating.compiled.state import State
-from supple.methods.intrinsic import IntrinsicBody
 from supple.programs.worker_processes import on_all_cores
+from supple.simulation.batch_in_turn import batch_in_turn
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
 from supple.simulation.engines import refuse_explicit
@@ -64,7 +63,9 @@ def simulate_batch(
     chunk: int | None = None,
     progress: Progress | None = None,
 ) -> BatchSolution:
-    """Simulate many load cases of one system of rigid and reduced bodies, or of intrinsic ones.
+    """Simulate many load cases of one system, of bodies of any form but explicit parts.
+
+    Cases with full bodies, and with intrinsic ones that joints connect, run one after another, on all cores.
 
     Parameters
     ----------
@@ -80,28 +81,18 @@ def simulate_batch(
 
     Raises
     ------
-    ModelError      no case, a full body, a SampledController, or cases that differ in more than numbers
+    ModelError      no case, cases that differ in more than numbers, a SampledController in cases that march
+        together
     MemoryShortageError     a chunk would not fit in the memory that is left
     """
     before_compiled_code()
-    if not cases:
-        raise ModelError("a batch needs at least one case")
-    _check_systems(cases, run)
-    if cases[0].bodies_of(FullBody):
-        raise ModelError("a batch takes rigid and reduced bodies: reduce the full ones first")
-    sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
-    if sampled:
-        raise ModelError(
-            f"controller '{sampled[0].name}' is called between the steps, which cases that march together "
-            "do not leave: simulate them one by one, or trace it as a Controller"
-        )
-    if chunk is not None and chunk < 1:
-        raise ValueError(f"chunk must be at least 1, got {chunk}")
-    for system in cases:
-        check_laws_cover(system, run.times[0], run.times[-1])
-    warn_of_unseen_laws(_briefest(cases, run), run)
-    if any(system.bodies_of(IntrinsicBody) for system in cases):
-        batch = batch_of_lines(cases, run, chunk or _CHUNK, progress)
+    _check_cases(cases, run, chunk)
+    kinds = {placed.body.kind for system in cases for placed in system.bodies}
+    if kinds & {"full", "intrinsic"}:
+        if "full" in kinds:
+            batch = batch_in_turn(cases, run, progress)
+        else:
+            batch = batch_of_lines(cases, run, chunk or _CHUNK, progress)
         report_output_rate(cases[0], run, batch.solutions[0])
         return batch
     chunk = chunk or (_SMALL_CHUNK if jax.default_backend() == "cpu" else _CHUNK)
@@ -145,10 +136,24 @@ def simulate_batch(
     return BatchSolution(tuple(in_order), dict(sorted(failures.items())), seconds, ready - began)
 
 
-def _check_systems(cases: Sequence[System], run: Run) -> None:
+def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
+    """Raise for cases that are no batch; warn of loads that its steps do not see."""
+    if not cases:
+        raise ModelError("a batch needs at least one case")
     for number, system in enumerate(cases):
         check_instance(f"simulate_batch, case {number}", system, System, "a System")
         refuse_explicit(system, run, "a batch")
+    sampled = [each for system in cases for each in system.controllers if isinstance(each, SampledController)]
+    if sampled and not any(placed.body.kind == "full" for placed in cases[0].bodies):
+        raise ModelError(
+            f"controller '{sampled[0].name}' is called between the steps, which cases that march together "
+            "do not leave: simulate them one by one, or trace it as a Controller"
+        )
+    if chunk is not None and chunk < 1:
+        raise ValueError(f"chunk must be at least 1, got {chunk}")
+    for system in cases:
+        check_laws_cover(system, run.times[0], run.times[-1])
+    warn_of_unseen_laws(_briefest(cases, run), run)
 
 
 def _briefest(cases: Sequence[System], run: Run) -> System:

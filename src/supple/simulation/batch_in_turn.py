@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Sequence
+from functools import partial
 
 from supple.errors import ModelError
 from supple.integrate import Progress, Run
 from supple.machine import System
+from supple.programs.worker_processes import shared_out
 from supple.simulation.batch_solution import BatchSolution
-from supple.simulation.watched_run import watched_run
+from supple.simulation.case_worker import CaseWork
 
 __all__ = ["batch_in_turn"]
 
 
 def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) -> BatchSolution:
-    """The solutions of `simulate`, case by case: the first compiles what all of one structure share.
+    """The solutions of `simulate`, case by case, on all cores where that is worth it.
 
     Raises ModelError for cases of other bodies, joints or kinds of loads than the first.
     """
@@ -25,14 +27,22 @@ def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) 
                 f"case {number} differs from the first in more than numbers: the cases of a batch have the "
                 "same bodies, joints and kinds of loads"
             )
-    began, solutions = clock.perf_counter(), []
-    for system in cases:
-        solutions.append(watched_run(system, run, check=False))
+    began, found = clock.perf_counter(), {}
+    # What processes share of it is sent as it is: cases that cannot be, this one runs.
+    for done in shared_out(CaseWork(run), [partial(_arguments, system) for system in cases]):
+        found[done.number] = done.result
         if progress is not None:
-            progress(len(solutions) / len(cases))
+            progress(len(found) / len(cases))
+    solutions = [found[number] for number in range(len(cases))]
     failures = {number: own.stopped for number, own in enumerate(solutions) if own.stopped is not None}
-    seconds = sum(own.statistics.seconds for own in solutions)
-    return BatchSolution(tuple(solutions), failures, seconds, clock.perf_counter() - began - seconds)
+    passed = clock.perf_counter() - began
+    # Of cases side by side the sum is more than the time that passed.
+    seconds = min(passed, sum(own.statistics.seconds for own in solutions))
+    return BatchSolution(tuple(solutions), failures, seconds, passed - seconds)
+
+
+def _arguments(system: System) -> tuple[System]:
+    return (system,)
 
 
 def _kinds(system: System) -> list[tuple[str, ...]]:

@@ -112,7 +112,7 @@ def _joint_marks(
 
 
 def _place(system: System, solution: Solution, end: At, rows: slice | NDArray[np.int64]) -> Array:
-    body = system.bodies[system.body_index(end.body)].body
+    body = system.placed(end.body).body
     return tracked_motion(body, solution.bodies[end.body].at(rows), end.interface).position
 
 

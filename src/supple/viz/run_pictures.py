@@ -9,11 +9,12 @@ from types import MappingProxyType
 import numpy as np
 
 from supple.arguments import checked_arguments
-from supple.body import FullBody
+from supple.body import BodyForm
 from supple.fem import FiniteElementModel
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
+from supple.methods.explicit import ENERGIES, OBSTACLES, Energies
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import (
     TrackedMotion,
@@ -31,19 +32,21 @@ from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import Traces, animate
 from supple.viz.camera import Camera
+from supple.viz.colouring import DEFLECTION, Colouring, stress_colouring
+from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.contour import plot_contour, stress_field
 from supple.viz.glyphs import glyphs_of
 from supple.viz.machine_picture import plot_machine
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mesh_skin import Skin, skin_of
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
+from supple.viz.obstacle_surface import obstacle_actor
 from supple.viz.scene import Actor, scene_of
 from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
 
 __all__ = ["animate_run", "draw_machine", "draw_run"]
 
-ElasticBody = ReducedBody | FullBody | IntrinsicBody
 Elements = Mapping[str, FiniteElementModel]
 
 N_FRAMES = 60
@@ -101,6 +104,8 @@ def draw_run(
             )
         if isinstance(body, IntrinsicBody):
             pictures.append(_draw_intrinsic_modes(path("modes"), body, surface, units))
+        if not body.has_frame:
+            continue
         pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
         if elements is not None:
             model = elements[body.name]
@@ -108,6 +113,8 @@ def draw_run(
     machine = draw_machine(folder / "machine.png", system, solution, meshes, units=units)
     if machine is not None:
         pictures.append(machine)
+    if ENERGIES in solution.series:
+        pictures.append(_draw_energies(folder / "energies.png", solution, units))
     if tracked:
         pictures.append(_draw_tracked(folder / "tracked-motion.png", tracked, solution.times, units))
     panels = _joint_panels(system, solution, units)
@@ -128,36 +135,48 @@ def animate_run(
     meshes: Mapping[str, Mesh],
     *,
     elements: Elements | None = None,
+    colouring: Colouring | None = None,
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
     progress: Callable[[float], None] | None = None,
 ) -> Path | None:
-    """Animate a machine: meshes coloured by deflection or stress, rigid bodies and joints as glyphs.
+    """Animate a machine: meshes in colour, obstacles, rigid bodies and joints as glyphs.
 
-    Parameters as for `draw_run`; `progress` hears of the share that is drawn. None when there is neither.
+    Parameters as for `draw_run`; `progress` receives the share that is drawn. None when there is neither.
+
+    colouring : by default the stress where there are `elements`, and else the deflection
     """
     chosen = _instants(solution.times, N_FRAMES)
-    stress_unit, stress_factor = units.stress_shown
-    actors, traced = [], []
-    for body, mesh in _drawn(system, meshes):
-        motion = solution.bodies[body.name].at(chosen)
-        seen_from = observer_of(system, solution, body.name, bases, chosen)
-        deflection = np.linalg.norm(deflections(body, motion, seen_from), axis=2)
-        values = deflection
-        if elements is not None:
-            values = stress_factor * von_mises_history(body, elements[body.name], motion.coordinates)
-        actors.append(Actor(skin_of(mesh), node_positions(body, motion), values))
-        # The path of the node that moves most against its body tells how the body swings.
-        farthest = int(np.argmax(deflection.max(axis=0)))
-        traced.append(node_positions(body, solution.bodies[body.name], [farthest]))
+    chosen_colouring = colouring or (DEFLECTION if elements is None else stress_colouring(elements))
+    label, factor = chosen_colouring.label(units)
+    drawn, traced, coloured = _drawn(system, meshes), [], {}
+    for body, _ in drawn:
+        motion, deflection = solution.bodies[body.name].at(chosen), None
+        if body.has_frame:
+            seen_from = observer_of(system, solution, body.name, bases, chosen)
+            deflection = np.linalg.norm(deflections(body, motion, seen_from), axis=2)
+            # The path of the node that moves most against its body tells how the body swings.
+            farthest = int(np.argmax(deflection.max(axis=0)))
+            traced.append(node_positions(body, solution.bodies[body.name], [farthest]))
+        values = chosen_colouring.values(body, motion, deflection)
+        coloured[body.name] = None if values is None else factor * values
+    positions = {body.name: node_positions(body, solution.bodies[body.name].at(chosen)) for body, _ in drawn}
+    offsets = _obstacle_offsets(system, solution, chosen)
+    if system.contacts:
+        positions = clear_of_contact(system, positions, offsets)
+    actors = [Actor(skin_of(mesh), positions[body.name], coloured[body.name]) for body, mesh in drawn]
+    if all(own is None for own in coloured.values()):
+        label = ""
+    moved = [actor.positions.reshape(-1, 3) for actor in actors]
+    actors += [
+        obstacle_actor(contact.obstacle, offsets[:, number], np.concatenate(moved))
+        for number, contact in enumerate(system.rigid_contacts)
+    ]
     glyphs = glyphs_of(system, solution, chosen)
     if not actors and glyphs.is_empty:
         return None
     scene = scene_of(actors) if actors else None
     moving = scene.positions if scene is not None else np.empty((len(chosen), 0, 3))
-    label = labelled("deflection", units.length)
-    if elements is not None:
-        label = labelled("von Mises stress", stress_unit)
     seen = np.concatenate([moving, glyphs.points], axis=1) if not glyphs.is_empty else moving
     return animate(
         path,
@@ -166,7 +185,7 @@ def animate_run(
         None if scene is None else scene.skin,
         glyphs=None if glyphs.is_empty else glyphs,
         camera=_upright_camera(seen, system.gravity),
-        values=None if scene is None else scene.values,
+        values=None if scene is None or not label else scene.values,
         values_label="" if scene is None else label,
         traces=Traces(solution.times, np.concatenate(traced, axis=1)) if traced else None,
         frames_per_second=FRAMES_PER_SECOND,
@@ -216,13 +235,9 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
     return Camera.looking(along=-thin - 0.35 * wide - 0.25 * up, up=up)
 
 
-def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[ElasticBody, Mesh]]:
+def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[BodyForm, Mesh]]:
     """Elastic bodies that have something to show."""
-    elastic: dict[str, ElasticBody] = {
-        **system.bodies_of(ReducedBody),
-        **system.bodies_of(FullBody),
-        **system.bodies_of(IntrinsicBody),
-    }
+    elastic = {placed.body.name: placed.body for placed in system.bodies if placed.body.n_coordinates}
     return [(elastic[name], mesh) for name, mesh in meshes.items() if name in elastic]
 
 
@@ -270,7 +285,7 @@ def _draw_intrinsic_modes(path: Path, body: IntrinsicBody, surface: Skin, units:
 
 def _draw_deformed(
     path: Path,
-    body: ElasticBody,
+    body: BodyForm,
     run: tuple[System, Solution],
     bases: Mapping[str, At],
     surface: Skin,
@@ -294,7 +309,7 @@ def _draw_deformed(
     )
 
 
-def _enlargement(body: ElasticBody, displaced: np.ndarray) -> tuple[float, str]:
+def _enlargement(body: BodyForm, displaced: np.ndarray) -> tuple[float, str]:
     """Factor that makes displacements (N, 3) large enough to see, and what to say of it."""
     size = float(np.linalg.norm(displaced, axis=1).max())
     diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
@@ -302,13 +317,13 @@ def _enlargement(body: ElasticBody, displaced: np.ndarray) -> tuple[float, str]:
     return scale, "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
 
 
-def _title(body: ElasticBody, time: float, enlarged: str, units: UnitSystem) -> str:
+def _title(body: BodyForm, time: float, enlarged: str, units: UnitSystem) -> str:
     return f"{as_written(body.name)} at {measured(f't = {time:.4g}', units.time)}, deflection {enlarged}"
 
 
 def _draw_stress(
     path: Path,
-    body: ElasticBody,
+    body: BodyForm,
     model: FiniteElementModel,
     mesh: Mesh,
     solution: Solution,
@@ -331,6 +346,24 @@ def _draw_stress(
         title=_title(body, float(solution.times[worst]), enlarged, units),
         units=units,
     )
+
+
+def _obstacle_offsets(system: System, solution: Solution, chosen: np.ndarray) -> np.ndarray:
+    """How far each obstacle has moved, (t, o, 3)."""
+    if not system.rigid_contacts:
+        return np.zeros((len(chosen), 0, 3))
+    return solution.series[OBSTACLES][chosen].reshape(len(chosen), -1, 6)[:, :, :3]
+
+
+def _draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:
+    """Every term of the balance that is not round-off."""
+    energies = without_noise(solution.series[ENERGIES]).T
+    shown = [
+        Series(name, solution.times, values)
+        for name, values in zip(Energies._fields, energies, strict=True)
+        if values.any() or name == "kinetic"
+    ]
+    return plot_time_history(path, [Panel(labelled("energy", units.energy), shown)], units=units)
 
 
 def _draw_tracked(
@@ -383,7 +416,7 @@ def _joint_panels(system: System, solution: Solution, units: UnitSystem) -> list
     ]
 
 
-def _sampled(body: ElasticBody, solution: Solution) -> tuple[np.ndarray, FloatingMotion]:
+def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, FloatingMotion]:
     """Instants to search for the largest value, and the motion of a body then."""
     instants = _instants(solution.times, N_INSTANTS)
     return instants, solution.bodies[body.name].at(instants)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from supple.arguments import checked_arguments
-from supple.quantities import Quantity, Reading
+from supple.quantities import QuantityKind, Reading
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.time_history import Panel, Series, plot_time_history
 
@@ -29,7 +29,7 @@ def plot_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitS
     return plot_time_history(path, panels, units=units)
 
 
-def _curves(reading: Reading, quantity: Quantity) -> list[Series]:
+def _curves(reading: Reading, quantity: QuantityKind) -> list[Series]:
     columns = zip(reading.channels, reading.values.T, strict=True)
     return [
         Series(channel.name or reading.name, reading.times, column)

@@ -28,7 +28,7 @@ from supple.integrate import PARTS, Run, Solution
 from supple.machine import System
 from supple.quantities import WholeBody
 from supple.quantities.quantity_of_interest import quantity_distance
-from supple.quantities.run_distance import largest_distance
+from supple.results import motion_error
 from supple.simulation import simulate
 from supple_benchmarks.trust.trust_case import TrustCase
 
@@ -91,7 +91,7 @@ def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any
     began = process_time()
     simulate(corrected.system, run, check=False)
     simulated = process_time()
-    estimate = ErrorEstimator(system, run).judge(corrected.system, bases, corrected.solution)
+    estimate = ErrorEstimator(system, run).assess(corrected.system, bases, corrected.solution)
     estimated = process_time()
     n_times = len(corrected.solution.times)
     instants = np.linspace(1, n_times - 1, estimate.factorizations).round().astype(int)
@@ -136,9 +136,7 @@ def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str
     # A run that had to cut a step has taken others than any full run: between them is a part of the step's.
     same_steps = each.solution.statistics.steps == full.statistics.steps
     if each.solution.stopped is None and full.stopped is None and same_steps:
-        true = largest_distance(
-            each.body, each.solution.bodies[name], _fulls(system)[name], full.bodies[name]
-        )
+        true = motion_error(full, _fulls(system)[name], each.solution, each.body, body=name).max_rms
     return {
         "body": name,
         "size": each.size,

@@ -17,7 +17,7 @@ from error.equation.machines import (
 )
 
 from supple.body import FullBody, RayleighDamping
-from supple.error.equation import ErrorEquation, ErrorSpace, JudgedBody, run_columns
+from supple.error.equation import AssessedBody, ErrorEquation, ErrorSpace, run_columns
 from supple.error.equation.linearised_march import _linearized, _weighted
 from supple.error.residual_correction import _expanded, _expanded_motion
 from supple.integrate import StepFactors
@@ -43,7 +43,9 @@ def equation_of(system, small, bases, run, solution):
     for name, full in system.bodies_of(FullBody).items():
         body = small.bodies[small.body_index(name)].body
         motion = run_columns(full.body, body, bases[name], solution.bodies[name])
-        bodies[name] = JudgedBody(full, motion, complete(full.body, full.frame, motion.vectors), full.damping)
+        bodies[name] = AssessedBody(
+            full, motion, complete(full.body, full.frame, motion.vectors), full.damping
+        )
     active = tuple(int(row) for row in solution.engine_state["active"])
     return ErrorEquation(small, bodies, run.method.coefficients, solution, active, {})
 

@@ -113,8 +113,8 @@ def test_controllers_ask_for_released_bodies():
     machine = System([clamped], [clamp], controllers=[own])
     with pytest.raises(ModelError, match=r"its modes hold its root.*place released\(body\)"):
         simulate(machine, RUN)
-    with pytest.raises(ModelError, match="controllers of machines with intrinsic bodies act in runs alone"):
-        equilibrium(System([released(clamped)], [clamp], controllers=[own]))
+    with pytest.raises(ModelError, match=r"its modes hold its root.*place released\(body\)"):
+        equilibrium(machine)
 
 
 @pytest.mark.slow

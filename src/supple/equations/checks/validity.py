@@ -208,7 +208,7 @@ def watch(system: System, validity: Validity) -> Watch:
     """Prepare the limits of every flexible body of a system."""
     # Finite elements without a frame turn as far as they like.
     bodies = [placed.body for placed in system.bodies]
-    deforming = [body for body in bodies if body.n_coordinates and body.kind != "explicit"]
+    deforming = [body for body in bodies if body.n_coordinates and body.has_frame]
     return Watch(validity, tuple(_limits(body, validity, _carrying_moments(system)) for body in deforming))
 
 

@@ -45,8 +45,8 @@ def _gains(
     """Shared matrices of nonlinear bodies, and of every run its weights."""
     first = equations[0]
     gains, histories = [], []
-    for name, judged in first.bodies.items():
-        if judged.full.body.is_linear:
+    for name, assessed in first.bodies.items():
+        if assessed.full.body.is_linear:
             continue
         motions = [equation.point.bodies[name] for equation in equations]
         together = motions[0]._replace(

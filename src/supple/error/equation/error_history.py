@@ -16,6 +16,7 @@ from supple.equations.build_model import build_model
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.floating_solution import floating_solution
 from supple.equations.model import Model
+from supple.error.equation.assessed_body import AssessedBody, MissedAtRest, StartError
 from supple.error.equation.elastic_history import (
     force_polynomial,
     strain_rate_history,
@@ -23,7 +24,6 @@ from supple.error.equation.elastic_history import (
     tangent_history,
 )
 from supple.error.equation.error_model import system_of_columns
-from supple.error.equation.judged_body import JudgedBody, MissedAtRest, StartError
 from supple.error.equation.linearised_march import (
     ElasticGain,
     ErrorState,
@@ -75,7 +75,7 @@ class ErrorHistory:
     rms : (t,)              root mean square over the nodes, in space
     """
 
-    body: JudgedBody
+    body: AssessedBody
     times: Array
     rotation: Array
     origin: Array
@@ -101,7 +101,7 @@ class ErrorEquation:
     """The error equation of a run.
 
     reduced : System        as it was simulated
-    bodies : JudgedBody     by name; other bodies have no error of their own, but follow
+    bodies : AssessedBody     by name; other bodies have no error of their own, but follow
     coefficients : Coefficients     of the run's integrator
     steps : Solution        of the run, at every step that it took
     active : constraint equations of the run, the redundant ones left out
@@ -109,7 +109,7 @@ class ErrorEquation:
     """
 
     reduced: System
-    bodies: Mapping[str, JudgedBody]
+    bodies: Mapping[str, AssessedBody]
     coefficients: Coefficients
     steps: Solution
     active: tuple[int, ...]
@@ -130,8 +130,8 @@ class ErrorEquation:
         """Missed motion at every step, between those at which it is known by straight lines."""
         position = np.zeros_like(self.point.motion.velocity)
         for name, own in missed.items():
-            judged = self.bodies[name]
-            known = judged.space.vectors.T @ (judged.full.body.mass @ own.deformation)
+            assessed = self.bodies[name]
+            known = assessed.space.vectors.T @ (assessed.full.body.mass @ own.deformation)
             start = self._places[name].start + 6
             for column, values in enumerate(known):
                 position[:, start + column] = np.interp(self.steps.times, own.times, values)
@@ -163,7 +163,7 @@ class ErrorEquation:
         return {name: self._history(name, found.position[:, self._places[name]]) for name in self.bodies}
 
     def corrected(self, found: ErrorState, rows: NDArray[np.intp]) -> tuple[System, Solution]:
-        """The system in the columns of the error, and its true motion at some steps, as far as it is told."""
+        """The system in the columns of the error, and the estimate of its true motion at some steps."""
         motion = jax.tree.map(lambda leaf: leaf[rows], self._moved(found))
         system = self._system
         return system, floating_solution(system, self.model.slices, self.active, motion, Statistics())
@@ -354,13 +354,13 @@ class ErrorEquation:
     ) -> tuple[ElasticGain, GainHistory]:
         """What the deformation of a nonlinear body adds along a motion: forces, and tangents at another."""
         bent = tangent_motion or motion
-        judged, start = self.bodies[name], self._places[name].start + 6
-        body, Z = judged.full.body, judged.space.vectors
-        k, size = judged.space.size, self._places[name].stop - start
+        assessed, start = self.bodies[name], self._places[name].start + 6
+        body, Z = assessed.full.body, assessed.space.vectors
+        k, size = assessed.space.size, self._places[name].stop - start
         columns = Z @ motion.chosen
         works = body.assembly.works(columns, Z)
         force = force_polynomial(works)(motion.coordinates)
-        time = 0.0 if judged.damping is None else judged.damping.retardation_time
+        time = 0.0 if assessed.damping is None else assessed.damping.retardation_time
         tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z, material=time > 0)
         if time:
             force += time * strain_rate_polynomial(works)(motion.coordinates, motion.rates)
@@ -384,16 +384,16 @@ class ErrorEquation:
         )
 
     def _history(self, name: str, errors: Array) -> ErrorHistory:
-        judged, own = self.bodies[name], self.steps.bodies[name]
-        full, motion = judged.full, judged.motion
-        coordinates = errors[:, 6 : 6 + judged.space.size]
+        assessed, own = self.bodies[name], self.steps.bodies[name]
+        full, motion = assessed.full, assessed.motion
+        coordinates = errors[:, 6 : 6 + assessed.space.size]
         squares = nodal_squares(
-            full.nodes, _at_nodes(full, motion.vectors), _at_nodes(full, judged.space.vectors)
+            full.nodes, _at_nodes(full, motion.vectors), _at_nodes(full, assessed.space.vectors)
         )
         origin = errors[:, :3] - np.einsum("tij,tj->ti", own.rotation, motion.rigid[:, :3])
         turn = errors[:, 3:6] - motion.rigid[:, 3:]
         rms = squares.rms(own.rotation, origin, turn, motion.coordinates, coordinates)
-        return ErrorHistory(judged, self.steps.times, own.rotation, origin, turn, coordinates, rms)
+        return ErrorHistory(assessed, self.steps.times, own.rotation, origin, turn, coordinates, rms)
 
 
 def _more(number: int) -> int:

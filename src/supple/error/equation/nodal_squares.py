@@ -29,7 +29,7 @@ class NodalSquares(NamedTuple):
         """
         turned = (coordinates[:, :, None] * turn[:, None]).reshape(len(turn), -1)
         fields = np.hstack([np.einsum("tij,ti->tj", rotation, origin), turn, turned, error])
-        # Of a march that diverged: what is no number is told as unknown.
+        # Of a march that diverged: what is no number is reported as unknown.
         with np.errstate(over="ignore", invalid="ignore"):
             return np.sqrt(np.maximum(np.sum(fields * (fields @ self.gram), axis=1), 0.0))
 

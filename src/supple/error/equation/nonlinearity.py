@@ -19,8 +19,8 @@ def second_correction(history: ErrorHistory) -> float:
 
     with q the motion about which the error e was found; zero for a linear body.
     """
-    judged = history.body
-    body, motion, Z = judged.full.body, judged.motion, judged.space.vectors
+    assessed = history.body
+    body, motion, Z = assessed.full.body, assessed.motion, assessed.space.vectors
     if body.is_linear:
         return 0.0
     largest = 0.0

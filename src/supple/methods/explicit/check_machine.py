@@ -6,7 +6,8 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import ExplicitRule, GeneralizedAlpha, Run, Tolerances
-from supple.machine import GROUND, DeadForce, ForceElement, Joint, Mortar, NodalLoad, Support, System, Tie
+from supple.machine import GROUND, At, DeadForce, ForceElement, Mortar, NodalLoad, Support, System, Tie
+from supple.machine.control import EndReading
 from supple.machine.forces import JointFriction
 from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.method import Explicit
@@ -36,13 +37,13 @@ def check_machine(system: System, method: Explicit) -> None:
                 f"part '{body.name}' is of finite elements, which start undeformed, for the energy that they "
                 "would hold is not known: leave its coordinates out; coordinate_rates may be given"
             )
-    if system.controllers:
-        raise ModelError(
-            f"controller '{system.controllers[0].name}': an explicit march has no controllers; give what it "
-            "drives a law of time, or reduce the bodies"
-        )
+    for controller in system.controllers:
+        what = f"controller '{controller.name}'"
+        seen = [reading.at for reading in controller.reads.values() if isinstance(reading, EndReading)]
+        driven = [end for each in controller.drives.values() for end in (each.first, each.second)]
+        _check_frames(system, what, (*seen, *driven))
     for joint in system.joints:
-        _check_frames(system, f"joint '{joint.name}'", joint)
+        _check_frames(system, f"joint '{joint.name}'", (joint.first, joint.second))
     _check_scheme(system, method)
     for load in system.loads:
         _check_load(system, load)
@@ -69,14 +70,14 @@ def _check_load(system: System, load: object) -> None:
             "RevoluteFriction or PrismaticFriction"
         )
     if isinstance(load, ForceElement):
-        _check_frames(system, load.label, load)
+        _check_frames(system, load.label, (load.first, load.second))
     elif isinstance(load, NodalLoad) and not (isinstance(load, DeadForce) or _has_frame(system, load.body)):
         raise ModelError(f"{load.label}: nodes of explicit elements bear DeadForce alone; give this")
 
 
-def _check_frames(system: System, what: str, element: Joint | ForceElement) -> None:
+def _check_frames(system: System, what: str, ends: tuple[At, ...]) -> None:
     """ModelError where an end is on explicit elements, which have no frame."""
-    for end in (element.first, element.second):
+    for end in ends:
         if end != GROUND and not _has_frame(system, end.body):
             raise ModelError(
                 f"{what}: it takes hold of a frame, and nodes of explicit elements ('{end.body}') have none; "
@@ -85,7 +86,7 @@ def _check_frames(system: System, what: str, element: Joint | ForceElement) -> N
 
 
 def _has_frame(system: System, name: str) -> bool:
-    return system.placed(name).body.kind != "explicit"
+    return system.placed(name).body.has_frame
 
 
 def _is_modal(system: System, name: str) -> bool:

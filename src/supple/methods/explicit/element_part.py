@@ -39,6 +39,11 @@ class ElementPart(FormDefaults):
         return "explicit"
 
     @property
+    def has_frame(self) -> bool:
+        """False: its coordinates are those of its nodes in space."""
+        return False
+
+    @property
     def mesh(self) -> Mesh:
         """Of its elements."""
         return self.model.mesh

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time as clock
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -13,12 +13,14 @@ from supple.algebra.jax_settings import before_compiled_code
 from supple.equations.checks.start import report_start
 from supple.equations.floating_solution import joint_multipliers
 from supple.equations.joint_wrench import joint_wrenches
+from supple.equations.sampling import march_sampled, sampling_of
 from supple.errors import ModelError
 from supple.integrate import FixedStep, Leg, Run, Solution, Statistics
 from supple.machine import System
 from supple.methods.explicit.check_machine import check_machine, check_run
 from supple.methods.explicit.frame_chart import floating_motion
 from supple.methods.explicit.march.build import Built, built
+from supple.methods.explicit.march.frame_forces import frame_motion
 from supple.methods.explicit.march.interval import (
     Recorded,
     chosen_steps,
@@ -42,11 +44,6 @@ OBSTACLES = "obstacles"
 """Name of the series of how far each obstacle has moved, (t, 3 o), and of its velocity."""
 
 
-class _Reached(NamedTuple):
-    rows: Any
-    last: MarchState
-
-
 class ExplicitEngine:
     """An `Engine`; `MarchState` is its state."""
 
@@ -57,6 +54,7 @@ class ExplicitEngine:
         check_machine(system, method)
         self._fixed = _fixed_step(run)
         self._run, self._system = run, system
+        self._sampling = sampling_of(system, run)
         self._built = built(system, method, float(run.times[0]))
         self._check_step()
 
@@ -99,7 +97,23 @@ class ExplicitEngine:
         return jax.tree.unflatten(structure, kept)
 
     def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
-        """On to each of the output times."""
+        """On to each of the output times; where controllers are sampled, from instant to instant."""
+        if self._sampling is None:
+            return self._marched(state, times)
+        return march_sampled(self._sampling, self._marched, self._sampled, state, times)
+
+    def _sampled(self, state: MarchState) -> MarchState:
+        """After calling the controllers that are due."""
+        own = self._built.model
+        assert self._sampling is not None
+        assert own.machine is not None
+        assert state.control is not None
+        now = frame_motion(own.machine, own.frames, state.frames, state.time)
+        control = self._sampling.called(own.machine, now, jax.tree.map(np.asarray, state.control))
+        return state if control is None else state._replace(control=jax.tree.map(jnp.asarray, control))
+
+    def _marched(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
+        """On to each of the output times without a break."""
         began = clock.perf_counter()
         own = self._built
         ahead = times[times > float(state.time)]
@@ -126,16 +140,14 @@ class ExplicitEngine:
             if bad.size:
                 stopped = self._told(jax.tree.map(lambda leaf: leaf[bad[0]], after), float(last.initial))
                 after = jax.tree.map(lambda leaf: leaf[: bad[0]], after)
-            if len(after.time):
-                rows.append(after)
-        joined = jax.tree.map(lambda *leaves: np.concatenate(leaves), *rows) if rows else None
-        n = 0 if joined is None else len(joined.time)
+            rows.append(after)
+        joined = jax.tree.map(lambda *leaves: np.concatenate(leaves), *rows)
         statistics = Statistics(steps=int(last.steps) - before, seconds=clock.perf_counter() - began)
-        return Leg(_Reached(joined, last), n, last, statistics, stopped)
+        return Leg(joined, len(joined.time), last, statistics, stopped)
 
     def solution(self, leg: Leg[MarchState]) -> Solution:
         """The motion of each part, and the series of energies, steps and obstacles."""
-        rows: Recorded = leg.states.rows
+        rows: Recorded = leg.states
         own = self._built
         bodies: dict[str, Any] = {}
         moved = [np.asarray(each).swapaxes(1, 2) for each in (rows.x, rows.v, rows.a)]

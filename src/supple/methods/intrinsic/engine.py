@@ -63,7 +63,8 @@ class IntrinsicEngine:
         self._run = run = with_chosen_step(system, run)
         if not isinstance(run.step_control, FixedStep):
             raise ModelError(
-                "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
+                "intrinsic bodies whose modes hold their roots are stepped with FixedStep(size); an adaptive "
+                "step is for joined ones: place released(body)"
             )
         self._machine: MachineOfLines = machine_of_lines(system, run.start)
         step = float(run.times[1] - run.times[0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal
 
 import jax
@@ -19,6 +19,7 @@ from supple.body.form_defaults import FormDefaults
 from supple.body.interface import UntiedInterface, interface_named
 from supple.body.mass_properties import centre_of_gram
 from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
+from supple.body.sections import Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
 from supple.machine import Placed
@@ -29,7 +30,7 @@ from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import section_forces, section_strains
 from supple.methods.intrinsic.line_freedoms import LineFreedoms, line_freedoms
 from supple.methods.intrinsic.line_model import LineModel, line_model
-from supple.methods.intrinsic.line_sections import LineSections
+from supple.methods.intrinsic.line_sections import line_section_loads
 from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
@@ -274,9 +275,9 @@ class IntrinsicBody(FormDefaults):
             *frames[:2], coordinates + displacement[:, 6:], *frames[2:], amplitudes, *still
         )
 
-    def sections(self, _model: FiniteElementModel | None = None) -> LineSections:
+    def sections(self, _model: FiniteElementModel | None = None) -> Sections:
         """Its sections, which need no elements."""
-        return LineSections(self)
+        return Sections(f"axes of the section of {self.name}", partial(line_section_loads, self))
 
     def section_loads(self, motion: IntrinsicMotion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.

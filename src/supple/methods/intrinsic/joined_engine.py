@@ -16,7 +16,7 @@ from supple.equations.configuration import ControlState, SystemMotion
 from supple.equations.control_start import first_control, fresh_control
 from supple.equations.sampling import sampling_of
 from supple.errors import ModelError
-from supple.integrate import FixedStep, GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
+from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
 from supple.machine import System
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
@@ -44,16 +44,12 @@ class JoinedEngine:
                 f"joints that connect intrinsic bodies do not take {type(run.method).__name__}: give "
                 "GeneralizedAlpha(rho_inf); explicit rules step bodies whose roots the ground holds"
             )
-        if not isinstance(run.step_control, FixedStep):
-            raise ModelError(
-                "intrinsic bodies are stepped with FixedStep(size): an adaptive step is not for them"
-            )
         self._run = run
         self._machine: JoinedMachine = joined_machine(system, run.start)
         self._arrays = self._machine.arrays
         self._coefficients = first_order_coefficients(run.method.rho_inf)
         self._interval = float(run.times[1] - run.times[0])
-        self._step = run.step_control.size
+        self._step = float(run.step_control.first)
         self._sampling = sampling_of(self._machine.seen, run)
         self._length = leg_size(len(run.times)) if self._sampling is None else 1
 

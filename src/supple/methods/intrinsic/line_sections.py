@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,48 +11,34 @@ from supple.body.sections import CuttingPlane
 from supple.errors import ModelError
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 
-__all__ = ["LineSections"]
+__all__ = ["line_section_loads"]
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class LineSections:
-    """Sections of an intrinsic body, whose coordinates are the forces.
+def line_section_loads(body: Any, motion: IntrinsicMotion, plane: CuttingPlane) -> Array:
+    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, along material axes.
 
-    body : IntrinsicBody
+    The section forces of the segment that the plane cuts, their moment taken from its middle to the point
+    of the plane; at a station the mean of the segments before and beyond it.
+
+    Raises
+    ------
+    ModelError   a plane that cuts no segment, or several
     """
-
-    body: Any
-
-    @property
-    def axes(self) -> str:
-        """They turn with the section."""
-        return f"axes of the section of {self.body.name}"
-
-    def loads(self, motion: IntrinsicMotion, plane: CuttingPlane) -> Array:
-        """Force and moment (t, 6) of what lies beyond a plane on what lies before it, along material axes.
-
-        The section forces of the segment that the plane cuts, their moment taken from its middle to the point
-        of the plane; at a station the mean of the segments before and beyond it.
-
-        Raises
-        ------
-        ModelError   a plane that cuts no segment, or several
-        """
-        body, tree = self.body, self.body.line.tree
-        heights = plane.heights(tree.points)
-        found = [
-            _of_segment(body, motion, plane, outside)
-            for outside in (heights >= 0, heights > 0)
-            if (outside[1:] != outside[tree.inner]).any()
-        ]
-        if not found:
-            raise ModelError(
-                f"body '{body.name}': the plane through {plane.point} across {plane.normal} cuts no segment "
-                "of its line; move it, or turn its normal along the line"
-            )
-        return np.mean(found, axis=0)
+    tree = body.line.tree
+    heights = plane.heights(tree.points)
+    found = [
+        _of_segment(body, motion, plane, outside)
+        for outside in (heights >= 0, heights > 0)
+        if (outside[1:] != outside[tree.inner]).any()
+    ]
+    if not found:
+        raise ModelError(
+            f"body '{body.name}': the plane through {plane.point} across {plane.normal} cuts no segment "
+            "of its line; move it, or turn its normal along the line"
+        )
+    return np.mean(found, axis=0)
 
 
 def _of_segment(body: Any, motion: IntrinsicMotion, plane: CuttingPlane, outside: NDArray[np.bool_]) -> Array:

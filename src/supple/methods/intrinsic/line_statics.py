@@ -293,12 +293,6 @@ def line_statics(
 
     known : equations of joints that are independent, where that is known
     """
-    if system.controllers:
-        raise ModelError(
-            f"controller '{system.controllers[0].name}': controllers of machines with intrinsic bodies act "
-            "in runs alone, not at rest or in modes: leave it out, replace(system, controllers=()), or "
-            "reduce the bodies"
-        )
     machine = joined_machine(system, time) if is_joined(system) else supported_machine(system, time)
     drives = zip(machine.states, machine.arrays.drives, strict=True)
     machine = machine._replace(states=tuple(_driven(state, drive, time) for state, drive in drives))

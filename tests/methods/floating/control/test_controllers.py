@@ -392,7 +392,7 @@ def test_an_arm_that_its_controller_holds_rests_and_vibrates_as_its_equations_sa
 
 
 def test_the_scripts_of_the_page_run():
-    page = (Path(__file__).parents[3] / "docs" / "how-to" / "control_and_elements.md").read_text("utf-8")
+    page = (Path(__file__).parents[4] / "docs" / "how-to" / "control_and_elements.md").read_text("utf-8")
     names: dict[str, object] = {}
     for script in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
         exec(compile(script, "control_and_elements.md", "exec"), names)

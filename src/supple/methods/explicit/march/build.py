@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
+from supple.equations.control_start import first_control
 from supple.equations.model import Model
 from supple.equations.start_change import StartChange
 from supple.errors import ModelError
@@ -28,7 +30,7 @@ from supple.methods.explicit.march.build_joined import joined_frames
 from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import Hanging, modal_skins, touching_surfaces
 from supple.methods.explicit.march.build_ties import met_material, within
-from supple.methods.explicit.march.frame_forces import stored_energy, storing_elements
+from supple.methods.explicit.march.frame_forces import frame_motion, stored_energy, storing_elements
 from supple.methods.explicit.march.frame_step import hanging as hung_places
 from supple.methods.explicit.march.march_step import with_forces
 from supple.methods.explicit.march.model import (
@@ -179,6 +181,12 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         if state.y.any() or system.joints:  # deformed, or moved by joints, at the start
             x[np.asarray(arrays.nodes)] = hung_places(arrays, state).T
     start = _start(model, methods, x, v, tuple(frame_states), shells.start())
+    if system.controllers:
+        assert floating is not None  # controllers were checked to act on frames
+        assert joined.machine is not None
+        now = frame_motion(joined.machine, model.frames, start.frames, jnp.asarray(time))
+        control = first_control(floating, joined.machine, jax.tree.map(np.asarray, now))
+        start = start._replace(control=jax.tree.map(jnp.asarray, control))
     if any(stores):
         own = joined.machine, elements, stores, model.frames, start.frames, jnp.asarray(time)
         internal = start.energies.internal + stored_energy(*own)
@@ -299,6 +307,7 @@ def _start(
         ratio_patience=jnp.asarray(1),
         smallest=jnp.ones(()),
         steps=jnp.asarray(0),
+        control=None,
     )
 
 

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-from supple.equations import marker_force, nodal_load
+from supple.equations import control_force, marker_force, nodal_load
 from supple.equations.balance import constraint_jacobian
-from supple.equations.configuration import SystemMotion
+from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
 from supple.equations.joint_force import constraints
 from supple.equations.marker import Marker, pose
@@ -26,6 +26,7 @@ from supple.methods.explicit.march.model import FrameArrays, MarchModel
 __all__ = [
     "FrameForces",
     "frame_forces",
+    "frame_motion",
     "gravity_at",
     "joint_gaps",
     "joint_rows",
@@ -53,17 +54,19 @@ def frame_forces(
     frames: tuple[FrameArrays, ...],
     states: tuple[FrameState, ...],
     time: Array,
+    control: ControlState | None,
 ) -> FrameForces:
     """At t_n, with the rates of the step before.
 
     machine : the frames as bodies, with their loads and force elements
     stores : which groups of elements store energy
     """
-    motion = _motion(machine, frames, states, time)
+    motion = frame_motion(machine, frames, states, time, control)
     at_rest = motion._replace(velocity=jnp.zeros_like(motion.velocity))
     storing = _some(machine, stores, True)
     n, others = machine.n_velocities, _some(machine, stores, False)
-    given = assembled_vector(n, [*_loads(machine, motion), *_elements(others, motion)])
+    controlled = control_force.force(machine, motion)
+    given = assembled_vector(n, [*_loads(machine, motion), *_elements(others, motion), *controlled])
     stored = assembled_vector(n, _elements(storing, at_rest))
     dragged = assembled_vector(n, _elements(storing, motion)) - stored
     return FrameForces(*(_by_frame(machine, frames, states, forces) for forces in (given, stored, dragged)))
@@ -74,13 +77,24 @@ def _some(machine: Model, stores: tuple[bool, ...], wanted: bool) -> Model:
     return replace(machine, forces=tuple(group for group, own in groups if own is wanted))
 
 
-def _motion(
-    machine: Model, frames: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
+def frame_motion(
+    machine: Model,
+    frames: tuple[FrameArrays, ...],
+    states: tuple[FrameState, ...],
+    time: Array,
+    control: ControlState | None = None,
+    step: Array | float = 0.0,
 ) -> SystemMotion:
+    """The frames as floating bodies at t_n, with the rates of the step before.
+
+    control, step : of controllers, as they were a step of this length before
+    """
     charts = tuple(each.chart for each in frames)
     rates = velocity(charts, states)
     none = jnp.zeros(len(machine.active))
-    return SystemMotion(time, configuration(charts, states), rates, jnp.zeros_like(rates), none)
+    stepping = None if control is None else ControlStep(control, jnp.asarray(step))
+    where = configuration(charts, states)
+    return SystemMotion(time, where, rates, jnp.zeros_like(rates), none, stepping)
 
 
 def storing_elements(machine: Model, loads: Iterable[Any]) -> tuple[bool, ...]:
@@ -102,7 +116,7 @@ def stored_energy(
 ) -> Array:
     """Of force elements, J."""
     energies = {type(load).wrenches: type(load).energy for load in loads}
-    motion, total = _motion(machine, frames, states, time), jnp.zeros(())
+    motion, total = frame_motion(machine, frames, states, time), jnp.zeros(())
     for group in _some(machine, stores, True).forces:
 
         def own(law: Any, parameters: Any, *ends: Marker, of: Any = energies[group.wrenches]) -> Array:

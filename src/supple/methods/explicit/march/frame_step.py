@@ -56,7 +56,9 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
     # Weight of the nodes that hang on a frame is in the frame's own mass already.
     pulls = state.forces.sum(axis=0) - model.mass * gravity[:, None]
     assert model.machine is not None
-    acting = frame_forces(model.machine, methods.stores, model.frames, state.frames, state.time)
+    acting = frame_forces(
+        model.machine, methods.stores, model.frames, state.frames, state.time, state.control
+    )
     for arrays, own, numbers, given, stored, dragged in zip(
         model.frames, state.frames, methods.frame_obstacles, *acting, strict=True
     ):

@@ -11,8 +11,9 @@ from __future__ import annotations
 import jax.numpy as jnp
 from jax import Array, lax
 
+from supple.equations.control_force import stepped
 from supple.methods.explicit.frame_invariants import kinetic_energy
-from supple.methods.explicit.march.frame_forces import gravity_at
+from supple.methods.explicit.march.frame_forces import frame_motion, gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, hanging
 from supple.methods.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
 from supple.methods.explicit.march.nodal_forces import nodal_forces
@@ -41,6 +42,10 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
         interface=old.interface - done.from_nodes - done.turning,
     )
     state = state._replace(energies=energies)
+    if state.control is not None:
+        assert model.machine is not None
+        end = frame_motion(model.machine, model.frames, done.frames, state.time + long, state.control, long)
+        state = state._replace(control=stepped(model.machine, end))
     state = lax.fori_loop(
         0, ratio, lambda _, s: nodal_step(model, methods, s, h, led, done.on_obstacles), state
     )

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from jax import Array
 
+from supple.equations.configuration import ControlState
 from supple.equations.model import Model
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.elements import ShellBlock, SolidBlock
@@ -156,6 +157,7 @@ class MarchState(NamedTuple):
     smallest : det F of the worst point so far
     obstacle_forces : (o, 3) from explicit nodes, at t_n;   initial : energy at the start, J
     ratio_bound : explicit steps in one of the frames, at most, as the interface bears them
+    control : of the controllers, None without any
     ratio_wait, ratio_patience : output times until more are tried, and after the next failure
     """
 
@@ -181,3 +183,4 @@ class MarchState(NamedTuple):
     ratio_patience: Array
     smallest: Array
     steps: Array
+    control: ControlState | None

@@ -21,7 +21,7 @@ from supple.equations.floating_solution import (
     last_instant,
 )
 from supple.equations.model import Model
-from supple.equations.sampling import sampling_of
+from supple.equations.sampling import march_sampled, sampling_of
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
 from supple.machine import System
@@ -33,7 +33,7 @@ from supple.methods.floating.compiled.inert_motion import (
 )
 from supple.methods.floating.compiled.kept_tangent import KeptTangent, keeps_tangent, no_tangent
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
-from supple.methods.floating.compiled.sampling import march_sampled
+from supple.methods.floating.compiled.sampling import sampled
 from supple.methods.floating.compiled.state import Controls, State
 
 __all__ = ["CompiledEngine"]
@@ -167,7 +167,8 @@ class CompiledEngine:
         """To each of the output times; where controllers are sampled, from instant to instant."""
         if self._sampling is None:
             return self._marched(state, times)
-        return march_sampled(self._sampling, self._marched, self._model, state, times)
+        sampling, model = self._sampling, self._model
+        return march_sampled(sampling, self._marched, lambda now: sampled(sampling, model, now), state, times)
 
     def _marched(self, state: State, times: np.ndarray) -> Leg[State]:
         """To each of the output times, in a few calls of the compiled program."""

@@ -1,4 +1,4 @@
-"""What is known of a body whose run is judged: its columns, its start, and what it misses at rest."""
+"""What is known of a body whose run is assessed: its columns, its start, and what it misses at rest."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from supple.error.equation.error_space import ErrorSpace
 from supple.error.equation.run_columns import RunColumns
 from supple.reduction import ReducedBody
 
-__all__ = ["JudgedBody", "MissedAtRest", "StartError"]
+__all__ = ["AssessedBody", "MissedAtRest", "StartError"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class JudgedBody:
+class AssessedBody:
     """A body of a run: all its coordinates, the columns that the run moves in, and those of its error."""
 
     full: FullBody
@@ -34,7 +34,7 @@ class JudgedBody:
         """The body in the columns of its error."""
         return body_of_columns(self.full.body, self.full.frame, self.space.vectors, self.damping)
 
-    def along(self, motion: RunColumns) -> JudgedBody:
+    def along(self, motion: RunColumns) -> AssessedBody:
         """The same for another run in the same columns."""
         other = replace(self, motion=motion)
         object.__setattr__(other, "columns", self.columns)

@@ -1,4 +1,4 @@
-"""What every sensor is: a name, channels, and how they are read off a motion."""
+"""What is read off the motion of a machine: a name, channels with unit and axes, and values."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
-from supple.quantities.reading import Channel, Located, Quantity, Reading
+from supple.quantities.reading import Channel, Located, QuantityKind, Reading
 
-__all__ = ["Channel", "LocatedSensor", "Quantity", "Sensor", "read_sensors"]
+__all__ = ["Channel", "LocatedQuantity", "Quantity", "QuantityKind", "read_sensors"]
 
 Array = NDArray[np.float64]
 
 
-class Sensor(Protocol):
-    """Reads channels off the motion of a machine."""
+class Quantity(Protocol):
+    """Channels that are read off the motion of a machine; a sensor is one."""
 
     @property
     def name(self) -> str:
@@ -40,27 +40,27 @@ class Sensor(Protocol):
 
 
 @runtime_checkable
-class LocatedSensor(Sensor, Protocol):
-    """A sensor that knows at which nodes it reads."""
+class LocatedQuantity(Quantity, Protocol):
+    """A quantity whose nodes are known."""
 
     def located(self, system: System, solution: Solution, /) -> Located:
         """Its values, with the nodes."""
         ...
 
 
-def vector_channels(quantity: Quantity, axes: str) -> tuple[Channel, ...]:
+def vector_channels(quantity: QuantityKind, axes: str) -> tuple[Channel, ...]:
     """Of three components along x, y and z."""
     return tuple(Channel(name, quantity, axes) for name in "xyz")
 
 
 @checked_arguments
-def read_sensors(sensors: Sequence[Sensor], system: System, solution: Solution) -> tuple[Reading, ...]:
+def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution) -> tuple[Reading, ...]:
     """The readings of some sensors over a run.
 
     Raises
     ------
     ModelError  two sensors of one name; a place, joint, force or body that the machine does not have; a
-                quantity that the form of the body cannot tell
+                quantity that the form of the body does not have
     """
     names = [sensor.name for sensor in sensors]
     for name in names:
@@ -69,9 +69,9 @@ def read_sensors(sensors: Sequence[Sensor], system: System, solution: Solution) 
     return tuple(_reading(sensor, system, solution) for sensor in sensors)
 
 
-def _reading(sensor: Sensor, system: System, solution: Solution) -> Reading:
+def _reading(sensor: Quantity, system: System, solution: Solution) -> Reading:
     channels = tuple(sensor.channels(system))
-    if isinstance(sensor, LocatedSensor):
+    if isinstance(sensor, LocatedQuantity):
         found = sensor.located(system, solution)
     else:
         found = Located(sensor.values(system, solution))

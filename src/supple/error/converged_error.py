@@ -10,7 +10,7 @@ from supple.error.basis_error import FIRST_ORDER
 from supple.error.equation import ErrorEquation, ErrorHistory, TangentMotion
 from supple.error.equation.linearised_march import ErrorState
 
-__all__ = ["Told", "is_clearly_larger", "is_finite", "is_small", "settled"]
+__all__ = ["Differences", "converged", "is_clearly_larger", "is_finite", "is_small"]
 
 SMALL_SECOND = 0.02
 """A second correction below it is not made: the first is right to as much."""
@@ -22,18 +22,18 @@ SWEEPS = 3
 SMALL_TURN = 0.02
 """Error of a frame's turn, rad, below which it counts as small."""
 
-Told = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
+Differences = tuple[ErrorState, Mapping[str, ErrorHistory], dict[str, float]]
 """Differences of the true motion and a run's; what they are of each body; their last change, by body."""
 
 
-def settled(
+def converged(
     equation: ErrorEquation,
     first: ErrorState,
     histories: Mapping[str, ErrorHistory],
     tangents: TangentMotion | None = None,
     *,
     smooth: bool = True,
-) -> Told:
+) -> Differences:
     """The differences about the corrected motion, once more until they change no more, and the last change.
 
     Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as

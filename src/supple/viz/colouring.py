@@ -1,0 +1,70 @@
+"""What colours a film."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.fem import FiniteElementModel
+from supple.methods.explicit.modal_stress import isotropic_materials
+from supple.quantities import von_mises_history
+from supple.results import without_noise
+from supple.results.explicit_fields import element_means
+from supple.units import UnitSystem, labelled
+
+__all__ = ["DEFLECTION", "PLASTIC_STRAIN", "Colouring", "stress_colouring"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Colouring:
+    """What colours the bodies of a film.
+
+    values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame; None of a body
+        that has no such values
+    label : of a unit system: what stands under the colour bar, and what the values are shown times
+    """
+
+    values: Callable[[Any, Any, Array | None], Array | None]
+    label: Callable[[UnitSystem], tuple[str, float]]
+
+
+def _stress_label(units: UnitSystem) -> tuple[str, float]:
+    unit, factor = units.stress_shown
+    return labelled("von Mises stress", unit), factor
+
+
+def _plastic_strain(body: Any, motion: Any, _deflection: Array | None) -> Array | None:
+    if body.has_frame or getattr(body, "law", None) is None:
+        return None
+    return element_means(body, motion.plastic_strain, motion.alive)
+
+
+def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
+    """By von Mises' stress, without what round-off leaves in a body that flies undeformed: strains of 1e-9.
+
+    elements : of the bodies, by name
+    """
+
+    def values(body: Any, motion: Any, _deflection: Array | None) -> Array:
+        model = elements[body.name]
+        if body.has_frame:
+            stress = von_mises_history(body, model, motion.coordinates)
+        else:
+            stress = element_means(body, motion.von_mises, motion.alive)
+        return without_noise(stress, like=[each.youngs_modulus for each in isotropic_materials(model)])
+
+    return Colouring(values, _stress_label)
+
+
+DEFLECTION = Colouring(
+    lambda _body, _motion, deflection: deflection, lambda units: (labelled("deflection", units.length), 1.0)
+)
+"""By deflection."""
+PLASTIC_STRAIN = Colouring(_plastic_strain, lambda _: ("plastic strain", 1.0))
+"""By equivalent plastic strain, of explicit elements that yield."""
