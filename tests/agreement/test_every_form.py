@@ -188,9 +188,12 @@ def _(form):
 
 @row("steps by an error estimate")
 def _(form):
-    solution = simulate(flying(form), Run(PERIOD, PERIOD / 4, step=AdaptiveStep(1e-4)))
+    system = hinged(form) if form == "intrinsic" else flying(form)  # of lines alone that joints hold
+    solution = simulate(system, Run(PERIOD, PERIOD / 4, step=AdaptiveStep(1e-4)))
     expected = CENTRE + VELOCITY * PERIOD + GRAVITY * PERIOD**2 / 2
-    assert centre(bar_as(form), solution.bodies["bar"])[-1] == pytest.approx(expected, abs=2e-5)
+    if form == "intrinsic":
+        expected = turned(RATE * PERIOD) @ CENTRE
+    assert centre(bar_as(form), solution.bodies["bar"])[-1] == pytest.approx(expected, abs=5e-5)
 
 
 @row("result file, resumed to the same bits")
@@ -236,7 +239,7 @@ def _beside(form, other):
 
 
 for _article, _other in zip(
-    "a a a an a".split(), ("rigid", "reduced", "full", "intrinsic", "modal"), strict=True
+    ["a", "a", "a", "an", "a"], ("rigid", "reduced", "full", "intrinsic", "modal"), strict=True
 ):
     CHECKS[f"joined to {_article} {_other} body"] = lambda form, other=_other: _beside(form, other)
 
