@@ -238,7 +238,7 @@ def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any,
     kept = (values.imag >= 0) & ~zero
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
     at_zero[k : 2 * k] = 0.0  # rates, which rounding alone leaves
-    # In the mass norm: balanced, what a free rotation stretches when its rate changes is as large as itself.
+    # Places in the mass norm: balanced, what a free rotation stretches when its rate changes is as large.
     weights, places = np.ones((len(at_zero), 1)), scales[:k, None] * at_zero[:k]
     weights[:k, 0] = scales[:k] * np.linalg.norm(at_zero[:k]) / (np.linalg.norm(places) or 1.0)
     directions, sizes, _ = np.linalg.svd(weights * at_zero, full_matrices=False)
