@@ -102,6 +102,11 @@ class BodyForm(Protocol):
         ...
 
     @property
+    def is_seen_by_interfaces(self) -> bool:
+        """Whether joints and forces see it by the motions of its interfaces, not by its coordinates."""
+        ...
+
+    @property
     def has_frame(self) -> bool:
         """Whether its deformation is measured in a frame that moves with it."""
         ...

@@ -34,6 +34,11 @@ class FormDefaults:
     """Members of `BodyForm` that most forms answer alike."""
 
     @property
+    def is_seen_by_interfaces(self) -> bool:
+        """False: a machine's equations hold its coordinates."""
+        return False
+
+    @property
     def has_frame(self) -> bool:
         """True: its deformation is measured in a frame that moves with it."""
         return True

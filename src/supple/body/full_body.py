@@ -78,6 +78,11 @@ class FullBody(FloatingForm):
         return self.body.interface(name)
 
     @property
+    def is_seen_by_interfaces(self) -> bool:
+        """True: its other freedoms are those of a sparse method alone."""
+        return True
+
+    @property
     def interface_motions(self) -> csr_array:
         """Displacement and rotation of all interfaces per coordinate, (6 p, n)."""
         motions = [interface.motion for interface in self.interfaces]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -14,7 +15,6 @@ from supple.cases import Case, read_case
 from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
-from supple.methods.intrinsic import IntrinsicBody
 from supple.terminal import console, words
 from supple.units import UNNAMED, UnitSystem, measured
 
@@ -63,8 +63,7 @@ def _print_lines(case: Case) -> None:
     for table in case.tables.body:
         if not table.is_on_grids:
             continue
-        body = table.build(None, case.folder, silent).body
-        assert isinstance(body, IntrinsicBody)
+        body: Any = table.build(None, case.folder, silent).body
         lowest = body.modes.frequencies[:6] / (2 * np.pi)
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
         told = (

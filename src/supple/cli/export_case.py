@@ -71,7 +71,7 @@ def export_case(path: Path, target: Path, *, body: str | None, time: float | Non
 
 
 def _chosen(case: Case, body: str | None) -> str:
-    known = [one.name for one in case.tables.body if one.name in case.elements]
+    known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
     if body is None and len(known) == 1:
         return known[0]
     if body in known:
@@ -83,7 +83,11 @@ def _chosen(case: Case, body: str | None) -> str:
         )
     raise CaseError(
         f"{case.path} has {len(known)} bodies with elements ({', '.join(known) or 'none'}); "
-        + ("say which one: --body NAME" if known else "only a mesh can be exported")
+        + (
+            "say which one: --body NAME"
+            if known
+            else "only a mesh can be exported, and none that marches explicitly"
+        )
     )
 
 

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.cross import cross_matrix
-from supple.body import BodyForm, FullBody, RigidBody
+from supple.body import BodyForm, RigidBody
 from supple.equations.floating_inertia import inertia_arrays
 from supple.equations.model import (
     Actuator,
@@ -110,17 +110,19 @@ def _are(own: Sequence[Any], others: Sequence[Any]) -> bool:
 def is_on_full_nodes(system: System, load: NodalLoad) -> bool:
     """True for loads on the nodes of a full body, which only the sparse engine can apply."""
     body = system.bodies[system.body_index(load.body)].body
-    return isinstance(body, FullBody) and load.nodes.size > 0
+    return body.is_seen_by_interfaces and load.nodes.size > 0
 
 
 def _size(placed: Placed) -> int:
     body = placed.body
-    return 6 * len(body.interfaces) if isinstance(body, FullBody) else body.n_coordinates
+    return 6 * len(body.interfaces) if body.is_seen_by_interfaces else body.n_coordinates
 
 
 def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
     """Coordinates (t, r) of a body as the model has them: of a full body the motions of its interfaces."""
-    return coordinates @ body.interface_motions.T if isinstance(body, FullBody) else coordinates
+    if not body.is_seen_by_interfaces:
+        return coordinates
+    return np.hstack([coordinates[:, :0], *(coordinates @ each.motion.T for each in body.interfaces)])
 
 
 @dataclass(frozen=True)
@@ -193,7 +195,7 @@ _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 def _arrays(body: Any, length: float) -> dict[str, Any]:
     """Inertia and elasticity of a rigid or reduced body."""
     scale = length * np.sqrt(body.mass)
-    if isinstance(body, RigidBody):
+    if not body.n_coordinates:
         empty, gram = np.zeros((0, 0)), rigid_gram(body)
         elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, empty)}
     else:
@@ -207,7 +209,7 @@ def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[Bo
     found = [
         (index, _arrays(placed.body, length))
         for index, placed in enumerate(system.bodies)
-        if not isinstance(placed.body, FullBody)
+        if not placed.body.is_seen_by_interfaces
     ]
     groups = []
     for group in _grouped(found, lambda each: _structure(each[1])):
@@ -255,7 +257,7 @@ def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, np.nda
     """Rest position (3,) of an interface, and its motion (6, r) per coordinate of its body here."""
     body = placed.body
     found = body.interface(interface)
-    if isinstance(body, FullBody):
+    if body.is_seen_by_interfaces:
         index = [own.name for own in body.interfaces].index(interface)
         return np.asarray(found.position), np.eye(6 * len(body.interfaces))[6 * index : 6 * index + 6]
     return np.asarray(found.position), np.asarray(found.motion)
@@ -417,9 +419,5 @@ def system_length(system: System) -> float:
 
 def _largest_gyration(system: System) -> float:
     """Of rigid bodies in one point: a length of theirs, so that nothing depends on the unit of length."""
-    inertias = [
-        (placed.body.inertia, placed.body.mass)
-        for placed in system.bodies
-        if isinstance(placed.body, RigidBody)
-    ]
-    return max((float(np.sqrt(np.trace(inertia) / mass)) for inertia, mass in inertias), default=1.0)
+    rigid = system.bodies_of(RigidBody).values()
+    return max((float(np.sqrt(np.trace(body.inertia) / body.mass)) for body in rigid), default=1.0)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +31,6 @@ from supple.reduction import (
     NoDerivatives,
     NormalModes,
     PlainQuartic,
-    ReducedBody,
     ReductionBasis,
     enrich,
     project,
@@ -113,8 +113,8 @@ def _placed(
     bases: Mapping[str, ReductionBasis],
     richer: Mapping[str, ReductionBasis],
 ) -> Placed:
-    body = placed.body
-    if not isinstance(body, ReducedBody) or body.name not in richer:
+    body: Any = placed.body
+    if body.name not in richer:
         return placed
     full, basis = fulls[body.name], richer[body.name]
     quartic = PlainQuartic() if body.condensed is None else CondensedQuartic()

@@ -274,10 +274,10 @@ class ErrorEstimator:
 
 def reduced_form(system: System, name: str) -> ReducedBody:
     """A body of a run as it was reduced; ModelError for another form."""
-    body = system.placed(name, "error estimate").body
-    if not isinstance(body, ReducedBody):
+    body, reduced = system.placed(name, "error estimate").body, system.bodies_of(ReducedBody)
+    if name not in reduced:
         raise ModelError(f"error estimate: body '{name}' ran as a {type(body).__name__}, not reduced")
-    return body
+    return reduced[name]
 
 
 def check_linearised(system: System) -> None:

@@ -290,7 +290,7 @@ class _ExpandedMotion(NamedTuple):
 
 
 def _expanded_motion(
-    full: FullBody, reduced: BodyForm, basis: ReductionBasis, motion: FloatingMotion, instants: np.ndarray
+    full: FullBody, reduced: ReducedBody, basis: ReductionBasis, motion: FloatingMotion, instants: np.ndarray
 ) -> _ExpandedMotion:
     gamma, rate, acceleration = (
         getattr(motion, item)[instants]
@@ -298,7 +298,7 @@ def _expanded_motion(
     )
     moved = [each @ basis.vectors.T for each in (gamma, rate, acceleration)]
     rigid = np.zeros((len(gamma), 6))
-    if isinstance(reduced, ReducedBody) and reduced.condensed is not None:
+    if reduced.condensed is not None:
         condensation = Condensation(full.body, basis)
         z = condensation.bilinear  # z(gamma) = z(gamma, gamma), so its derivatives:
         following = z(gamma, gamma)

@@ -234,4 +234,9 @@ def _elastic(system: System, body: str, sensor: str) -> Any:
     form = body_named(system, body, sensor)
     if not form.n_coordinates:
         raise ModelError(f"sensor '{sensor}': body '{body}' is {form.kind}: it has no stress")
+    if not form.has_frame:
+        raise ModelError(
+            f"sensor '{sensor}': body '{body}' is of explicit finite elements, which keep von Mises' stress "
+            f"of each with their motion: read solution.bodies['{body}'].von_mises"
+        )
     return form

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,8 +9,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
-from supple.methods.explicit.elements import SolidPoints
-from supple.methods.explicit.explicit_shell import ShellElements
 
 __all__ = ["PartStress", "element_means", "largest_part_stress"]
 
@@ -19,27 +16,23 @@ FloatArray = NDArray[np.float64]
 
 
 def element_means(
-    subdomain: ExplicitSubdomain | ExplicitShell, values: FloatArray, alive: FloatArray
+    body: ExplicitSubdomain | ExplicitShell, values: FloatArray, alive: FloatArray
 ) -> FloatArray:
     """Mean (t, N) at each node of values (t, E) over the elements there that are left; zero without any."""
     at_node = sparse.vstack(
         [
             sparse.csr_array(
                 (
-                    np.ones(points.nodes.size),
-                    (np.repeat(np.arange(len(points.nodes)), points.nodes.shape[1]), points.nodes.ravel()),
+                    np.ones(nodes.size),
+                    (np.repeat(np.arange(len(nodes)), nodes.shape[1]), nodes.ravel()),
                 ),
-                shape=(len(points.nodes), len(subdomain.nodes)),
+                shape=(len(nodes), len(body.nodes)),
             )
-            for points in _elements(subdomain)
+            for nodes in (body.mesh.cells[own.cell_type][own.cells] for own in body.model.sections)
         ],
         format="csr",
     )
     return ((values * alive) @ at_node) / np.maximum(alive @ at_node, 1.0)
-
-
-def _elements(subdomain: ExplicitSubdomain | ExplicitShell) -> Sequence[SolidPoints | ShellElements]:
-    return subdomain.elements if isinstance(subdomain, ExplicitShell) else subdomain.points
 
 
 class PartStress(NamedTuple):

@@ -59,8 +59,8 @@ def march_numbers(solution: Solution) -> dict[str, Any]:
 def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: Any) -> dict[str, Any]:
     """Size, step limit at rest, and what yielded and broke of a part."""
     size: dict[str, Any] = {"mass": body.mass, "nodes": len(body.nodes), "step limit": body.step_limit}
-    if isinstance(body, ModalSubdomain):
-        return {**size, "coordinates": body.n_modes}
+    if body.has_frame:
+        return {**size, "coordinates": body.n_coordinates}
     return {
         **size,
         "elements": motion.alive.shape[1],

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -223,10 +224,10 @@ def _expanded(
     """All coordinates of each body at rest, those that condensed tensors let follow among them."""
     coordinates, first = [], 0
     for placed in reduced.system.bodies:
-        body = placed.body
+        body: Any = placed.body
         own = np.asarray(reduced.configuration.coordinates[first : first + body.n_coordinates])
         first += body.n_coordinates
-        if isinstance(body, ReducedBody) and body.name in bases:
+        if body.name in bases:
             following, basis = body.condensed is not None, bases[body.name]
             gamma, own = own[None], basis.vectors @ own
             if following:

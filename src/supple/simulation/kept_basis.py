@@ -42,9 +42,5 @@ def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
 
 def kept_bases(system: System, fulls: Mapping[str, FullBody]) -> dict[str, ReductionBasis]:
     """Those of the reduced bodies of a machine of which the full ones are known, by name."""
-    found = {}
-    for placed in system.bodies:
-        body = placed.body
-        if isinstance(body, ReducedBody) and body.name in fulls:
-            found[body.name] = kept_basis(fulls[body.name], body)
-    return found
+    reduced = system.bodies_of(ReducedBody)
+    return {name: kept_basis(fulls[name], body) for name, body in reduced.items() if name in fulls}

@@ -88,7 +88,7 @@ def draw_run(
     the paths of the pictures
     """
     pictures: list[Path] = []
-    reduced = system.bodies_of(ReducedBody)
+    reduced, lines = system.bodies_of(ReducedBody), system.bodies_of(IntrinsicBody)
     for body, mesh in _drawn(system, meshes):
         surface = skin_of(mesh)
 
@@ -102,8 +102,8 @@ def draw_run(
             pictures.append(
                 _draw_modes(path("modes"), reduced[body.name], modes.get(body.name), surface, units)
             )
-        if isinstance(body, IntrinsicBody):
-            pictures.append(_draw_intrinsic_modes(path("modes"), body, surface, units))
+        if body.name in lines:
+            pictures.append(_draw_intrinsic_modes(path("modes"), lines[body.name], surface, units))
         if not body.has_frame:
             continue
         pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
