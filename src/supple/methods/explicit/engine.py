@@ -182,9 +182,9 @@ class ExplicitEngine:
         )
 
     def _first_step(self) -> float:
-        """Of the frames, s: what rates of change at the start are taken over."""
-        h, ratio = self.steps()
-        return h * ratio
+        """Step of the trial at the start, s: a hundredth of the longest of the frames."""
+        limits = [float(each.step_limit) for each in self._built.model.frames]
+        return 0.01 * min([self._run.output_step, self._fixed or np.inf, *limits])
 
     def _check_step(self) -> None:
         step, own = self._fixed, self._built
