@@ -102,6 +102,16 @@ MIDDLE = tuple(np.flatnonzero(np.isclose(model().mesh.nodes[:, 0], LENGTH / 2)).
 HINGE = Revolute(first="ground", second="bar.root", axis=(0, 0, 1), name="hinge")
 
 CHECKS = {}
+QUICK = (
+    "motion in time",
+    "fixed steps of the run",
+    "equilibrium",
+    "small motions and their modes",
+    "case file: info",
+    "case file: check",
+    "case file: export to CalculiX",
+)
+"""Rows whose machines are few; `make test-all` marches those of all others, and every refusal is quick."""
 
 
 def row(name):
@@ -195,7 +205,9 @@ def _(form):
         system, end = flying(form), PERIOD
         expected = CENTRE + VELOCITY * end + GRAVITY * end**2 / 2
     solution = simulate(system, Run(end, end / 4, step=AdaptiveStep(1e-4)))
-    assert centre(bar_as(form), solution.bodies["bar"])[-1] == pytest.approx(expected, abs=5e-5)
+    # On a hinge what stretches turns more slowly, by some 2 sigma / E.
+    within = 5e-4 if form == "intrinsic" else 5e-5
+    assert centre(bar_as(form), solution.bodies["bar"])[-1] == pytest.approx(expected, abs=within)
 
 
 @row("result file, resumed to the same bits")
@@ -662,10 +674,19 @@ def checked(feature, form, folder):
     return check(form, folder) if with_folder else check(form)
 
 
+def _reads_the_flight(feature):
+    return feature.startswith("sensor") and "joint" not in feature
+
+
 def cells(answer):
     """Row and column where the answer is, or is not, yes; those with nothing to ask left out."""
     return [
-        pytest.param(feature, form, id=f"{feature}, {form}")
+        pytest.param(
+            feature,
+            form,
+            id=f"{feature}, {form}",
+            marks=() if not answer or feature in QUICK or _reads_the_flight(feature) else pytest.mark.slow,
+        )
         for feature, row in TABLE.items()
         for form, cell in row.items()
         if (cell == YES) == answer and not cell.startswith(DASH)
