@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
+from functools import singledispatch
 from typing import Any, TypeVar
 
 import jax
@@ -192,17 +193,22 @@ _ELASTIC = ("stiffness", "damping")
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 
 
+@singledispatch
 def _arrays(body: Any, length: float) -> dict[str, Any]:
-    """Inertia and elasticity of a rigid or reduced body."""
-    scale = length * np.sqrt(body.mass)
-    if not body.n_coordinates:
-        empty, gram = np.zeros((0, 0)), rigid_gram(body)
-        elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, empty)}
-    else:
-        gram = condensed_gram(body)
-        elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
-        elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
-    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": scale, **elastic}
+    """Inertia and elasticity of a body of linear shapes, or of none."""
+    elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
+    elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
+    return _inertia(condensed_gram(body), body.mass, length) | elastic
+
+
+@_arrays.register
+def _(body: RigidBody, length: float) -> dict[str, Any]:
+    elastic = {**dict.fromkeys(_TENSORS), **dict.fromkeys(_ELASTIC, np.zeros((0, 0)))}
+    return _inertia(rigid_gram(body), body.mass, length) | elastic
+
+
+def _inertia(gram: np.ndarray, mass: float, length: float) -> dict[str, Any]:
+    return {"gram": gram, "inertia": inertia_arrays(gram), "coordinate_scale": length * np.sqrt(mass)}
 
 
 def _body_groups(system: System, places: _BodyPlaces, length: float) -> tuple[BodyGroup, ...]:

@@ -18,6 +18,7 @@ TOPICS = (
     "readings",
     "error_statements",
     "explicit_impact",
+    "explicit_joints",
     "rigid_machines",
     "rigid_rotation",
     "beams_at_rest",
