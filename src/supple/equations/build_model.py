@@ -35,7 +35,6 @@ from supple.reduction.condensed_inertia import condensed_gram
 
 __all__ = [
     "build_model",
-    "end_at",
     "initial_points",
     "is_on_full_nodes",
     "row_scales",
@@ -292,12 +291,6 @@ def _both_ends(system: System, element: Joint | ForceElement) -> tuple[_End, _En
     first, second = initial_points(system, element)
     axes = element.initial_axes
     return _end(system, element.first, axes, first), _end(system, element.second, axes, second)
-
-
-def end_at(system: System, end: At) -> Ends:
-    """One end, of global axes at assembly."""
-    places = _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies))
-    return _ends(places, [_end(system, end, np.eye(3), np.zeros(3))])
 
 
 def _joint_groups(system: System, places: _BodyPlaces) -> tuple[JointGroup, ...]:

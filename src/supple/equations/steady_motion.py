@@ -16,7 +16,8 @@ The last bracket is also the derivative of the unbalanced force of a steady stat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Self
 
 import jax
 import jax.numpy as jnp
@@ -35,6 +36,7 @@ from supple.programs.kept_programs import KeptProgram
 
 __all__ = [
     "LinearEquations",
+    "SteadyEquations",
     "Turning",
     "in_turning_axes",
     "linear_equations",
@@ -60,6 +62,40 @@ class Turning(NamedTuple):
     def slowed(self, share: float) -> Turning:
         """The same at a share of its rate."""
         return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyEquations:
+    """What the `Equations` of all methods hold: a machine, its start, its spin, and forces held back.
+
+    machine : Any               ready for its method, its equations independent
+    begin : Any                 as its bodies are placed
+    turning : Turning | None    of its bodies in their order; None at rest
+    held : (n,)                 forces that are held back
+    """
+
+    machine: Any
+    begin: Any
+    turning: Turning | None = None
+    held: np.ndarray | float = 0.0
+
+    def at_rest(self) -> Self:
+        """The machine without its spin."""
+        return replace(self, turning=None)
+
+    def eased(self, share: float, held: np.ndarray) -> Self:
+        """The machine at a share of its spin's rate, with forces (n,) held back."""
+        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
+
+    @property
+    def model(self) -> Model:
+        """What joints and forces see of it."""
+        return self.machine.model
+
+    @property
+    def slices(self) -> tuple[slice, ...]:
+        """Where the motions of each body stand."""
+        return self.machine.slices
 
 
 class LinearEquations(NamedTuple):

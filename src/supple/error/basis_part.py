@@ -87,7 +87,7 @@ def distances(
 
 def _negligible(system: System, solution: Solution, name: str) -> float:
     body = system.placed(name).body
-    return NEGLIGIBLE * largest_displacement(body, solution.bodies[name])
+    return NEGLIGIBLE * largest_displacement(body, solution.bodies[name].coordinates)
 
 
 def in_full(system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> System:

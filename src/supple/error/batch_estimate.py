@@ -40,8 +40,8 @@ from supple.error.error_estimate import (
     reduced_form,
 )
 from supple.error.error_study import ErrorStudy, statements
-from supple.error.looked_at_instants import jittered
 from supple.error.residual_correction import system_corrections
+from supple.error.sample_times import stratified_samples
 from supple.error.stopping import withheld
 from supple.errors import ModelError
 from supple.integrate import ErrorPart, FloatingMotion, Run, Solution
@@ -174,7 +174,7 @@ class _Batch:
                 tuple(self.fulls.values()),
                 self.bases,
                 self.steps[case].solution,
-                jittered(lengths[case], min(share, lengths[case] - 1), seed=seed + 2 * int(case)),
+                stratified_samples(lengths[case], min(share, lengths[case] - 1), seed=seed + 2 * int(case)),
             )
             for name, own in missed.items():
                 fields[name].append(own.deformation)

@@ -18,8 +18,8 @@ import numpy as np
 
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
-from supple.error.looked_at_instants import jittered
 from supple.error.residual_correction import system_corrections
+from supple.error.sample_times import stratified_samples
 from supple.errors import SuppleWarning
 from supple.integrate import ErrorPart, Run, Solution, StepProgress, Validity
 from supple.machine import Placed, System
@@ -67,7 +67,7 @@ def check_run(
     if not system.controllers:
         reduced = [fulls[name] for name in bases]
         n_times = len(solution.times)
-        instants = jittered(n_times, min(INSTANTS, n_times - 1), seed=n_times)
+        instants = stratified_samples(n_times, min(INSTANTS, n_times - 1), seed=n_times)
         missed = system_corrections(
             system, reduced, bases, solution, instants, progress=lambda x: report(step, x)
         )

@@ -27,9 +27,9 @@ from supple.error.equation import (
     run_columns,
     second_correction,
 )
-from supple.error.looked_at_instants import followed, jittered, striking
 from supple.error.missing_motion import FOLLOWED
 from supple.error.residual_correction import ResidualCorrections, system_corrections
+from supple.error.sample_times import followed, load_peaks, stratified_samples
 from supple.error.stopping import withheld
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
 from supple.integrate import Progress, Run, Solution
@@ -207,9 +207,9 @@ class ErrorEstimator:
 
     def _instants(self, times: np.ndarray, instants: int) -> tuple[np.ndarray, np.ndarray]:
         fresh = max(1, FRESH * instants // INSTANTS)
-        looked = jittered(len(times), max(1, instants - fresh), seed=0)
-        looked = np.union1d(looked, striking(self._system, times))
-        return looked, jittered(len(times), fresh, seed=1)
+        looked = stratified_samples(len(times), max(1, instants - fresh), seed=0)
+        looked = np.union1d(looked, load_peaks(self._system, times))
+        return looked, stratified_samples(len(times), fresh, seed=1)
 
     def active(self, solution: Solution) -> tuple[int, ...]:
         """The constraint equations that the run kept, by their numbers."""

@@ -107,7 +107,7 @@ def model_errors_by_limit(system: System, solution: Solution) -> dict[str, float
         motion = solution.bodies[body.name]
         if not body.n_coordinates:
             continue
-        size = largest_displacement(body, motion)
+        size = largest_displacement(body, motion.coordinates)
         turn = float(_widest_turn(body, motion).max(initial=0.0))
         if body.is_linear:
             length = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
@@ -165,7 +165,7 @@ def _part(
         return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]
     for body, limit in limits.items():
-        size = largest_displacement(system.placed(body).body, solution.bodies[body])
+        size = largest_displacement(system.placed(body).body, solution.bodies[body].coordinates)
         own = limit
         if body in missed:
             own = max(float(missed[body].rms.max()), _shortening(system, body, limits))

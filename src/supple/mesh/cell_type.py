@@ -8,6 +8,8 @@ __all__ = ["CellType"]
 
 _TRIANGLE_EDGES = ((0, 1), (1, 2), (2, 0))
 _TETRA_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+_TETRA_FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+_HEXA_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 _HEXA_EDGES = (
     (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7),
 )  # fmt: skip
@@ -20,15 +22,16 @@ class CellType(Enum):
     of the first three; a hexahedron lists its bottom, then its top, both turning about the axis from bottom
     to top. Mid-edge nodes follow, in the order of `edges`.
 
-    Attributes: meshio_name, n_nodes, n_corners, dimension (1 line, 2 surface, 3 solid), edges (of corners).
+    Attributes: meshio_name, n_nodes, n_corners, dimension (1 line, 2 surface, 3 solid), edges (of corners),
+    faces (of corners, turning about the outward normal; a triangle is its own face, a line has none).
     """
 
-    LINE2 = ("line", 2, 2, 1, ((0, 1),))
-    TRIANGLE3 = ("triangle", 3, 3, 2, _TRIANGLE_EDGES)
-    TETRA4 = ("tetra", 4, 4, 3, _TETRA_EDGES)
-    TETRA10 = ("tetra10", 10, 4, 3, _TETRA_EDGES)
-    HEXA8 = ("hexahedron", 8, 8, 3, _HEXA_EDGES)
-    HEXA20 = ("hexahedron20", 20, 8, 3, _HEXA_EDGES)
+    LINE2 = ("line", 2, 2, 1, ((0, 1),), ())
+    TRIANGLE3 = ("triangle", 3, 3, 2, _TRIANGLE_EDGES, ((0, 1, 2),))
+    TETRA4 = ("tetra", 4, 4, 3, _TETRA_EDGES, _TETRA_FACES)
+    TETRA10 = ("tetra10", 10, 4, 3, _TETRA_EDGES, _TETRA_FACES)
+    HEXA8 = ("hexahedron", 8, 8, 3, _HEXA_EDGES, _HEXA_FACES)
+    HEXA20 = ("hexahedron20", 20, 8, 3, _HEXA_EDGES, _HEXA_FACES)
 
     def __init__(
         self,
@@ -37,9 +40,11 @@ class CellType(Enum):
         n_corners: int,
         dimension: int,
         edges: tuple[tuple[int, int], ...],
+        faces: tuple[tuple[int, ...], ...],
     ):
         self.meshio_name = meshio_name
         self.n_nodes = n_nodes
         self.n_corners = n_corners
         self.dimension = dimension
         self.edges = edges
+        self.faces = faces

@@ -2,35 +2,35 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from supple.mesh import CellType, Mesh
 
-__all__ = ["FACE_TRIANGLES", "outer_triangles"]
+__all__ = ["FACE_TRIANGLES", "outer_faces", "outer_triangles"]
 
 IntArray = NDArray[np.int64]
 
-_TETRA_FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
-_HEXA_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-_CUT_HEXA_FACES = tuple(t for a, b, c, d in _HEXA_FACES for t in ((a, b, c), (a, c, d)))
-
 FACE_TRIANGLES = {
-    CellType.TRIANGLE3: np.array([(0, 1, 2)]),
-    CellType.TETRA4: np.array(_TETRA_FACES),
-    CellType.TETRA10: np.array(_TETRA_FACES),
-    CellType.HEXA8: np.array(_CUT_HEXA_FACES),
-    CellType.HEXA20: np.array(_CUT_HEXA_FACES),
+    kind: np.array([(face[0], *pair) for face in kind.faces for pair in pairwise(face[1:])])
+    for kind in CellType
+    if kind.faces
 }
 """Corners of the triangles that make the faces of a cell."""
 
-_RIMS = {
-    CellType.TRIANGLE3: np.array([(0, 1, 2)]),
-    CellType.TETRA4: np.array(_TETRA_FACES),
-    CellType.TETRA10: np.array(_TETRA_FACES),
-    CellType.HEXA8: np.array(_HEXA_FACES),
-    CellType.HEXA20: np.array(_HEXA_FACES),
-}
+
+def outer_faces(kind: CellType, cells: IntArray, rims: ArrayLike) -> IntArray:
+    """Faces (F, k) of cells (n, m) of a kind; those that two solid cells share lie inside and are left out.
+
+    rims : (f, k)   nodes of each face of a cell, corners alone or mid-edge nodes too
+    """
+    faces = cells[:, np.asarray(rims)].reshape(-1, np.shape(rims)[1])
+    if kind.dimension != 3:
+        return faces
+    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[np.sort(first[count == 1])]
 
 
 def outer_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
@@ -42,12 +42,9 @@ def outer_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
     wanted[nodes] = True
     found = [np.empty((0, 3), dtype=np.int64)]
     for kind, cells in mesh.cells.items():
-        if kind not in _RIMS:
+        if not kind.faces:
             continue
-        faces = cells[:, _RIMS[kind]].reshape(-1, _RIMS[kind].shape[1])
-        if kind.dimension == 3:
-            _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-            faces = faces[np.sort(first[count == 1])]
+        faces = outer_faces(kind, cells, kind.faces)
         faces = faces[wanted[faces].all(axis=1)]
         cuts = [(0, 1, 2)] if faces.shape[1] == 3 else [(0, 1, 2), (0, 2, 3)]
         found += [faces[:, cut] for cut in cuts]

@@ -82,13 +82,16 @@ class _ProgramWork:
         self._program, self._compiled, self._first = program, None, ()
 
     def prepare(self, arguments: tuple[Any, ...]) -> None:
+        """Compile it."""
         self._first, self._compiled = arguments, self._program.compiled(*arguments)
 
     def here(self, arguments: tuple[Any, ...]) -> Any:
+        """Its result."""
         assert self._compiled is not None
         return jax.device_get(self._compiled(*arguments))
 
     def greeting(self) -> Any:
+        """Where it is kept, and how many leaves go in and come out."""
         assert self._compiled is not None
         file = self._program.file(*self._first)
         if file is None:
@@ -96,9 +99,11 @@ class _ProgramWork:
         return str(file), jax.tree.structure(self._first).num_leaves, self._compiled.out_tree.num_leaves
 
     def question(self, arguments: tuple[Any, ...]) -> Any:
+        """Its leaves."""
         return [np.asarray(leaf) for leaf in jax.tree.leaves(arguments)]
 
     def result(self, answer: Any) -> Any:
+        """The tree of the leaves that came out."""
         assert self._compiled is not None
         return jax.tree.unflatten(self._compiled.out_tree, answer)
 

@@ -83,7 +83,7 @@ class PositionSensor(_AtPlace):
         """Largest displacement of its nodes, or of the body's, seen from the first interface."""
         form, nodes = body_named(system, self.body, self.name), self.place.at
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
-        return largest_displacement(form, solution.bodies[self.body], some)
+        return largest_displacement(form, solution.bodies[self.body].coordinates, some)
 
 
 class VelocitySensor(_AtPlace):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import Solution
 from supple.machine import System
 
 __all__ = ["QuantityOfInterest", "WholeBody"]
@@ -84,23 +84,25 @@ class WholeBody:
 
     def size(self, system: System, solution: Solution) -> float:
         """Largest displacement of a node, seen from the first interface."""
-        return largest_displacement(system.placed(self.body, "stated error").body, solution.bodies[self.body])
+        body = system.placed(self.body, "stated error").body
+        return largest_displacement(body, solution.bodies[self.body].coordinates)
 
 
 def largest_displacement(
-    body: BodyForm, motion: FloatingMotion, nodes: np.ndarray | slice = slice(None)
+    body: BodyForm, coordinates: Array, nodes: np.ndarray | slice = slice(None)
 ) -> float:
     """Largest displacement of a node over time, seen from the body's first interface, or in its frame.
 
+    coordinates : (t, r)
     nodes : those looked at
     The turn of the interface against the frame is taken as small.
     """
     sizes = []
-    for rows in blocks_of_times(len(motion.position)):
-        displaced = body.expand(motion.coordinates[rows])[:, nodes]
+    for rows in blocks_of_times(len(coordinates)):
+        displaced = body.expand(coordinates[rows])[:, nodes]
         if body.interfaces:
             base = body.interfaces[0]
-            moved = motion.coordinates[rows] @ base.motion.T
+            moved = coordinates[rows] @ base.motion.T
             turned = np.cross(moved[:, None, 3:], body.nodes[nodes] - base.position)
             displaced = displaced - moved[:, None, :3] - turned
         sizes.append(np.linalg.norm(displaced, axis=2).max())

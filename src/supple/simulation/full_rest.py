@@ -30,6 +30,7 @@ from supple.equations.static_search import (
 from supple.errors import AccuracyError, ConvergenceError
 from supple.machine import System
 from supple.methods.floating.full.statics import FullStatics, full_statics
+from supple.quantities.quantity_of_interest import largest_displacement
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.kept_basis import kept_bases
 from supple.simulation.resting_state import RestingState, placed_at_rest
@@ -149,11 +150,8 @@ def full_rest(
         else placed
         for placed in reduced.system.bodies
     )
-    spins = bool(np.any(reduced.turning.angular_velocities))
-    machine, turning = (
-        seen_machine(replace(reduced.system, bodies=bodies)),
-        reduced.turning if spins else None,
-    )
+    machine = seen_machine(replace(reduced.system, bodies=bodies))
+    turning = reduced.turning if np.any(reduced.turning.angular_velocities) else None
     statics = full_statics(machine, turning, time, reduced.equations.model.active)
     # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
     start = reduced.state._replace(
@@ -192,10 +190,8 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
             continue
         own, began = fulls[name], full.began[name]
         if full.found is None:
-            none = np.zeros_like(began)
-            errors[name] = RestError(
-                np.zeros_like(own.nodes), none, _deflection(own, began), np.inf, full.second, known=False
-            )
+            none, size = np.zeros_like(began), largest_displacement(own, began[None])
+            errors[name] = RestError(np.zeros_like(own.nodes), none, size, np.inf, full.second, known=False)
             continue
         deformation = new.coordinates - full.bases[name].vectors @ old.coordinates
         if held:
@@ -206,7 +202,7 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
         errors[name] = RestError(
             displacement,
             deformation,
-            _deflection(own, new.coordinates),
+            largest_displacement(own, new.coordinates[None]),
             _strain(own, began, new.coordinates),
             full.second,
         )
@@ -261,16 +257,6 @@ def _swept(
             return state, second
         found = statics.unbalance(state, time)
     return state, second
-
-
-def _deflection(full: FullBody, coordinates: np.ndarray) -> float:
-    """Largest displacement of a node, seen from the first interface, or in the frame."""
-    displaced = full.expand(coordinates)
-    if full.interfaces:
-        base = full.interfaces[0]
-        moved = base.motion @ coordinates
-        displaced = displaced - moved[:3] - np.cross(moved[3:], full.nodes - base.position)
-    return float(np.linalg.norm(displaced, axis=1).max())
 
 
 def _strain(full: FullBody, before: np.ndarray, after: np.ndarray) -> float:

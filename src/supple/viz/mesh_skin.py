@@ -9,21 +9,12 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.mesh import CellType, Mesh
+from supple.mesh.outer_faces import outer_faces
 
 __all__ = ["Skin", "skin_of"]
 
 IntArray = NDArray[np.int64]
 
-# Corners of the faces, turning about the outward normal.
-_TETRA_FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-_HEXA_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-_FACES = {
-    CellType.TRIANGLE3: ((0, 1, 2),),
-    CellType.TETRA4: _TETRA_FACES,
-    CellType.TETRA10: _TETRA_FACES,
-    CellType.HEXA8: _HEXA_FACES,
-    CellType.HEXA20: _HEXA_FACES,
-}
 # A face as its nodes around the rim (corner, mid-edge, corner, ...), cut into triangles.
 _CUTS = {
     3: ((0, 1, 2),),
@@ -80,11 +71,7 @@ def skin_of(mesh: Mesh) -> Skin:
 
 
 def _cell_skin(kind: CellType, cells: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-    rims = np.array([_rim(kind, corners) for corners in _FACES[kind]])
-    faces = cells[:, rims].reshape(-1, rims.shape[1])
-    if kind.dimension == 3:
-        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-        faces = faces[np.sort(first[count == 1])]
+    faces = outer_faces(kind, cells, [_rim(kind, corners) for corners in kind.faces])
     n_rim = faces.shape[1]
     cuts = np.array(_CUTS[n_rim])
     # A side is an edge of the mesh where it joins neighbours on the rim.

@@ -1,4 +1,4 @@
-"""What is known of a body whose run is assessed: its columns, its start, and what it misses at rest."""
+"""What is known of a body whose run is assessed: its columns, its start, and its missing motion at rest."""
 
 from __future__ import annotations
 

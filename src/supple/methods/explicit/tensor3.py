@@ -19,7 +19,6 @@ __all__ = [
     "cofactor",
     "determinant",
     "double_dot",
-    "identity_like",
     "product",
     "scaled",
     "symmetric_part",
@@ -33,12 +32,6 @@ Tensor = tuple[tuple[Array, Array, Array], tuple[Array, Array, Array], tuple[Arr
 def tensor(component: Callable[[int, int], Array]) -> Tensor:
     """From a function of the two indices."""
     return tuple(tuple(component(i, j) for j in range(3)) for i in range(3))  # type: ignore[return-value] - of length 3
-
-
-def identity_like(t: Tensor) -> Tensor:
-    """The unit tensor at the same points."""
-    one, zero = jnp.ones_like(t[0][0]), jnp.zeros_like(t[0][0])
-    return tensor(lambda i, j: one if i == j else zero)
 
 
 def transposed(a: Tensor) -> Tensor:

@@ -24,7 +24,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.algebra.rotation import rotation_exp
+from supple.algebra.rotation import rotation_exp, skew, unskew
 from supple.equations.compiler_options import STARTING
 from supple.equations.station_body import BodyState, SeenMachine, StationBodyForces, Stations
 from supple.integrate import FloatingMotion
@@ -111,7 +111,7 @@ class LineInFrame:
         )
 
     def station_motions(self, motion: IntrinsicMotion) -> Mapping[str, FloatingMotion]:
-        """Poses of its stations over time; they stand still, for nobody asks how they move."""
+        """Poses of its stations over time; velocities, which joint forces do not depend on, are zero."""
         rotations, positions = body_of(self.placed).places(motion)
         t = len(positions)
         still, none = np.zeros((t, 3)), np.zeros((t, 0))
@@ -176,9 +176,7 @@ def _velocities(line: FrameLine, rotation: jax.Array, coordinates: jax.Array, u:
 
 def _pose_rates(state: BodyState, u: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Of origin, rotation and coordinates."""
-    w = u[3:6]
-    turning = jnp.stack([jnp.cross(w, row) for row in jnp.eye(3)], axis=1)
-    return u[:3], state.rotation @ turning, u[6:]
+    return u[:3], state.rotation @ skew(u[3:6]), u[6:]
 
 
 def _pose(state: BodyState) -> tuple[Any, Any, Any]:
@@ -219,8 +217,7 @@ def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: An
 def _twists(line: FrameLine, state: BodyState, u: jax.Array) -> jax.Array:
     """Velocities, global, and angular velocities, in own axes, of the stations that are held, (6 s,)."""
     places, rates = jax.jvp(lambda *at: _places_of_held(line, *at), _pose(state), _pose_rates(state, u))
-    skew = jnp.einsum("sji,sjk->sik", places.rotations, rates.rotations)
-    spin = jnp.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
+    spin = jax.vmap(unskew)(jnp.einsum("sji,sjk->sik", places.rotations, rates.rotations))
     return jnp.concatenate([rates.positions, spin], axis=1).reshape(-1)
 
 

@@ -16,7 +16,7 @@ from supple.equations.control_linearization import LinearControl
 from supple.equations.coordinate_scales import kinds_of_rows, position_scale
 from supple.equations.model import Model
 from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
-from supple.equations.steady_motion import LinearEquations, Turning
+from supple.equations.steady_motion import LinearEquations, SteadyEquations, Turning
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
@@ -46,29 +46,14 @@ SAME_AXIS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class LineStatics:
+class LineStatics(SteadyEquations):
     """`Equations` of intrinsic bodies, by what the march's residuals and their derivatives are at rest.
 
     Vectors (N,) are of floating bodies, then of the lines' amplitudes of velocities.
-
-    machine : JoinedMachine     its equations independent
-    begin : Instant             as its bodies are placed
-    turning : Turning | None    of its bodies in their order; None at rest
-    held : (N,)                 forces that are held back
     """
 
     machine: JoinedMachine
     begin: Instant
-    turning: Turning | None = None
-    held: np.ndarray | float = 0.0
-
-    def at_rest(self) -> LineStatics:
-        """The machine without its spin."""
-        return replace(self, turning=None)
-
-    def eased(self, share: float, held: np.ndarray) -> LineStatics:
-        """The machine at a share of its spin's rate, with forces (N,) held back."""
-        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
 
     @property
     def model(self) -> Model:

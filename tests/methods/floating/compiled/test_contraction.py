@@ -15,9 +15,9 @@ from supple.machine import GROUND, At, Ball, DeadForce, Placed, SpringDamper, Sy
 from supple.methods.floating.compiled.contraction import (
     MEASURED_EVERY,
     Contraction,
-    foretold_to_converge,
     measured,
-    untold,
+    no_estimate,
+    predicted_to_converge,
 )
 from supple.methods.floating.compiled.engine import controls, initial_state
 from supple.methods.floating.compiled.programs import COMPILED_MARCH
@@ -108,18 +108,18 @@ def test_force_elements_may_have_kinks_and_are_always_evaluated():
 )
 def test_the_residual_grows_with_the_square_of_the_one_before(size, step, phase, expected):
     known = Contraction(before=1e3, after=4e-3, step=0.1, phase=phase)
-    assert bool(foretold_to_converge(known, jnp.asarray(size), jnp.asarray(step))) is expected
+    assert bool(predicted_to_converge(known, jnp.asarray(size), jnp.asarray(step))) is expected
 
 
 def test_a_residual_unlike_that_measured_is_seen():
     known = Contraction(before=1e3, after=1e-9, step=0.1, phase=1)
-    assert foretold_to_converge(known, jnp.asarray(1.9e3), jnp.asarray(0.1))
-    assert not foretold_to_converge(known, jnp.asarray(2.1e3), jnp.asarray(0.1))
+    assert predicted_to_converge(known, jnp.asarray(1.9e3), jnp.asarray(0.1))
+    assert not predicted_to_converge(known, jnp.asarray(2.1e3), jnp.asarray(0.1))
 
 
-def test_nothing_is_foretold_before_something_was_measured():
-    known = untold()._replace(phase=1, step=0.1)
-    assert not foretold_to_converge(known, jnp.asarray(1e-9), jnp.asarray(0.1))
+def test_nothing_is_predicted_before_something_was_measured():
+    known = no_estimate()._replace(phase=1, step=0.1)
+    assert not predicted_to_converge(known, jnp.asarray(1e-9), jnp.asarray(0.1))
 
 
 @pytest.mark.parametrize(

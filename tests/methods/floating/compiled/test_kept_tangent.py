@@ -30,10 +30,10 @@ from supple.methods.floating.compiled.kept_tangent import (
     PAUSE,
     KeptTangent,
     bodies_inverse,
-    foretold_to_suffice,
     keeps_tangent,
     no_tangent,
     predicted,
+    predicted_to_suffice,
     serves,
     solution_by_parts,
     used,
@@ -304,7 +304,7 @@ KNOWN = KeptTangent(np.eye(1), STEP, 4.0, 1e3, 4e-3, 2.0, 1.0, 1.0, 0.0, np.ones
     ],
 )
 def test_what_a_tangent_leaves_grows_with_its_age_and_the_residual(size, changes, expected):
-    assert bool(foretold_to_suffice(KNOWN._replace(**changes), jnp.asarray(size))) is expected
+    assert bool(predicted_to_suffice(KNOWN._replace(**changes), jnp.asarray(size))) is expected
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What a correction of Newton's iteration will leave of the residual, foretold from one that was measured.
+"""What a correction of Newton's iteration will leave of the residual, predicted from one that was measured.
 
 Near a solution Newton's iteration squares its residual. With the sizes `s_0` before and `s_1` behind a
 correction of an earlier step of the same run, in parts of the tolerance,
@@ -25,10 +25,10 @@ import numpy as np
 
 from supple.equations.model import Model
 
-__all__ = ["Contraction", "foretold_to_converge", "is_foretellable", "measured", "untold"]
+__all__ = ["Contraction", "is_predictable", "measured", "no_estimate", "predicted_to_converge"]
 
 MARGIN = 100.0
-"""By which what is foretold must be below the tolerance."""
+"""By which what is predicted must be below the tolerance."""
 LIKE = 2.0
 """By which a residual may exceed that measured; beyond, at a jump of a load, something else is at work."""
 MEASURED_EVERY = 8
@@ -47,17 +47,17 @@ class Contraction(NamedTuple):
     """Accepted steps since one was due to be measured"""
 
 
-def untold() -> Contraction:
+def no_estimate() -> Contraction:
     """Nothing is known at the start of a run."""
     return Contraction(*np.zeros(4))
 
 
-def is_foretellable(model: Model) -> bool:
+def is_predictable(model: Model) -> bool:
     """Whether all terms of the equations are smooth within a step."""
     return not model.forces and not model.controllers
 
 
-def foretold_to_converge(known: Contraction, size: jax.Array, step: jax.Array) -> jax.Array:
+def predicted_to_converge(known: Contraction, size: jax.Array, step: jax.Array) -> jax.Array:
     """Whether a correction from a residual of this size surely ends below the tolerance."""
     ratio = jnp.maximum(1.0, size / jnp.where(known.before > 0, known.before, 1.0))
     # A step no longer than that measured: its tangent varies no more.

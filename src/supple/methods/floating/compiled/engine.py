@@ -25,7 +25,7 @@ from supple.equations.sampling import march_sampled, sampling_of
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
 from supple.machine import System
-from supple.methods.floating.compiled.contraction import Contraction, untold
+from supple.methods.floating.compiled.contraction import Contraction, no_estimate
 from supple.methods.floating.compiled.inert_motion import (
     in_all_coordinates,
     in_own_coordinates,
@@ -88,7 +88,7 @@ def _state(**known: Any) -> State:
         "largest_error": np.zeros(()),
         "largest_turn": np.zeros(()),
     }
-    known.setdefault("contraction", untold())
+    known.setdefault("contraction", no_estimate())
     arrays: dict[str, Any] = {name: jax.tree.map(np.asarray, value) for name, value in known.items()}
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
@@ -158,7 +158,7 @@ class CompiledEngine:
             acceleration=instant.acceleration,
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(active)],
-            contraction=Contraction(*known.get("contraction", untold())),
+            contraction=Contraction(*known.get("contraction", no_estimate())),
             control=resumed_control(self._system, known),
             kept=_resumed_tangent(model, known),
         )

@@ -33,7 +33,7 @@ import numpy as np
 
 from supple.equations.configuration import AnyArray
 from supple.equations.model import Model
-from supple.methods.floating.compiled.contraction import LIKE, MEASURED_EVERY, is_foretellable
+from supple.methods.floating.compiled.contraction import LIKE, MEASURED_EVERY, is_predictable
 from supple.methods.floating.compiled.elimination import Elimination
 from supple.methods.floating.compiled.step_equations import tree_layout
 
@@ -42,9 +42,9 @@ __all__ = [
     "SLOWEST",
     "KeptTangent",
     "bodies_inverse",
-    "foretold_to_suffice",
     "keeps_tangent",
     "no_tangent",
+    "predicted_to_suffice",
     "serves",
     "solution_by_parts",
     "used",
@@ -55,7 +55,7 @@ SLOWEST = 0.1
 SHARE = 0.1
 """Of the tolerance, what is asked of an iterate that a kept tangent led to."""
 MARGIN = 10.0
-"""By which what is foretold must be below the tolerance."""
+"""By which what is predicted must be below the tolerance."""
 PAUSE = 16.0
 """Steps without a kept tangent after one that did not outlive its first: where motions are not resolved, no
 tangent is worth keeping."""
@@ -94,7 +94,7 @@ class KeptTangent(NamedTuple):
 def keeps_tangent(model: Model) -> bool:
     """Whether a tangent costs more than what is solved with a kept one: known from the structure."""
     dear = any(group.r >= _FEWEST and group.cubic is not None for group in model.groups)
-    return dear and is_foretellable(model) and tree_layout(model) is None
+    return dear and is_predictable(model) and tree_layout(model) is None
 
 
 def no_tangent(model: Model) -> KeptTangent:
@@ -115,7 +115,7 @@ def predicted(kept: KeptTangent, acceleration: jax.Array, step: jax.Array) -> ja
     return acceleration + ahead * (acceleration - kept.acceleration)
 
 
-def foretold_to_suffice(kept: KeptTangent, size: jax.Array) -> jax.Array:
+def predicted_to_suffice(kept: KeptTangent, size: jax.Array) -> jax.Array:
     """Whether a correction from a residual of this size surely ends below the tolerance."""
     ratio = jnp.maximum(1.0, size / jnp.where(kept.before > 0, kept.before, 1.0))
     older = (kept.age + 1) / jnp.maximum(kept.measured_at, 1.0)

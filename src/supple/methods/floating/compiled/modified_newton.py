@@ -14,7 +14,7 @@ from supple.equations.coordinate_scales import position_scale
 from supple.equations.joint_force import constraint_rows
 from supple.equations.model import Model
 from supple.integrate import StepRule
-from supple.methods.floating.compiled.contraction import Contraction, foretold_to_converge
+from supple.methods.floating.compiled.contraction import Contraction, predicted_to_converge
 from supple.methods.floating.compiled.elimination import Elimination
 from supple.methods.floating.compiled.iterate import Trial, motion_of
 from supple.methods.floating.compiled.kept_tangent import (
@@ -22,12 +22,12 @@ from supple.methods.floating.compiled.kept_tangent import (
     SLOWEST,
     KeptTangent,
     bodies_inverse,
-    foretold_to_suffice,
+    predicted_to_suffice,
     serves,
     solution_by_parts,
     used,
 )
-from supple.methods.floating.compiled.newton import Iteration, Judged, Modified
+from supple.methods.floating.compiled.newton import Assessed, Iteration, Modified
 from supple.methods.floating.compiled.state import State
 
 __all__ = ["modified_pass", "used_in_step"]
@@ -46,7 +46,7 @@ def modified_pass(
     linearization: Linearization,
     size: jax.Array,
     settled: jax.Array,
-) -> Judged:
+) -> Assessed:
     """The correction of an iterate that is not good enough, with the kept tangent where it serves.
 
     size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
@@ -66,11 +66,13 @@ def modified_pass(
         lambda: _correction(elimination, model, rule, start, trial, linearization, before.inverse, anew),
     )
     # By earlier steps alone: what a first correction gains tells little of what a second one will.
-    foretold = jnp.where(
-        anew, foretold_to_converge(start.contraction, size, rule.h), foretold_to_suffice(start.kept, size)
+    predicted = jnp.where(
+        anew, predicted_to_converge(start.contraction, size, rule.h), predicted_to_suffice(start.kept, size)
     )
-    foretold = first & ~converged & foretold
-    return Judged(converged, foretold, change, multiplier_change, Modified(inverse, anew, before.made + anew))
+    predicted = first & ~converged & predicted
+    return Assessed(
+        converged, predicted, change, multiplier_change, Modified(inverse, anew, before.made + anew)
+    )
 
 
 def _correction(

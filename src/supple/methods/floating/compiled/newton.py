@@ -11,14 +11,14 @@ import jax.numpy as jnp
 from supple.equations.balance import Linearization
 from supple.equations.model import Model
 from supple.integrate import StepRule
-from supple.methods.floating.compiled.contraction import foretold_to_converge, is_foretellable
+from supple.methods.floating.compiled.contraction import is_predictable, predicted_to_converge
 from supple.methods.floating.compiled.elimination import Elimination
 from supple.methods.floating.compiled.in_turn import in_turn
 from supple.methods.floating.compiled.iterate import Place, Trial, motion_of
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, correction
 
-__all__ = ["Iteration", "Judged", "Modified", "newton_pass"]
+__all__ = ["Assessed", "Iteration", "Modified", "newton_pass"]
 
 
 class Iteration(NamedTuple):
@@ -36,7 +36,7 @@ class Iteration(NamedTuple):
     evaluations: jax.Array
     corrections: jax.Array
     converged: jax.Array
-    foretold: jax.Array
+    predicted: jax.Array
     """Whether its end was accepted without an evaluation"""
     modified: Modified | None
     """None where every iterate has its own tangent"""
@@ -53,11 +53,11 @@ class Modified(NamedTuple):
     """Tangents in this step"""
 
 
-class Judged(NamedTuple):
+class Assessed(NamedTuple):
     """What a pass makes of an evaluated iterate."""
 
     converged: jax.Array
-    foretold: jax.Array
+    predicted: jax.Array
     """Whether the corrected one surely is"""
     change: jax.Array
     """Of the accelerations, (n,); zero of a converged iterate"""
@@ -75,7 +75,7 @@ def newton_pass(
     linearization: Linearization,
     size: jax.Array,
     settled: jax.Array,
-) -> Judged:
+) -> Assessed:
     """Newton's correction of an iterate that is not good enough.
 
     size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
@@ -83,10 +83,14 @@ def newton_pass(
     converged = trial.converged | settled
     trial = trial._replace(converged=converged)
     correct = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
-    foretold = jnp.zeros((), dtype=bool)
-    if is_foretellable(model):
-        foretold = ~converged & (old.evaluations == 0) & foretold_to_converge(start.contraction, size, rule.h)
-    return Judged(converged, foretold, *correct(elimination, model, rule, start, trial, linearization), None)
+    predicted = jnp.zeros((), dtype=bool)
+    if is_predictable(model):
+        predicted = (
+            ~converged & (old.evaluations == 0) & predicted_to_converge(start.contraction, size, rule.h)
+        )
+    return Assessed(
+        converged, predicted, *correct(elimination, model, rule, start, trial, linearization), None
+    )
 
 
 def _newton_correction(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import jax
 import numpy as np
@@ -27,6 +27,7 @@ from supple.equations.static_search import (
 )
 from supple.equations.steady_motion import (
     LinearEquations,
+    SteadyEquations,
     Turning,
     in_turning_axes,
     linear_equations,
@@ -43,34 +44,11 @@ __all__ = ["CompiledStatics", "compiled_statics"]
 
 
 @dataclass(frozen=True, eq=False)
-class CompiledStatics:
+class CompiledStatics(SteadyEquations):
     """`Equations` whose steps are compiled."""
 
     machine: CompiledMachine
     begin: Configuration
-    """As the bodies are placed"""
-    turning: Turning | None = None
-    """None for machines at rest"""
-    held: np.ndarray | float = 0.0
-    """Forces (n,) that are held back"""
-
-    def at_rest(self) -> CompiledStatics:
-        """The machine without its spin."""
-        return replace(self, turning=None)
-
-    def eased(self, share: float, held: np.ndarray) -> CompiledStatics:
-        """The machine at a share of its spin's rate, with forces (n,) held back."""
-        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
-
-    @property
-    def model(self) -> Model:
-        """What joints and forces see of it: all."""
-        return self.machine.model
-
-    @property
-    def slices(self) -> tuple[slice, ...]:
-        """Where the motions of each body stand."""
-        return self.machine.slices
 
     @property
     def is_discrete(self) -> bool:

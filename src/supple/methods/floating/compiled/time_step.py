@@ -18,7 +18,7 @@ from supple.equations.coordinate_scales import position_scale
 from supple.equations.model import Model
 from supple.equations.step_size import next_step, position_rounding
 from supple.integrate import StepRule
-from supple.methods.floating.compiled.contraction import is_foretellable, measured
+from supple.methods.floating.compiled.contraction import is_predictable, measured
 from supple.methods.floating.compiled.elimination import Elimination
 from supple.methods.floating.compiled.iterate import Place, evaluate, motion_of, place
 from supple.methods.floating.compiled.kept_tangent import predicted
@@ -56,7 +56,7 @@ def _try_step(
 
     def unfinished(old: Iteration) -> jax.Array:
         finite = jnp.all(jnp.isfinite(old.relative_residual))
-        return ~(old.converged | old.foretold) & finite & (old.evaluations <= controls.max_iterations)
+        return ~(old.converged | old.predicted) & finite & (old.evaluations <= controls.max_iterations)
 
     def one_pass(old: Iteration) -> Iteration:
         tolerance = controls.residual_tolerance
@@ -74,9 +74,9 @@ def _try_step(
             sizes=jnp.stack([old.sizes[1], size]),
             moved=rule.factors.by_position * jnp.max(jnp.abs(found.change) / scale),
             evaluations=old.evaluations + 1,
-            corrections=old.evaluations + found.foretold,
+            corrections=old.evaluations + found.predicted,
             converged=found.converged,
-            foretold=found.foretold,
+            predicted=found.predicted,
             modified=found.modified,
         )
 
@@ -98,14 +98,14 @@ def _try_step(
             evaluations=none,
             corrections=none,
             converged=never,
-            foretold=never,
+            predicted=never,
             modified=modified,
         ),
     )
     last = end.evaluated
-    if is_foretellable(model):
+    if is_predictable(model):
         last = jax.lax.cond(
-            end.foretold, lambda: place(model, rule, start, end.acceleration), lambda: end.evaluated
+            end.predicted, lambda: place(model, rule, start, end.acceleration), lambda: end.evaluated
         )
     auxiliary = rule.auxiliary(end.acceleration, start.acceleration, start.auxiliary)
     return _Stepped(
@@ -140,7 +140,7 @@ def substep(
     trial = _try_step(elimination, model, controls, start, h)
     iteration = trial.iteration
     error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
-    converged = (iteration.converged | iteration.foretold) & jnp.isfinite(error)
+    converged = (iteration.converged | iteration.predicted) & jnp.isfinite(error)
     accepted = converged & (error <= controls.error_tolerance)
 
     proposed = next_step(h, start.step, error, controls.error_tolerance, controls.largest)

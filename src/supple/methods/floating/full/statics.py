@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,10 +11,9 @@ from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start, placed_configuration
 from supple.equations.control_force import first_states, resting_control
 from supple.equations.control_linearization import control_at_rest, unrest
-from supple.equations.model import Model
 from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
 from supple.equations.station_body import SeenMachine
-from supple.equations.steady_motion import Turning, turning_velocities, work_of_turning
+from supple.equations.steady_motion import SteadyEquations, Turning, turning_velocities, work_of_turning
 from supple.integrate import Solution, Statistics
 from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import Evaluation, FullState
@@ -28,7 +27,7 @@ __all__ = ["FullStatics", "full_statics"]
 
 
 @dataclass(frozen=True, eq=False)
-class FullStatics:
+class FullStatics(SteadyEquations):
     """`Equations` by sparse bordered steps.
 
     Their tangent is that of `full_linear_equations`: frames change their velocities with their places,
@@ -37,29 +36,6 @@ class FullStatics:
 
     machine: FullSystem
     begin: Configuration
-    """As the bodies are placed"""
-    turning: Turning | None = None
-    """None for machines at rest"""
-    held: np.ndarray | None = None
-    """Forces (n,) that are held back"""
-
-    def at_rest(self) -> FullStatics:
-        """The machine without its spin."""
-        return replace(self, turning=None)
-
-    def eased(self, share: float, held: np.ndarray) -> FullStatics:
-        """The machine at a share of its spin's rate, with forces (n,) held back."""
-        return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
-
-    @property
-    def model(self) -> Model:
-        """What joints and forces see of it."""
-        return self.machine.model
-
-    @property
-    def slices(self) -> tuple[slice, ...]:
-        """Where the motions of each body stand."""
-        return self.machine.slices
 
     @property
     def is_discrete(self) -> bool:
@@ -80,7 +56,7 @@ class FullStatics:
     def unbalance(self, state: StaticState, time: float) -> Unbalance:
         """The residuals at rest."""
         terms = self.machine.evaluate(self._still(state, time), 0.0)
-        if self.held is not None:
+        if isinstance(self.held, np.ndarray):
             terms = self.machine.without(terms, self.held)
         gaps = [terms.constraint_residual, *terms.frame_residuals]
         gap = float(np.max(abs(np.concatenate(gaps)), initial=0.0)) / float(self.machine.model.length)

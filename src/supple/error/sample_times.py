@@ -1,4 +1,4 @@
-"""Instants of a run at which its residual is looked at: at random in intervals, and where loads peak."""
+"""Sample times of a run, at which its residual is evaluated: at random in intervals, and where loads peak."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from supple.machine import System
 from supple.machine.laws.instants import instants_of
 from supple.machine.laws.sampled_law import sampled
 
-__all__ = ["followed", "jittered", "striking"]
+__all__ = ["followed", "load_peaks", "stratified_samples"]
 
-MOST_STRIKING = 8
+MOST_PEAKS = 8
 """With 50 others, and what a body's modes take: sixty factorisations."""
 
 FOLLOWED = 100
 """Besides those that are asked for."""
 
 
-def jittered(n_times: int, number: int, seed: int) -> NDArray[np.intp]:
+def stratified_samples(n_times: int, number: int, seed: int) -> NDArray[np.intp]:
     """One of the output times 1 .. n_times - 1 at random in each of `number` equal intervals, ascending.
 
     At evenly spread instants a periodic load would look the same each time.
@@ -31,17 +31,17 @@ def jittered(n_times: int, number: int, seed: int) -> NDArray[np.intp]:
     return np.unique(np.minimum(draw.astype(np.intp), n_times - 1))
 
 
-def striking(system: System, times: Sequence[float] | NDArray[np.float64]) -> NDArray[np.intp]:
+def load_peaks(system: System, times: Sequence[float] | NDArray[np.float64]) -> NDArray[np.intp]:
     """Output times at which laws are largest, or just after they kink; ascending, the start left out."""
     times = np.asarray(times)
     found: list[float] = []
     for _, law in laws_of(system):
         values = np.linalg.norm(sampled(law, times[:: _stride(times)])[0], axis=1)
         found.append(times[:: _stride(times)][int(np.argmax(values))])
-        found += list(instants_of(law, float(times[0]), float(times[-1])))[:MOST_STRIKING]
+        found += list(instants_of(law, float(times[0]), float(times[-1])))[:MOST_PEAKS]
     rows = np.unique(np.clip(np.searchsorted(times, found, side="left"), 1, len(times) - 1))
-    if len(rows) > MOST_STRIKING:
-        rows = rows[np.linspace(0, len(rows) - 1, MOST_STRIKING).round().astype(int)]
+    if len(rows) > MOST_PEAKS:
+        rows = rows[np.linspace(0, len(rows) - 1, MOST_PEAKS).round().astype(int)]
     return rows.astype(np.intp)
 
 
