@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from supple.equations.static_search import Equations
 from supple.equations.steady_motion import Turning
 from supple.machine import System
+from supple.methods.explicit.check_machine import check_spun
 from supple.methods.floating import compiled_statics, full_statics
 from supple.methods.intrinsic.line_statics import line_statics
 from supple.simulation.seen_machine import seen_machine
@@ -19,8 +22,11 @@ def equations_of(
 
     turning : of its bodies in their order; None at rest
     known : equations of joints that are independent, where that is known: the joints are closed then
-    Raises whatever the start of a run would find wrong with the joints.
+    Raises ModelError for a spin of modal parts that stiffen by it, and whatever the start of a run would
+    find wrong with the joints.
     """
+    if turning is not None and np.any(turning.angular_velocities):
+        check_spun(system)
     kinds = {placed.body.kind for placed in system.bodies}
     if "full" in kinds or ("intrinsic" in kinds and system.controllers):
         return full_statics(seen_machine(system), turning, time, known)

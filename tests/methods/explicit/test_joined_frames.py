@@ -30,12 +30,13 @@ from supple.machine import (
     PrescribedRotation,
     Revolute,
     SampledController,
+    Spin,
     SpringDamper,
     System,
     TorqueBetween,
 )
 from supple.mesh import CellType, block
-from supple.methods.explicit import ENERGIES, Energies, modal_subdomain
+from supple.methods.explicit import ENERGIES, CentrifugalStiffness, Energies, modal_subdomain
 from supple.quantities import AccelerationSensor, JointForceSensor, StressSensor
 from supple.reduction import NoDerivatives, NoLoads, NormalModes, reduce
 from supple.simulation import equilibrium, simulate
@@ -182,6 +183,16 @@ def test_rest_and_modes_of_modal_parts_are_those_of_reduced_ones():
     assert rests[0].joint_forces["clamp"] == pytest.approx(rests[1].joint_forces["clamp"], abs=1e-8)
     modes = [machine_modes(linearize(cantilever(make), fulls=())) for make in (modal, reduced)]
     assert modes[0].frequencies == pytest.approx(modes[1].frequencies, rel=1e-9)
+
+
+def test_a_spin_that_would_stiffen_a_modal_part_is_refused_at_rest():
+    body = flexible_body("one", rubber("one").model, [RigidInterface("a", "root")])
+    part = modal_subdomain(body, BASIS, stiffening=CentrifugalStiffness())
+    clamp = Fixed(name="clamp", first="ground", second="one.a")
+    hub = PrescribedRotation(name="hub", first="ground", second="one.a", axis=(0, 0, 1), angle=0.0)
+    assert machine_modes(linearize(System([part], [clamp])), 1).frequencies[0] > 0
+    with pytest.raises(ModelError, match="part 'one' has a stiffness of its spin"):
+        linearize(System([part], [hub]), spin=Spin(5.0, (0, 0, 1)))
 
 
 def test_a_mass_on_a_spring_and_damper_swings_as_the_closed_form():

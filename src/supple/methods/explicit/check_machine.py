@@ -15,12 +15,23 @@ from supple.methods.explicit.modal_subdomain import ModalSubdomain
 from supple.methods.explicit.projected_difference import ProjectedDifference
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
 
-__all__ = ["check_machine", "check_run"]
+__all__ = ["check_machine", "check_run", "check_spun"]
 
 _APART = 1e-9
 """Of the fastest point: by how much the velocities of two tied modal parts may differ at the start."""
 _ROUNDED = 1e-6
 """The same of explicit nodes, whose velocity is that of the part that leads them."""
+
+
+def check_spun(system: System) -> None:
+    """ModelError for modal parts whose stiffness of their own spin statics and modes would leave out."""
+    for name, part in system.bodies_of(ModalSubdomain).items():
+        if part.spin_stiffness is not None:
+            raise ModelError(
+                f"part '{name}' has a stiffness of its spin (`CentrifugalStiffness`, spin_stiffness = true), "
+                "which the explicit march alone takes: for rest and modes of a machine that turns, reduce "
+                "the body, or leave that stiffness out"
+            )
 
 
 def check_machine(system: System, method: Explicit) -> None:
