@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ModelError
 from supple.fem import BeamSection, HomogeneousSection, Isotropic, shell_model
-from supple.linearization import campbell_diagram, linearize, machine_modes
+from supple.linearization import campbell_diagram, linearize, machine_modes, mode_motion
 from supple.machine import (
     GROUND,
     At,
@@ -308,3 +308,11 @@ def test_a_pendulum_beside_a_stiff_bushing_keeps_its_frequency():
     )
     exact = np.sqrt(2.0 * 9.81**2 / (1.0 + 2.0 * 9.81**2))
     assert modes.frequencies[0] == pytest.approx(exact, rel=1e-9)
+
+
+def test_a_spin_in_which_no_point_moves_turns_by_a_radian():
+    bob = RigidBody("bob", 1.0, np.array([0, 0, -1.0]), 0.1 * np.eye(3), {"eye": np.zeros(3)})
+    ball = Ball(first=GROUND, second=At("bob", "eye"), name="ball")
+    modes = machine_modes(linearize(System([bob], [ball], gravity=(0, 0, -9.81))), 3)
+    rotation = mode_motion(modes, 0, amplitude=0.1).bodies["bob"].rotation
+    assert np.trace(rotation, axis1=1, axis2=2).min() == pytest.approx(1 + 2 * np.cos(1.0), rel=1e-6)

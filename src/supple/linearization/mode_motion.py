@@ -10,6 +10,9 @@ from supple.linearization.machine_modes import MachineModes
 
 __all__ = ["mode_motion"]
 
+LARGEST_TURN = 1.0
+"""rad, of a frame: where a body spins about an axis through all its points, no translation says how far."""
+
 
 def mode_motion(
     modes: MachineModes, number: int, *, amplitude: float, n_instants: int = 24, n_periods: int = 1
@@ -24,7 +27,8 @@ def mode_motion(
     Parameters
     ----------
     number : from 0, the slowest
-    amplitude : a, of the largest translation of a node, unit of length
+    amplitude : a, of the largest translation of a node, unit of length, unless a frame turned by more than a
+        radian then
 
     Raises ModelError for a mode that is not there.
     """
@@ -37,13 +41,14 @@ def mode_motion(
     period = 2 * np.pi / frequency if frequency > 0 else 1.0
     phases = np.linspace(0, 2 * np.pi * n_periods, n_periods * n_instants + 1)[:-1]
     swing = np.real(np.outer(np.exp(1j * phases), shape))
-    swing *= amplitude / max(_largest_translation(modes, number), 1e-300)
+    translation, turn = _largest_translation_and_turn(modes, number)
+    swing *= 1 / max(translation / amplitude, turn / LARGEST_TURN, 1e-300)
     return machine.motion_near(swing, np.zeros_like(swing), phases / (2 * np.pi) * period)
 
 
-def _largest_translation(modes: MachineModes, number: int) -> float:
-    """Of any node, interface or frame in a mode of the scale that it has."""
-    shape, largest = modes.shapes[:, number], 0.0
+def _largest_translation_and_turn(modes: MachineModes, number: int) -> tuple[float, float]:
+    """Of any node, interface or frame, and of any frame, in a mode of the scale that it has."""
+    shape, largest, turn = modes.shapes[:, number], 0.0, 0.0
     rates = np.array([np.real(shape), np.imag(shape)])
     moving = modes.machine.motion_near(np.zeros_like(rates), rates)
     for body in (placed.body for placed in modes.machine.system.bodies):
@@ -57,4 +62,6 @@ def _largest_translation(modes: MachineModes, number: int) -> float:
             axis=1,
         )
         largest = max(largest, float(np.linalg.norm(real + 1j * imaginary, axis=1).max()))
-    return largest
+        about, and_about = motion.angular_velocity
+        turn = max(turn, float(np.linalg.norm(about + 1j * and_about)))
+    return largest, turn
