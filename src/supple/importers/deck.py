@@ -1,0 +1,274 @@
+"""Deck: the finite-element model of another program as its file describes it, before it is a body.
+
+Readers fill it, whatever the format; `supple.body.deck_body` makes mesh, elements and body of it. Lengths,
+forces and masses are in the units of the file; positions, directions and freedoms in its basic (global) axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.mesh import CellType
+
+__all__ = [
+    "AnisotropicMaterial",
+    "BeamProperty",
+    "BeamValues",
+    "Deck",
+    "DeckElements",
+    "IsotropicMaterial",
+    "LeftOut",
+    "NodalMatrix",
+    "RigidTie",
+    "RodProperty",
+    "ScalarTerms",
+    "ShellProperty",
+    "SolidProperty",
+    "WallProperty",
+    "WeightedMean",
+]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class IsotropicMaterial:
+    """E, Pa; nu; density, kg/m^3, 0 where the file gives none; G where it differs from E / (2 (1 + nu))."""
+
+    youngs_modulus: float
+    poissons_ratio: float
+    density: float
+    shear_modulus: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class AnisotropicMaterial:
+    """elasticity (6, 6), Pa, in its own axes: strains xx yy zz yz xz xy (engineering); density, kg/m^3."""
+
+    elasticity: FloatArray
+    density: float
+
+
+@dataclass(frozen=True, eq=False)
+class SolidProperty:
+    """What solid cells are made of; the material's axes are those of `DeckElements.directions`, or basic."""
+
+    material: IsotropicMaterial | AnisotropicMaterial
+
+
+@dataclass(frozen=True)
+class ShellProperty:
+    """A homogeneous isotropic wall; offset: of its middle from the nodes, along the normal of the cell.
+
+    added_mass : non-structural, kg/m^2
+    """
+
+    material: IsotropicMaterial
+    thickness: float
+    added_mass: float = 0.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class WallProperty:
+    """A wall by its stiffness: [N; M] = [A B; B D] [eps; kappa] about the surface of the nodes.
+
+    membrane, coupling, bending : (3, 3) A, N/m; B, N; D, N m; order xx, yy, xy
+    shear : (2, 2) transverse shear stiffness, order xz, yz, N/m; None where it is rigid
+    mass_per_area, rotary_inertia_per_area : kg/m^2, kg
+    thickness : m, for pictures and stresses
+    """
+
+    membrane: FloatArray
+    coupling: FloatArray
+    bending: FloatArray
+    shear: FloatArray | None
+    mass_per_area: float
+    rotary_inertia_per_area: float
+    thickness: float
+
+
+@dataclass(frozen=True)
+class BeamValues:
+    """A beam's section at one place, about its shear centre; y lies in plane 1, z in plane 2.
+
+    I1, I2, I12 : second moments for bending in planes 1 and 2 about the neutral axis, and their product
+    K1, K2 : shear factors of the planes, 0 where shear is rigid
+    mass_per_length : with non-structural mass, kg/m
+    neutral, mass_centre : (y, z) of the neutral axis and of the mass from the shear centre, m
+    rotary : (Ixx, Iyy, Izz) per length about the mass centre, kg m; None: density times second moments
+    """
+
+    area: float
+    I1: float
+    I2: float
+    J: float
+    K1: float
+    K2: float
+    mass_per_length: float
+    I12: float = 0.0
+    neutral: tuple[float, float] = (0.0, 0.0)
+    mass_centre: tuple[float, float] = (0.0, 0.0)
+    rotary: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class BeamProperty:
+    """A beam of one material; a tapered one has values at its second end, linear between."""
+
+    material: IsotropicMaterial
+    first: BeamValues
+    second: BeamValues | None = None
+
+
+@dataclass(frozen=True)
+class RodProperty:
+    """A bar that carries tension and torsion alone; mass_per_length with non-structural mass, kg/m."""
+
+    material: IsotropicMaterial
+    area: float
+    J: float
+    mass_per_length: float
+
+
+Property = SolidProperty | ShellProperty | WallProperty | BeamProperty | RodProperty
+
+
+@dataclass(frozen=True, eq=False)
+class DeckElements:
+    """Elements of one type and property as cells of ours.
+
+    name : what the file calls the type (CQUAD4, C3D20R)
+    kind : of the cells; a quadrilateral is two triangles, a quadratic line two lines
+    nodes : (C, k) node numbers, in the order of `kind`
+    ids, lines : (C,) the element behind each cell, and its line in the file
+    property : key of `Deck.properties`
+    directions : (C, 3) beams: a vector in plane 1; shells: the material's x axis before its projection.
+                 (C, 3, 3) solids: the material's axes as columns. None where nothing depends on them
+    offsets : (C, 2, 3) of the ends of beams from their nodes
+    released : (C, 12) freedoms of beam ends, in the beam's axes, that carry no force
+    """
+
+    name: str
+    kind: CellType
+    nodes: IntArray
+    ids: IntArray
+    lines: IntArray
+    property: str
+    directions: FloatArray | None = None
+    offsets: FloatArray | None = None
+    released: NDArray[np.bool_] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NodalMatrix:
+    """Mass, stiffness or damping between freedoms of nodes: CONM2, DMIG, MASS.
+
+    freedoms : (k,) 6 * node + component
+    values : (k, k) symmetric
+    """
+
+    freedoms: IntArray
+    values: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarTerms:
+    """Sums of freedoms, one a row:  s = sum_j factor_j u_j,  u_j the freedom 6 * node + component.
+
+    As springs, dampers, masses with the energy  1/2 k s^2,  or as constraints s = 0.
+
+    rows : (T,) the row of each term;  freedoms : (T,);  factors : (T,);  lines : (rows,) in the file
+    values : (rows,) k; of a constraint empty
+    dependent : (rows,) of a constraint the freedom that the file eliminates, or -1
+    """
+
+    rows: IntArray
+    freedoms: IntArray
+    factors: FloatArray
+    lines: IntArray
+    values: FloatArray = field(default_factory=lambda: np.empty(0))
+    dependent: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+
+@dataclass(frozen=True, eq=False)
+class RigidTie:
+    """Nodes that move rigidly with a reference node in all their freedoms (RBE2, RBAR, *RIGID BODY).
+
+    name : rbe2_ID; the node set and the interface that joints may take hold of
+    """
+
+    name: str
+    reference: int
+    nodes: IntArray
+    line: int
+
+
+@dataclass(frozen=True, eq=False)
+class WeightedMean:
+    """A reference node that follows the weighted mean motion of others (RBE3, distributing coupling).
+
+    components : (6,) of the reference node that follow; a free one is left to whatever else holds it
+    """
+
+    name: str
+    reference: int
+    nodes: IntArray
+    weights: FloatArray
+    line: int
+    components: tuple[bool, ...] = (True,) * 6
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Cards of one name that would change the body and are not read: how many, the first, what it means."""
+
+    card: str
+    count: int
+    line: int
+    meaning: str
+
+
+@dataclass(frozen=True, eq=False)
+class Deck:
+    """A finite-element model as a file describes it.
+
+    nodes, node_ids : (N, 3), (N,) all nodes of the file, also those that no element uses
+    node_sets : {name: (k,) numbers};  element_sets : {name: (k,) element ids}
+    masses, stiffnesses, dampings : matrices between freedoms
+    springs, dashpots, inertias : terms with values k, c, m;  constraints : terms without
+    held : constraints of the deck's own supports, which a free body leaves to joints
+    read, passed_over : {card: how many}; the latter without effect on a body
+    left_out : what would change the body
+    notes : what a reader did that its user should know, one sentence each
+    superelements : {name: deck} of parts that are bodies of their own
+    """
+
+    path: Path
+    node_ids: IntArray
+    nodes: FloatArray
+    elements: tuple[DeckElements, ...]
+    properties: Mapping[str, Property]
+    node_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    element_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    masses: tuple[NodalMatrix, ...] = ()
+    stiffnesses: tuple[NodalMatrix, ...] = ()
+    dampings: tuple[NodalMatrix, ...] = ()
+    springs: tuple[ScalarTerms, ...] = ()
+    dashpots: tuple[ScalarTerms, ...] = ()
+    inertias: tuple[ScalarTerms, ...] = ()
+    constraints: tuple[ScalarTerms, ...] = ()
+    held: tuple[ScalarTerms, ...] = ()
+    rigid: tuple[RigidTie, ...] = ()
+    means: tuple[WeightedMean, ...] = ()
+    read: Mapping[str, int] = field(default_factory=dict)
+    passed_over: Mapping[str, int] = field(default_factory=dict)
+    left_out: tuple[LeftOut, ...] = ()
+    notes: tuple[str, ...] = ()
+    superelements: Mapping[str, Deck] = field(default_factory=dict)
