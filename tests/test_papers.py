@@ -53,7 +53,9 @@ DOCUMENTED = [
 
 def test_the_files_that_pages_name_exist():
     files = [
-        path.as_posix() for folder in ("src", "tests", "benchmarks") for path in (ROOT / folder).rglob("*.py")
+        path.as_posix()
+        for folder in ("src", "tests", "benchmarks", "examples")
+        for path in (ROOT / folder).rglob("*.py")
     ]
     named = {name for page in DOCUMENTED for name in re.findall(r"`((?:\w+/)*\w+\.py)`", page)}
     gone = [name for name in named if not any(file.endswith(f"/{name}") for file in files)]
