@@ -178,7 +178,7 @@ class Body(CheckedTable):
 
         flexible : from `flexible`; None of a body that is not elastic, or is a file
         folder : where that file lies
-        notify : hears of each long step
+        notify : called at each long step
         elements : of a body that is to march in them
         """
         given = {key: getattr(self, key) for key in _START}

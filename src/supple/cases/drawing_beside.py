@@ -1,4 +1,4 @@
-"""A process of its own that draws a run while another one goes on: while its error is told.
+"""A process of its own that draws a run while another one goes on: while its error is estimated.
 
 What is drawn goes to it in a file, and it says how far it has come. It is worth starting for runs that take
 long, on computers with a core to spare. Where it cannot be started, or ends before its time, the drawing is

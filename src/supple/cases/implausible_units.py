@@ -79,7 +79,7 @@ def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
     doubts = list(_outside(units, "its size", extent, units.length, _SIZE))
     for material in _materials(body):
         doubts += _of_material(units, material)
-    # The speed of waves tells what a size or a material out of range has told already.
+    # The speed of waves tells what a size or a material out of range has shown already.
     return doubts or list(_of_waves(units, body))
 
 

@@ -273,7 +273,7 @@ def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
     if given.get("select", "lowest-frequency") == "lowest-frequency":
         yield (
             place,
-            'the lowest modes are kept unless told otherwise; remove the key, or add select = "coupling-'
+            'the lowest modes are kept by default; remove the key, or add select = "coupling-'
             'moment" or "effective-interface-mass"',
         )
     if isinstance(modes, int) and modes > candidates:

@@ -229,7 +229,7 @@ def _simulated(
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished.
 
-    known : called with both before their error is told
+    known : called with both before their error is estimated
     """
     machine = starting_system(case, allow_code=allow_code)
     condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}

@@ -48,15 +48,15 @@ def spin_of(case: Case) -> Spin | None:
     return Spin(made.rate, made.axis, made.point, wanted)
 
 
-def looked_at(case: Case, *, allow_code: bool) -> System:
-    """The machine whose rest or modes are looked at: with its controllers where their code may run.
+def analysed_system(case: Case, *, allow_code: bool) -> System:
+    """The machine whose rest or modes are computed: with its controllers where their code may run.
 
     Warns ControlWarning where it may not; raises CaseError for code that fails.
     """
     control = case.tables.control
     if control is not None and not allow_code:
         warnings.warn(
-            f'the machine is looked at without its controllers, control = "{control}": read that program, '
+            f'the machine is analysed without its controllers, control = "{control}": read that program, '
             "and give --allow-code to close its loops",
             ControlWarning,
             stacklevel=2,
@@ -141,7 +141,7 @@ def static_case(
     ConvergenceError        no equilibrium
     """
     warn_of_units(case)
-    system = looked_at(case, allow_code=allow_code)
+    system = analysed_system(case, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
         # Newton's method doubles the digits at the end: the bar shows how many are found.

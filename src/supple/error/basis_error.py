@@ -33,10 +33,10 @@ class BodyError:
     rest : float            RMS of what the space of the error itself lacks, seen at instants of its own
     second : float | None   size of a second correction over the first at the worst instants, or of the error
                             over the deformation, if that is more; above a third the error is an order of
-                            magnitude only; None: not looked at
+                            magnitude only; None: not estimated
     history : (t,)          RMS over the nodes at the output times
     indicator : float       largest RMS over the nodes of the motion that the run misses at rest; infinite
-                            where no equilibrium was found; 0: not looked at
+                            where no equilibrium was found; 0: not estimated
     withheld : float        share of a static answer that the body withholds because it locks
     """
 

@@ -59,7 +59,7 @@ def state_batch_errors(
 ) -> tuple[Solution, ...]:
     """The solutions of a batch with what their bases cost, and the floor of the integration.
 
-    Parameters as for `estimate_batch_errors`. Step and model are looked at of single runs (`state_errors`).
+    Parameters as for `estimate_batch_errors`. Step and model are estimated of single runs (`state_errors`).
     """
     bases = kept_bases(cases[0], fulls)
     quantities = [WholeBody(name) for name in bases]
@@ -110,7 +110,7 @@ def estimate_batch_errors(
     check_linearised(cases[0])
     bases = kept_bases(cases[0], fulls)
     if not bases:
-        raise ModelError("batch estimate: give the bodies to judge in full; none of them is in the cases")
+        raise ModelError("batch estimate: give the bodies to estimate in full; none of them is in the cases")
     for system in cases[1:]:
         for one, other in zip(cases[0].bodies, system.bodies, strict=True):
             if one.body is not other.body:

@@ -1,4 +1,4 @@
-"""Errors that are not small: the error equation once more about what it found, until that settles."""
+"""Errors that are not small: the error equation once more about what it found, until that converges."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def converged(
 ) -> Differences:
     """The differences about the corrected motion, once more until they change no more, and the last change.
 
-    Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as
+    Each time is a step of Newton's method for the motion itself. Where it does not converge, the first is as
     good a guess as any, and no more than that. Where forces have kinks, a small change may be that of a
     sweep between them: there more sweeps are made, until the change is small.
     """

@@ -110,7 +110,7 @@ class Round:
     estimated_error : float         largest RMS error of the nodal positions over the run, by the error
                                     equation; infinite where the run broke off, or where the error is too
                                     large for it
-    indicator : float               largest RMS of the motion that the basis misses, at the instants looked at
+    indicator : float               largest RMS of the motion that the basis misses, at the sample times
     singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; none of a
                                     body that is enriched no more
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies

@@ -172,7 +172,7 @@ class ErrorEstimator:
 
         def missed_along() -> dict[str, ResidualCorrections]:
             return system_corrections(
-                reduced, tuple(fulls.values()), bases, steps.solution, along, settled=FOLLOWED
+                reduced, tuple(fulls.values()), bases, steps.solution, along, tolerance=FOLLOWED
             )
 
         differences = _differences(equation, missed_along, allowed or {}, is_smooth(reduced))
@@ -202,7 +202,9 @@ class ErrorEstimator:
         fulls = self._system.bodies_of(FullBody)
         for name in bases:
             if name not in fulls:
-                raise ModelError(f"error estimate: the system has no full body '{name}' to judge a basis by")
+                raise ModelError(
+                    f"error estimate: the system has no full body '{name}' to estimate the error of a basis"
+                )
         return {name: fulls[name] for name in bases}
 
     def _instants(self, times: np.ndarray, instants: int) -> tuple[np.ndarray, np.ndarray]:
@@ -284,14 +286,15 @@ def check_linearised(system: System) -> None:
     """ModelError for a machine with intrinsic bodies or controllers, which are not linearised here."""
     if system.controllers:
         raise ModelError(
-            "error estimate: what a basis costs is not told beside controllers: give the bodies reductions "
-            "of fixed size and compare with richer ones, or leave the controllers out, "
+            "error estimate: the error of a basis is not estimated beside controllers: give the bodies "
+            "reductions of fixed size and compare with richer ones, or leave the controllers out, "
             "replace(system, controllers=())"
         )
     if intrinsic := system.bodies_of(IntrinsicBody):
         raise ModelError(
-            f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' what a basis costs is not "
-            "told: give the other bodies reductions of fixed size, and compare with richer ones"
+            f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' the error of a "
+            "basis is not estimated: give the other bodies reductions of fixed size, and compare with "
+            "richer ones"
         )
 
 
@@ -411,7 +414,7 @@ def body_error(
 
 
 def deformed_rows(n_steps: int) -> np.ndarray:
-    """Steps of a run at which its deformation is looked at, the first among them."""
+    """Steps of a run at which its deformation is sampled, the first among them."""
     return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
 
 
@@ -442,7 +445,7 @@ def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
 def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> np.ndarray:
     """Fields (n, m) that new columns are made of: the corrections, and the error where it is known.
 
-    Where the error's own march has not settled, its shapes are those of its instability: of the blade whose
+    Where the error's own march has not tolerance, its shapes are those of its instability: of the blade whose
     walls buckle they take the place of columns that the corrections have found.
     """
     if second > FIRST_ORDER and not history.body.full.is_linear:

@@ -25,7 +25,7 @@ __all__ = ["ErrorStudy", "state_errors"]
 
 @dataclass(frozen=True)
 class ErrorStudy:
-    """Which parts of the error of a run are looked at, and in what.
+    """Which parts of the error of a run are estimated, and in which quantities.
 
     basis : bool        the error equation, or one more run with richer bases, for bodies of which all
                         coordinates are known

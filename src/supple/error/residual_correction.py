@@ -31,7 +31,7 @@ from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
 from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
-from supple.error.missing_motion import FOLLOWED, SETTLED, MissingMotionSearch
+from supple.error.missing_motion import CONVERGED, FOLLOWED, MissingMotionSearch
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Progress, Solution, StepFactors
 from supple.integrate.motion import FloatingMotion
@@ -106,7 +106,7 @@ def system_corrections(
     instants: np.ndarray,
     *,
     between: np.ndarray | None = None,
-    settled: float = SETTLED,
+    tolerance: float = CONVERGED,
     progress: Progress | None = None,
 ) -> dict[str, ResidualCorrections]:
     """Motion that the bases of a finished run miss at some of its output times, by body.
@@ -123,7 +123,7 @@ def system_corrections(
                                 the search at the next begins (`MissingMotionSearch`)
     between : int array         others, along which it is followed from one of the instants to the next where
                                 the search does not lead there directly; none: the search goes on regardless
-    settled : float             part of the motion found that its last correction may have
+    tolerance : float             part of the motion found that its last correction may have
     progress : function         called with the completed fraction of the instants
 
     Raises
@@ -141,11 +141,11 @@ def system_corrections(
     steps, known = np.zeros((len(instants), prepared.n)), np.zeros(len(instants), dtype=bool)
     reached = -1
     for done, row in enumerate(np.argsort(instants, kind="stable"), start=1):
-        missing = search.directly(states[row], settled) if len(others) else None
+        missing = search.directly(states[row], tolerance) if len(others) else None
         if missing is None:
             for other in np.flatnonzero((others > reached) & (others < instants[row])):
                 search.at(seen.state(len(instants) + int(other)), FOLLOWED)
-            missing = search.at(states[row], settled)
+            missing = search.at(states[row], tolerance)
         reached = instants[row]
         if missing is not None:
             steps[row], known[row] = missing.displacement, True

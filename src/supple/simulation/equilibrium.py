@@ -83,7 +83,7 @@ def equilibrium(
     fulls : FullBody            the bodies with all their coordinates, which reduced ones were made of: one
         factorisation says what their bases miss (`Equilibrium.errors`). None: those that the reduced bodies
         know, all but those read from files; (): the factorisation is saved, and nothing is known of it
-    progress : hears of each iteration and its largest relative residual
+    progress : called with each iteration and its largest relative residual
 
     Controllers act as in a run, and their states rest with the machine: `f(0, q, z) = 0`, from which those of
     the equilibrium's system begin.

@@ -74,13 +74,13 @@ def newton_pass(
     trial: Trial,
     linearization: Linearization,
     size: jax.Array,
-    settled: jax.Array,
+    stagnant: jax.Array,
 ) -> Assessed:
     """Newton's correction of an iterate that is not good enough.
 
-    size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
+    size : of its residual, in parts of the tolerance; stagnant : whether the last correction moved nothing
     """
-    converged = trial.converged | settled
+    converged = trial.converged | stagnant
     trial = trial._replace(converged=converged)
     correct = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
     predicted = jnp.zeros((), dtype=bool)
