@@ -116,7 +116,7 @@ class Body(CheckedTable):
 
     @property
     def kind(self) -> str:
-        """The key that says what the body is made of."""
+        """The key of what the body is made of."""
         return next(key for key in KINDS if getattr(self, key) is not None)
 
     @property

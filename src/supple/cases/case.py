@@ -62,7 +62,7 @@ class Case:
 
     @property
     def units(self) -> UnitSystem:
-        """What its numbers are in, as far as it says so."""
+        """The units of its numbers, as far as stated."""
         return UnitSystem.stated(self.tables.units)
 
     @property

@@ -41,7 +41,7 @@ AMPLITUDE = 0.1
 TURNING, STANDING = "turning with the machine", "standing in space"
 """In which frequencies are seen: forward whirl at w in space is w less the spin in axes that turn."""
 NO_DEFORMATION = 1e-12
-"""Of the machine's size: a rest with less has no error to speak of."""
+"""Of the machine's size: a rest with less has no error that matters."""
 
 
 def modes_case(
@@ -181,7 +181,7 @@ def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
 
 
 def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
-    """In Hz where the unit of time is said, else one over it."""
+    """In Hz where the unit of time is stated, else one over it."""
     return np.asarray(frequencies) / (2 * np.pi) * case.units.frequency_shown.factor
 
 

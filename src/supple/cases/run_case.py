@@ -1,4 +1,4 @@
-"""Run a case: simulate it, keep every step on disk, draw it, and say in numbers what came out."""
+"""Run a case: simulate it, keep every step on disk, draw it, and report its numbers."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def run_case(
     resume : continue the result file of a run that was cut off, instead of starting anew
     force : replace the result that is there; otherwise one that is finished or was cut off is an error
     strict : a motion beyond what a body's kinematics can describe is an error
-    errors : state how wrong the run is, which takes two more runs where the case does not say otherwise;
+    errors : state how wrong the run is, which takes two more runs unless the case states otherwise;
         without, an accuracy is that of the basis alone; nothing is known of the error of an explicit march
     allow_code : run the Python file of `control`, if the case names one
 

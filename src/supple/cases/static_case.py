@@ -66,7 +66,7 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, *, allow_code: bool = False) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case says so, or at rest.
+    """The machine as its run starts: as it is placed, assembled if the case asks for it, or at rest.
 
     Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
 
@@ -84,7 +84,7 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
         _check_fixed_sizes(case)
     if wanted.assemble:
         found = assemble(system, time=case.run.start)
-        case.notify(_said(found))
+        case.notify(_assembly_line(found))
         system = found.system
     system = case.controlled(system, allow_code=allow_code)
     if wanted.start == "placed":
@@ -98,7 +98,7 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     return replace(found, controllers=controllers)
 
 
-def _said(found: AssembledMachine) -> str:
+def _assembly_line(found: AssembledMachine) -> str:
     """What was moved to assemble the machine, in words."""
     moved = [
         f"'{each.body}' by {each.distance:.3g} and {np.degrees(each.angle):.3g} deg"
@@ -131,7 +131,7 @@ def static_case(
 
     folder : made if it is not there
     time : at which loads and laws are taken
-    errors : say what the bases of the bodies miss, which takes a factorisation with all their coordinates
+    errors : estimate the error of the bases, which takes a factorisation with all their coordinates
     allow_code : whether the controllers that the case names, a program, act
 
     Raises

@@ -45,7 +45,7 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
 
 
 def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Table:
-    """The findings of a check as a table, frequencies in Hz where the unit of time is said."""
+    """The findings of a check as a table, frequencies in Hz where the unit of time is stated."""
     hertz, factor = units.frequency_shown
     table = Table("", "what", "seen", title=words(f"Check of {name}"))
     for finding in check.findings:

@@ -90,7 +90,7 @@ def state_batch_errors(
 def estimate_batch_errors(
     cases: Sequence[System], run: Run, solutions: Sequence[Solution], fulls: Mapping[str, FullBody]
 ) -> tuple[BasisError, ...]:
-    """What the bases of reduced bodies cost each run of a batch, as `estimate_error` tells it of one.
+    """Errors by the bases of reduced bodies in each run of a batch, as `estimate_error` of one.
 
     Sixty factorisations serve all runs; each costs its march besides, in one compiled call with the others.
 

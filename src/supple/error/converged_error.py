@@ -70,7 +70,7 @@ def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float])
 def is_clearly_larger(
     histories: Mapping[str, ErrorHistory], second: Mapping[str, float], allowed: Mapping[str, float]
 ) -> bool:
-    """Whether an error is so much larger than what is allowed to its body that its first order says enough.
+    """Whether an error is so much larger than what is allowed to its body that its first order suffices.
 
     Rounds of a self-correction that cannot be the last take a sweep less, which is a third of their cost.
     """

@@ -1,4 +1,4 @@
-"""What the bases of a finished reduced run cost, by the error equation; and what they miss."""
+"""What the bases of a finished reduced run cost, by the error equation, and the motion outside them."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ WILD = 10.0
 
 @dataclass(frozen=True, eq=False)
 class ErrorEstimate:
-    """What a run's bases cost, and the motion that they miss.
+    """What a run's bases cost, and the motion outside them.
 
     error : BasisError
     histories : ErrorHistory, by body       the error at every step of the run
@@ -135,7 +135,7 @@ class ErrorEstimator:
         allowed : RMS over the nodes, by body: errors that are clearly larger are estimated to first order
         """
         fulls = self._to_assess(bases)
-        # A run that broke off tells what its bases miss, but not what that costs.
+        # Of a run that broke off the motion outside its bases is known, but not what that costs.
         whole = solution.stopped is None
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
@@ -348,9 +348,9 @@ def _differences(
     """The differences of the true motion and the run's, and by body what the last sweep changed.
 
     None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
-    missed_along : what the run misses at rest, at many instants
+    missed_along : motion outside the bases at rest, at many instants
     allowed : as for `ErrorEstimator.assess`
-    smooth : bool   whether elastic second corrections say all about how small an error is
+    smooth : bool   whether elastic second corrections suffice to show how small an error is
     """
     found = equation.first()
     histories = equation.histories(found)
@@ -363,7 +363,7 @@ def _differences(
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(first[2].values()) > FIRST_ORDER:
         # The run may be no place to take tangents at: walls that should have buckled, and in the run have
-        # not, let any difference grow. With the motion that it misses at rest they do not.
+        # not, let any difference grow. With the motion outside the bases at rest they do not.
         tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
         other = converged(equation, about, equation.histories(about), tangents, smooth=smooth)

@@ -60,7 +60,7 @@ def state_errors(
     """The solution with what is known of its error: `solution.errors`, and `motion.error` of its bodies.
 
     The parts are those of the basis, of the time step, of Newton's tolerance and of the model; `ErrorStudy`
-    says what each costs. A kinematic run has none of them.
+    states what each costs. A kinematic run has none of them.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ with the run's velocities and time. One Newton step is enough where the body ans
 not, as the wall of a shell that is pulled straight or about to buckle, one step can be wrong by its own size
 and even point the other way; a basis enriched by such directions does not get better.
 
-The answer at one instant is where the search at the next begins: what is missed grows from nothing, and is
+The answer at one instant is where the search at the next begins: missing motion grows from nothing, and is
 followed as it grows. A shell whose walls buckle has several equilibria close together, of which the motion
 takes one; instants far apart lose it (on the 61.5 m blade at 8 rad/s those 0.6 s apart do, 0.2 s do not).
 Where it is only followed, a tenth is near enough: the next search begins from there and ends as strictly.
@@ -118,7 +118,7 @@ class MissingMotionSearch:
             try:
                 found = self._contracted(state, begin, tolerance)
             except AccuracyError:
-                # Whether the tangent is singular on the way, too, following tells.
+                # The search that follows the loads finds whether the tangent is singular on the way, too.
                 found = None
             if found is not None:
                 self._last = found

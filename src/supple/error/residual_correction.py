@@ -1,4 +1,4 @@
-"""What a basis misses: the full-order residual along a finished reduced run, and the motion that balances it.
+"""Motion outside a basis: the full-order residual along a reduced run, and the motion that balances it.
 
 At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)` with
 its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order
@@ -12,7 +12,7 @@ by Newton's method for the whole system (`missing_motion`), with corrections
 K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal part
 softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
 other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
-all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
+all of one kind. The inertia M / p gives what a static equilibrium lacks: resistance of rigid motion. delta
 is the missing motion, quasi-statically. Displacements of the run have z at rest at the first interface, these
 equations have it in the body's frame: the rigid motion between the two is taken off delta.
 """
@@ -63,7 +63,7 @@ class ResidualCorrections:
     rotation : (k, 3)       of the frame, rad, body components
     rms : (k,)              root-mean-square displacement of the nodes: in space where the joints determine
                             all rigid motion; of the deformation alone where the system can move freely,
-                            for no static equilibrium says how far it would; infinite where no equilibrium was
+                            where no static equilibrium states it; infinite where no equilibrium was
             found, and the deformation is zero
     factorizations : int    of tangents of the whole system
     """
@@ -94,7 +94,7 @@ class ResidualCorrections:
 def residual_corrections(
     system: System, full: FullBody, basis: ReductionBasis, solution: Solution, instants: np.ndarray
 ) -> ResidualCorrections:
-    """Motion that a finished run's basis misses at some of its output times; of one body, see below."""
+    """Motion outside the basis of a finished run at some of its output times; of one body, see below."""
     return system_corrections(system, (full,), {full.name: basis}, solution, instants)[full.name]
 
 

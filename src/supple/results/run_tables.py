@@ -88,7 +88,7 @@ def energy_table(numbers: Mapping[str, Any]) -> TextTable:
 def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
     """What each channel of each sensor read, smallest, largest and last; numbers as of its `plain`.
 
-    Where a sensor reads at nodes, a last column says at which the magnitude was largest.
+    Where a sensor reads at nodes, a last column names the one at which the magnitude was largest.
     """
     located = any("place" in reading for each in numbers["sensors"].values() for reading in each.values())
     rows = []

@@ -6,7 +6,7 @@ At the equilibrium of a reduced machine, expanded to all coordinates, the full e
     [ G              0  ] [ lambda ]  =  - [ g ],       k long against all vibrations,
 
 G of joints and frames. The factor is kept for the sweeps that follow about the corrected place: what the
-second moves over the first says whether first order is enough, and their sum is the whole error. Where a
+second moves over the first shows whether first order is enough, and their sum is the whole error. Where a
 sweep is over a third of the one before, the full machine's equilibrium is searched from there instead.
 """
 
