@@ -112,7 +112,7 @@ def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenTangent | 
 class CompiledEngine:
     """An `Engine` whose steps are one compiled program; `State` is its state.
 
-    It marches bodies with their padding coordinates, and tells their motion without; `engine_state` is of all.
+    It marches bodies with their padding coordinates; motions are without, `engine_state` is of all.
     """
 
     def __init__(self, system: System, run: Run) -> None:
