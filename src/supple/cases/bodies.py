@@ -209,9 +209,10 @@ class Body(CheckedTable):
     ) -> RigidBody | ReducedBody | FullBody | IntrinsicBody:
         if self.reduced is not None:
             return replace(read_reduced_body(folder / self.reduced), name=self.name)
-        if self.rigid is not None:
+        made_of = getattr(self, self.kind)
+        if isinstance(made_of, Rigid):
             places = {i.name: np.array(i.position) for i in self.interface if i.position is not None}
-            return self.rigid.body(self.name, places)
+            return made_of.body(self.name, places)
         if self.condense is not None:
             damped = self.damping
             # A rule of the case file: kinds that ask for neither a body nor its frame.

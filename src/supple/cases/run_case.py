@@ -12,10 +12,10 @@ from supple.cases.condense import with_modes_enough
 from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import drawing_of
 from supple.cases.drawing_beside import DrawingBeside
+from supple.cases.existing_results import readings_paths, refuse_overwrite, report_path, result_path
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
-from supple.cases.remains import check_remains, readings_paths, report_path, result_path
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
@@ -97,7 +97,7 @@ def run_case(
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder), DrawingBeside() as beside:
-        check_remains(case, folder, resume=resume, force=force)
+        refuse_overwrite(case, folder, resume=resume, force=force)
         return _run_case(
             case,
             folder,

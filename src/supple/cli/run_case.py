@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from supple import cases
-from supple.cases.remains import kept_so_far
+from supple.cases.existing_results import kept_so_far
 from supple.error import SelfCorrectionError, correction_numbers
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines

@@ -17,7 +17,7 @@ that no point moves far at once, and that the matrix of a body that nothing else
 Where that leads nowhere, as with shells whose walls wrinkle on the way, load and spin come up in steps: at a
 share s the machine turns at s times its rate, and a part 1 - s of what is unbalanced at the start, without
 spin, is held back. The equilibrium of one share is where the search at the next begins.
-Source: pseudo-transient continuation, Kelley & Keyes (1998); natural parameter continuation.
+Source: pseudo-transient continuation, [KelleyKeyes1998]; natural parameter continuation.
 """
 
 from __future__ import annotations

@@ -29,9 +29,9 @@ import numpy as np
 
 from supple.errors import AccuracyError
 from supple.integrate import StepFactors
+from supple.methods.floating.full.frozen_tangent import FrozenTangent, frozen_tangent
 from supple.methods.floating.full.full_state import Evaluation, FullState
 from supple.methods.floating.full.full_system import FullSystem
-from supple.methods.floating.full.kept_tangent import KeptTangent, kept_tangent
 
 __all__ = ["FOLLOWED", "SETTLED", "MissingMotion", "MissingMotionSearch"]
 
@@ -42,7 +42,7 @@ FOLLOWED = 0.1
 IRRELEVANT = 1e-7
 """Of the deformation itself: a correction as small is the last, whatever the motion found."""
 FAST, SLOW = 0.3, 0.8
-"""What a correction may be over the one before, with a kept tangent and with a new one."""
+"""What a correction may be over the one before, with a frozen tangent and with a new one."""
 MOST_CORRECTIONS = 12
 MOST_RELAXATIONS = 4
 """Of one run: they take many factors, and a run that needs more is far off."""
@@ -89,7 +89,7 @@ class MissingMotionSearch:
         self._machine = machine
         self._by_position = by_position
         self._last: MissingMotion | None = None
-        self._tangent: KeptTangent | None = None
+        self._tangent: FrozenTangent | None = None
         self._relaxations = 0
         self.factorizations = 0
         self.singular: AccuracyError | None = None
@@ -156,7 +156,7 @@ class MissingMotionSearch:
         """Modified Newton's method with one tangent; None where corrections do not shrink fast at once."""
         at, before = begin, np.inf
         for _ in range(MOST_CORRECTIONS):
-            more = self._by_kept_tangent(self._evaluated(state, at))
+            more = self._by_frozen_tangent(self._evaluated(state, at))
             size = self._size(more)
             rate, before = size / before, size
             if not rate <= FAST:
@@ -171,7 +171,7 @@ class MissingMotionSearch:
         at, before, strikes = begin, np.inf, 0
         for _ in range(MOST_CORRECTIONS):
             new = self._tangent is None
-            more = self._by_kept_tangent(self._evaluated(state, at))
+            more = self._by_frozen_tangent(self._evaluated(state, at))
             size = self._size(more)
             rate, before = size / before, size
             if not np.isfinite(size):
@@ -228,13 +228,13 @@ class MissingMotionSearch:
     def _evaluated(self, state: FullState, by: MissingMotion) -> Evaluation:
         return self._machine.evaluate(self.moved(state, by), 0.0)
 
-    def _by_kept_tangent(self, evaluation: Evaluation) -> MissingMotion:
+    def _by_frozen_tangent(self, evaluation: Evaluation) -> MissingMotion:
         """A correction by the tangent that is kept, or by that of this place, which is kept from then on."""
         if self._tangent is None:
             self._tangent = self._factored(evaluation, self._by_position)
         return self._more(evaluation, self._tangent)
 
-    def _more(self, evaluation: Evaluation, tangent: KeptTangent) -> MissingMotion:
+    def _more(self, evaluation: Evaluation, tangent: FrozenTangent) -> MissingMotion:
         """A correction of the missing motion."""
         by_position = tangent.factors.by_position
         targets = evaluation.closing(by_position)
@@ -250,16 +250,16 @@ class MissingMotionSearch:
         """Size of a correction that is the last."""
         return max(settled * self._size(found), IRRELEVANT * self._deformation(state))
 
-    def _factored(self, at: Evaluation, by_position: float) -> KeptTangent:
+    def _factored(self, at: Evaluation, by_position: float) -> FrozenTangent:
         """The symmetric part, all but the whole at rest; that, where it has no factor without pivots."""
         factors = StepFactors(by_position=by_position, by_velocity=0.0)
         still = np.zeros((len(self._machine.interiors), 3))
         self.factorizations += 1
         try:
-            return kept_tangent(self._machine, at.interior_states, still, factors, symmetric=True)
+            return frozen_tangent(self._machine, at.interior_states, still, factors, symmetric=True)
         except AccuracyError:
             self.factorizations += 1
-            return kept_tangent(self._machine, at.interior_states, still, factors, symmetric=False)
+            return frozen_tangent(self._machine, at.interior_states, still, factors, symmetric=False)
 
     def _deformation(self, state: FullState) -> float:
         machine = self._machine

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from supple.arguments import checked_arguments
-from supple.body import FullBody, RigidBody
+from supple.body import BodyForm, FullBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
 from supple.machine import System
@@ -127,10 +127,10 @@ def body_numbers(
     """
     if motion is not None and body.kind in ("modal", "explicit"):
         return {"kind": body.kind, **part_numbers(body, motion)}
-    return {"kind": body.kind, **_NUMBERS_OF[body.kind](body, units, full)}
+    return {"kind": body.kind, **_NUMBERS_OF.get(body.kind, _numbers_of_any)(body, units, full)}
 
 
-def _numbers_of_rigid(body: RigidBody, *_: Any) -> dict[str, Any]:
+def _numbers_of_any(body: BodyForm, *_: Any) -> dict[str, Any]:
     return {"mass": body.mass}
 
 
@@ -193,13 +193,12 @@ def _locking_numbers(locking: Locking) -> dict[str, Any]:
 
 _NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
     {
-        "rigid": _numbers_of_rigid,
         "intrinsic": _numbers_of_intrinsic,
         "full": _numbers_of_full,
         "reduced": _numbers_of_reduced,
     }
 )
-"""What there is to say of a body of each form."""
+"""Numbers of forms that have more than a mass."""
 
 
 def _shown(omega: np.ndarray, units: UnitSystem) -> np.ndarray:

@@ -95,7 +95,7 @@ def equilibrium(
         against the spin
     ConvergenceError    no equilibrium was found, or a controller's state has none
     Warns BasisWarning where a body misses 1 % of its largest displacement or more.
-    Source: Kelley & Keyes (1998) for the search.
+    Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)

@@ -18,8 +18,7 @@ from supple.equations.static_search import (
 )
 from supple.equations.steady_motion import Turning
 from supple.errors import ModelError
-from supple.machine import Placed, Spin, System
-from supple.machine.control import Controller, SampledController
+from supple.machine import Controller, Placed, SampledController, Spin, System
 from supple.simulation.equations_of import equations_of
 
 __all__ = ["RestingState", "at_rest", "check_time", "placed_at_rest", "resting_state"]

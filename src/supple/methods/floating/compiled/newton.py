@@ -13,8 +13,8 @@ from supple.equations.model import Model
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, predicted_to_converge
 from supple.methods.floating.compiled.elimination import Elimination
-from supple.methods.floating.compiled.in_turn import in_turn
 from supple.methods.floating.compiled.iterate import Place, Trial, motion_of
+from supple.methods.floating.compiled.sequential_vmap import sequential_vmap
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, correction
 
@@ -43,10 +43,10 @@ class Iteration(NamedTuple):
 
 
 class Modified(NamedTuple):
-    """What an iteration with a kept tangent knows besides."""
+    """What an iteration with a frozen tangent knows besides."""
 
     inverse: jax.Array
-    """As in `KeptTangent`"""
+    """As in `FrozenTangent`"""
     own: jax.Array
     """Whether the last correction was made with a tangent of its own iterate"""
     made: jax.Array
@@ -134,7 +134,9 @@ def _correction_in_turn(
 ) -> tuple[jax.Array, jax.Array]:
     """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
     held = model.loads_at(start.time + rule.h)
-    return in_turn(partial(_correction_where_needed, elimination), held, rule, start, trial, linearization)
+    return sequential_vmap(
+        partial(_correction_where_needed, elimination), held, rule, start, trial, linearization
+    )
 
 
 _FEWEST_IN_TURN = 16

@@ -20,8 +20,8 @@ from supple.equations.step_size import next_step, position_rounding
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, measured
 from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.frozen_tangent import predicted
 from supple.methods.floating.compiled.iterate import Place, evaluate, motion_of, place
-from supple.methods.floating.compiled.kept_tangent import predicted
 from supple.methods.floating.compiled.modified_newton import modified_pass, used_in_step
 from supple.methods.floating.compiled.newton import Iteration, Modified, newton_pass
 from supple.methods.floating.compiled.state import Controls, State

@@ -8,10 +8,10 @@ import numpy as np
 
 from supple.equations.step_size import position_rounding
 from supple.integrate import StepRule, Tolerances
+from supple.methods.floating.full.frozen_tangent import FrozenTangent, frozen_tangent
 from supple.methods.floating.full.full_state import Evaluation, FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
-from supple.methods.floating.full.kept_tangent import KeptTangent, kept_tangent
 from supple.methods.floating.full.predictor import Unknowns
 
 __all__ = ["ImplicitStep", "Iterate", "Stepped"]
@@ -27,7 +27,7 @@ class Stepped(NamedTuple):
     factorizations: int
     decades: float
     """Of the residual, gained by all iterations together"""
-    kept: KeptTangent | None
+    kept: FrozenTangent | None
     """For the next step; None where it shall make its own"""
 
 
@@ -86,8 +86,8 @@ class ImplicitStep(NamedTuple):
         converged = reached and (distance <= 1 or settled)
         return Iterate(unknowns, state, increments, evaluation, reached, converged, distance, moved)
 
-    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, trusted: bool) -> Iterate:
-        """The next iterate, by a kept tangent or, where that is None, the exact one of this iterate.
+    def corrected(self, iterate: Iterate, tangent: FrozenTangent | None, *, trusted: bool) -> Iterate:
+        """The next iterate, by a frozen tangent or, where that is None, the exact one of this iterate.
 
         trusted : as of `at`
         """
@@ -112,10 +112,10 @@ class ImplicitStep(NamedTuple):
         moved = float(by_position * np.max(abs(change) / machine.position_scale))
         return self.at(unknowns, moved, trusted=trusted)
 
-    def tangent(self, iterate: Iterate, *, symmetric: bool) -> KeptTangent:
+    def tangent(self, iterate: Iterate, *, symmetric: bool) -> FrozenTangent:
         """A tangent at an iterate, factored, to be kept."""
         turns, states = self.machine.turns(iterate.increments), iterate.evaluation.interior_states
-        return kept_tangent(self.machine, states, turns, self.rule.factors, symmetric=symmetric)
+        return frozen_tangent(self.machine, states, turns, self.rule.factors, symmetric=symmetric)
 
     def ended(self, at: Iterate, began: float, iterations: int, factorizations: int) -> Stepped:
         """The outcome of an iteration that began at a distance."""
