@@ -116,7 +116,7 @@ class Body(CheckedTable):
 
     @property
     def kind(self) -> str:
-        """The key that says what the body is made of."""
+        """The key of what the body is made of."""
         return next(key for key in KINDS if getattr(self, key) is not None)
 
     @property
@@ -178,7 +178,7 @@ class Body(CheckedTable):
 
         flexible : from `flexible`; None of a body that is not elastic, or is a file
         folder : where that file lies
-        notify : hears of each long step
+        notify : called at each long step
         elements : of a body that is to march in them
         """
         given = {key: getattr(self, key) for key in _START}

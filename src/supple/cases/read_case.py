@@ -41,7 +41,7 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
         case = read_case("blade.toml")
         solution = simulate(case.system, case.run)
 
-    notify : hears of each long step when the bodies of the case are built
+    notify : called at each long step when the bodies of the case are built
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Run a case: simulate it, keep every step on disk, draw it, and say in numbers what came out."""
+"""Run a case: simulate it, keep every step on disk, draw it, and report its numbers."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def run_case(
     resume : continue the result file of a run that was cut off, instead of starting anew
     force : replace the result that is there; otherwise one that is finished or was cut off is an error
     strict : a motion beyond what a body's kinematics can describe is an error
-    errors : state how wrong the run is, which takes two more runs where the case does not say otherwise;
+    errors : state how wrong the run is, which takes two more runs unless the case states otherwise;
         without, an accuracy is that of the basis alone; nothing is known of the error of an explicit march
     allow_code : run the Python file of `control`, if the case names one
 
@@ -229,7 +229,7 @@ def _simulated(
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished.
 
-    known : called with both before their error is told
+    known : called with both before their error is estimated
     """
     machine = starting_system(case, allow_code=allow_code)
     condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}

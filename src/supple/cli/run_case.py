@@ -1,4 +1,4 @@
-"""Run a case file, and say what came out."""
+"""Run a case file, and print its numbers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def run_case(
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
 
-    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it says what is kept, and exits with 130 or 143.
+    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is kept, and exits with 130 or 143.
     """
     with raising_terminated():
         try:

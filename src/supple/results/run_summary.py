@@ -74,7 +74,7 @@ def stress_numbers(
 ) -> dict[str, Any]:
     """By body: its largest von Mises stress over all nodes and output times, and at which of them.
 
-    elements : of the bodies, by name; one whose sections do not say where their stress acts is left out
+    elements : of the bodies, by name; one whose sections do not state where their stress acts is left out
     """
     found = {}
     for placed in system.bodies:
@@ -120,7 +120,7 @@ def body_numbers(
     full: FullBody | None = None,
     motion: Any = None,
 ) -> dict[str, Any]:
-    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is said) of a body.
+    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is stated) of a body.
 
     full : what a reduced body was made of: the frequencies are its own, not those of the basis
     motion : of a part of an explicit march

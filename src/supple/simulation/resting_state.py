@@ -84,7 +84,7 @@ def at_rest(placed: Placed) -> Placed:
 
 
 def placed_at_rest(found: RestingState) -> System:
-    """The system with its bodies where the state says, turning steadily."""
+    """The system with its bodies as in the state, turning steadily."""
     bodies, first = [], 0
     system, (velocities, point), configuration = found.system, found.turning, found.configuration
     for index, placed in enumerate(system.bodies):

@@ -141,20 +141,20 @@ def used(
     """
     new = made > 0
     age = kept.age + 1
-    told = evaluated & (corrections == 1) & ~new
+    measured = evaluated & (corrections == 1) & ~new
     after = kept._replace(
         step=jnp.where(new, step, kept.step),
         age=jnp.where(new, 0.0, age),
-        before=jnp.where(new, 0.0, jnp.where(told, sizes[0], kept.before)),
-        after=jnp.where(told, sizes[1], kept.after),
-        measured_at=jnp.where(told, age, kept.measured_at),
+        before=jnp.where(new, 0.0, jnp.where(measured, sizes[0], kept.before)),
+        after=jnp.where(measured, sizes[1], kept.after),
+        measured_at=jnp.where(measured, age, kept.measured_at),
         phase=jnp.where(new, 0.0, (kept.phase + 1) % MEASURED_EVERY),
         made=kept.made + made,
         acceleration=accelerations[0],
         last=step,
         lead=_lead(kept, step, accelerations, scale),
     )
-    tired = told & (MARGIN * after.after * (age + 1) > age)
+    tired = measured & (MARGIN * after.after * (age + 1) > age)
     worn = ~new & (tired | (corrections > 1))
     pause = jnp.where(worn & (age <= 1), PAUSE, jnp.maximum(kept.pause - 1.0, 0.0))
     return after._replace(step=jnp.where(worn | (pause > 0), 0.0, after.step), pause=pause)

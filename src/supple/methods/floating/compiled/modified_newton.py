@@ -45,11 +45,11 @@ def modified_pass(
     trial: Trial,
     linearization: Linearization,
     size: jax.Array,
-    settled: jax.Array,
+    stagnant: jax.Array,
 ) -> Assessed:
     """The correction of an iterate that is not good enough, with the frozen tangent where it serves.
 
-    size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
+    size : of its residual, in parts of the tolerance; stagnant : whether the last correction moved nothing
     """
     assert old.modified is not None
     assert start.kept is not None
@@ -58,7 +58,7 @@ def modified_pass(
     rate = jnp.where(first, 0.0, size / old.sizes[1])
     gains = rate <= SLOWEST
     share = jnp.where(before.own | (old.evaluations > _SOON), 1.0, SHARE)
-    converged = (trial.converged & (size <= share)) | (settled & (gains | before.own))
+    converged = (trial.converged & (size <= share)) | (stagnant & (gains | before.own))
     anew = ~converged & ~jnp.where(first, serves(start.kept, rule.h), gains)
     change, multiplier_change, inverse = jax.lax.cond(
         converged,

@@ -519,7 +519,7 @@ class FullSystem:
         )
 
     def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
-        """One: rows are judged by the motions of the interfaces, which here have no mass of their own."""
+        """One: motions of the interfaces, which have no mass of their own, scale the rows."""
         return np.eye(max(part.stop for part in self.seen_slices))
 
     def _border_mass(self, configuration: Configuration) -> np.ndarray:

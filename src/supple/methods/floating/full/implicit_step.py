@@ -80,10 +80,10 @@ class ImplicitStep(NamedTuple):
         evaluation = machine.evaluate(state, rule.factors.by_position)
         relative = evaluation.relative_residual
         rounding = position_rounding(machine.model.length, state.configuration.origins)
-        settled = trusted and moved <= rounding and relative[3] <= 1e-6
-        reached = bool(np.all(relative <= self.tolerances.residual) or settled)
+        stagnant = trusted and moved <= rounding and relative[3] <= 1e-6
+        reached = bool(np.all(relative <= self.tolerances.residual) or stagnant)
         distance = float(np.max(relative)) / (self.share * self.tolerances.residual)
-        converged = reached and (distance <= 1 or settled)
+        converged = reached and (distance <= 1 or stagnant)
         return Iterate(unknowns, state, increments, evaluation, reached, converged, distance, moved)
 
     def corrected(self, iterate: Iterate, tangent: FrozenTangent | None, *, trusted: bool) -> Iterate:
