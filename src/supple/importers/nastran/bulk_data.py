@@ -354,7 +354,7 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
 
 
 def _sections(path: Path) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
-    """Lines above the cards; those of the cards, by kind and name of their part; whether ENDDATA ends them."""
+    """Lines above the cards; lines of cards by kind and name of their part; whether ENDDATA ends them."""
     inclusions = Inclusions("export the model as text (.bdf)")
     lines = _meaning(path, path.parent, inclusions.lines(path), inclusions, 0)
     last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
