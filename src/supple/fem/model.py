@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain
 
@@ -181,14 +181,18 @@ def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementMod
     part : of `model.mesh`; each of its cells keeps its property
     """
     refuse_attached(model, "a part of a model")
-    given = tuple(
-        Section(section.cell_type, own, section.property)
-        for section in model.sections
-        if len(own := np.flatnonzero(np.isin(part.cells.get(section.cell_type, []), section.cells)))
-    )
+    given = tuple(_in_part(section, part) for section in model.sections)
+    given = tuple(section for section in given if len(section.cells))
     if model.dofs_per_node == 3:
         return _solid_model(part.mesh, given)
     return _shell_model(part.mesh, given, model.kinematics)
+
+
+def _in_part(section: Section, part: MeshPart) -> Section:
+    whole = part.cells.get(section.cell_type, np.empty(0, dtype=np.int64))
+    own = np.flatnonzero(np.isin(whole, section.cells))
+    order = np.argsort(section.cells)
+    return section.of(order[np.searchsorted(section.cells, whole[own], sorter=order)], own)
 
 
 def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
@@ -272,7 +276,7 @@ def _portions(given: tuple[Section, ...]) -> Iterator[Section]:
     """The cells of the sections, so many at once that their arrays stay small."""
     for section in given:
         for first in range(0, len(section.cells), CELLS_AT_ONCE):
-            yield replace(section, cells=section.cells[first : first + CELLS_AT_ONCE])
+            yield section.of(slice(first, first + CELLS_AT_ONCE))
 
 
 def _model(
