@@ -31,8 +31,8 @@ class _Solid:
     """
 
     corners: int
-    linear: str
-    quadratic: str
+    linear: CellType
+    quadratic: CellType
     order: tuple[int, ...]
     edges: tuple[tuple[int, int], ...]
 
@@ -40,12 +40,12 @@ class _Solid:
 # Nastran lists middle nodes bottom, upright, top; a CellType bottom, top, upright.
 _SOLIDS = {
     "CTETRA": _Solid(
-        4, "TETRA4", "TETRA10", tuple(range(10)), ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+        4, CellType.TETRA4, CellType.TETRA10, tuple(range(10)), ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
     ),
     "CHEXA": _Solid(
         8,
-        "HEXA8",
-        "HEXA20",
+        CellType.HEXA8,
+        CellType.HEXA20,
         (*range(12), *range(16, 20), *range(12, 16)),
         (
             *((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 5)),
@@ -54,15 +54,15 @@ _SOLIDS = {
     ),
     "CPENTA": _Solid(
         6,
-        "WEDGE6",
-        "WEDGE15",
+        CellType.WEDGE6,
+        CellType.WEDGE15,
         (*range(9), *range(12, 15), *range(9, 12)),
         ((0, 1), (1, 2), (2, 0), (0, 3), (1, 4), (2, 5), (3, 4), (4, 5), (5, 3)),
     ),
     "CPYRAM": _Solid(
         5,
-        "PYRAMID5",
-        "PYRAMID13",
+        CellType.PYRAMID5,
+        CellType.PYRAMID13,
         tuple(range(13)),
         ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
     ),
@@ -207,11 +207,7 @@ def _solid_cells(
         chosen = [card for card, is_quadratic in zip(cards, quadratic, strict=True) if is_quadratic == wanted]
         if not chosen:
             continue
-        kind = CellType.__members__.get(solid.quadratic if wanted else solid.linear)
-        if kind is None:
-            for card in chosen:
-                reading.leave_out(card, "elements left out: their shape is not known here")
-            continue
+        kind = solid.quadratic if wanted else solid.linear
         nodes = grids_named(chosen, reading, 2, solid.corners)
         if wanted:
             nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]

@@ -74,6 +74,7 @@ def read_grids(file: BulkFile) -> GridPoints:
     given_in, moved_in, supported = _defaults(file)
     given_in = integers(cards, 1, "the coordinate system CP", given_in)
     moved_in = integers(cards, 5, "the coordinate system CD", moved_in)
+    moved_in[moved_in == -1] = 0  # -1 marks a grid of a fluid
     local = np.stack([reals(cards, 2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)], axis=1)
     systems, positions = _resolve(file, ids, given_in, local)
     axes = np.broadcast_to(np.eye(3), (len(ids), 3, 3)).copy()

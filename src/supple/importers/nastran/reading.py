@@ -103,6 +103,33 @@ class Reading:
             LeftOut(card, len(lines), min(lines), meaning) for (card, meaning), lines in self._left.items()
         )
 
+    def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
+        """Sets that case control chooses, with those that the adding card joins; without it the only one."""
+        number = self.case.number(command)
+        if number is None:
+            if self.case.present or len(sets) != 1:
+                if sets:
+                    why = "case control chooses none" if self.case.present else "no case control chooses"
+                    self.note(
+                        f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}."
+                    )
+                return set()
+            return set(sets)
+        if command in self.case.varied:
+            self.note(f"Subcases choose several {command} sets; the first, {number}, is read.")
+        joined = {number}
+        for card in self.file.named(adder):
+            if card.integer(0, "the set id") == number:
+                joined |= {card.integer(i, "a set") for i in range(1, len(card.fields)) if card.word(i)}
+        return joined
+
+    def has_local_axes(self, node: int, components: str) -> bool:
+        """Whether these components of a grid are other ones in basic axes."""
+        parts = ({"1", "2", "3"} & set(components), {"4", "5", "6"} & set(components))
+        return any(len(part) in (1, 2) for part in parts) and not np.array_equal(
+            self.grids.axes[node], np.eye(3)
+        )
+
     def system(self, card: BulkCard, number: int) -> CoordinateSystem:
         """The coordinate system a card names; ImportFormatError for one that the file lacks."""
         if number not in self.grids.systems:
