@@ -138,9 +138,7 @@ def coordinates(
     for members, _ in sets:
         free[members] = False
     places = np.array([position for _, position in sets]).reshape(-1, 3)
-    R = np.vstack(
-        [nodal_rigid_modes(nodes[free], dofs_per_node), nodal_rigid_modes(places, 6)]
-    )
+    R = np.vstack([nodal_rigid_modes(nodes[free], dofs_per_node), nodal_rigid_modes(places, 6)])
     d = np.arange(dofs_per_node)
     own = [(np.flatnonzero(free)[:, None] * dofs_per_node + d).ravel()]
     own += [members[0] * dofs_per_node + np.minimum(np.arange(6), dofs_per_node - 1) for members, _ in sets]
@@ -190,7 +188,9 @@ class _State:
         """When some of them follow the others."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
-        return _State(congruent(T, self.K), congruent(T, self.M), self.R[tied.kept], self.kept[tied.kept], rest)
+        return _State(
+            congruent(T, self.K), congruent(T, self.M), self.R[tied.kept], self.kept[tied.kept], rest
+        )
 
 
 def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
@@ -226,7 +226,9 @@ def _without_stiffness(
     size = np.trace(blocks, axis1=1, axis2=2)
     blocks[:, range(3), range(3)] += np.where(exists, 0.0, np.where(size > 0, size, 1.0)[:, None])
     values, vectors = np.linalg.eigh(blocks)
-    none = values <= _NO_STIFFNESS * np.maximum(np.where(exists.all(axis=1), values[:, 2], size), 0.0)[:, None]
+    none = (
+        values <= _NO_STIFFNESS * np.maximum(np.where(exists.all(axis=1), values[:, 2], size), 0.0)[:, None]
+    )
     block, which = np.nonzero(none)
     place = np.full((len(numbers), 3), -1)
     place[own, slot[there]] = there
@@ -234,9 +236,7 @@ def _without_stiffness(
     entry[np.abs(entry) < 1e-12] = 0.0
     column = np.repeat(np.arange(len(block)), 3)
     used = (rows.ravel() >= 0) & (entry.ravel() != 0)
-    return sparse.csc_array(
-        (entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block))
-    )
+    return sparse.csc_array((entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block)))
 
 
 def _fixed(still: sparse.csc_array) -> StaticallyTied:

@@ -9,18 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.rigid_motion import nodal_rigid_modes
-from supple.fem import BeamSection, FiniteElementModel, Isotropic, ShellSection
+from supple.fem import Anisotropic, BeamSection, FiniteElementModel, Isotropic, ShellSection
 from supple.fem.beam2 import beam_axes
-from supple.fem.quadrature import conical_tetrahedron, gauss_cube
 from supple.mesh import CellType
+from supple.mesh.quadrature import product_rule
 from supple.mesh.reference_cell import shape_functions, shape_gradients
 
 __all__ = ["MassProperties", "mesh_mass_properties", "rigid_mass_properties"]
 
 FloatArray = NDArray[np.float64]
 
-# Exact for x x^T det J: degree 4 + 5 in one direction of a HEXA20, 4 + 3 in all of a TETRA10.
-_CUBE, _TETRAHEDRON = gauss_cube(5), conical_tetrahedron(4)
 _CELLS_AT_ONCE = 4096
 
 
@@ -89,7 +87,8 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
 
 def _moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Volume, int x and int x x^T over solid cells (E, k, 3), by quadrature on their parent."""
-    rule = _CUBE if kind in (CellType.HEXA8, CellType.HEXA20) else _TETRAHEDRON
+    # Exact for x x^T det J: degree 4 + 5 in one direction of a HEXA20, 4 + 3 in all of a TETRA10.
+    rule = product_rule(kind, 4 if kind.n_corners == 4 else 6 if kind.n_corners == 5 else 5)
     shape, gradients = shape_functions(kind, rule.points), shape_gradients(kind, rule.points)
     volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
     for start in range(0, len(x), _CELLS_AT_ONCE):
@@ -111,9 +110,9 @@ def _simplex_moments(x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     return float(sizes.sum()), sizes @ s / k, second / (k * (k + 1))
 
 
-def _density(made_of: Isotropic | ShellSection | BeamSection) -> float:
+def _density(made_of: Isotropic | Anisotropic | ShellSection | BeamSection) -> float:
     """Mass per volume, area or length."""
-    if isinstance(made_of, Isotropic):
+    if isinstance(made_of, Isotropic | Anisotropic):
         return made_of.density
     if isinstance(made_of, BeamSection):
         assert made_of.mass_per_length is not None  # set when left out
@@ -121,9 +120,11 @@ def _density(made_of: Isotropic | ShellSection | BeamSection) -> float:
     return made_of.mass_per_area
 
 
-def _rotary_inertia(made_of: Isotropic | ShellSection | BeamSection, x: FloatArray) -> FloatArray:
+def _rotary_inertia(
+    made_of: Isotropic | Anisotropic | ShellSection | BeamSection, x: FloatArray
+) -> FloatArray:
     """Inertia (3, 3) of sections about their own middle, summed over simplices x."""
-    if isinstance(made_of, Isotropic):
+    if isinstance(made_of, Isotropic | Anisotropic):
         return np.zeros((3, 3))
     if isinstance(made_of, BeamSection):
         axes = beam_axes(x, made_of)

@@ -17,19 +17,15 @@ from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
 from supple.fem.beam2 import beam_mass, beam_strain
 from supple.fem.beam_section import BeamSection
-from supple.fem.hexa8 import HEXA8_ELEMENT
-from supple.fem.hexa20 import HEXA20_ELEMENT
 from supple.fem.mass import CellMass, mass_matrix, shell_mass
-from supple.fem.material import Isotropic
+from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
 from supple.fem.section import Section, sections
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import shell_triangle
-from supple.fem.solid_element import solid_mass, solid_strain
-from supple.fem.tetra4 import TETRA4_ELEMENT
-from supple.fem.tetra10 import TETRA10_ELEMENT
+from supple.fem.solid_element import SOLID_ELEMENTS, solid_mass, solid_strain
 from supple.mesh import CellType, Mesh, MeshPart
 
 __all__ = [
@@ -41,10 +37,6 @@ __all__ = [
     "shell_model",
     "solid_model",
 ]
-
-SOLID_ELEMENTS = {
-    element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
-}
 
 CELLS_AT_ONCE = 4096
 """Whose stiffness is made and summed at one time: some 100 MB of quadratic solids."""
@@ -128,18 +120,20 @@ def shell_model(
     return _shell_model(mesh, given, kinematics)
 
 
-def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> FiniteElementModel:
-    """Model of a mesh of tetrahedra and hexahedra as a solid of finite (Green-Lagrange) strain.
+def solid_model(
+    mesh: Mesh, material: Isotropic | Anisotropic | Mapping[str, Isotropic | Anisotropic]
+) -> FiniteElementModel:
+    """Model of a mesh of solid cells as a solid of finite (Green-Lagrange) strain.
 
     Parameters
     ----------
-    mesh : Mesh                     of TETRA4, TETRA10, HEXA8 or HEXA20 cells, also mixed
-    material : Isotropic, or {cell set name: Isotropic} with every cell in just one set
+    mesh : Mesh                     of solid cells, linear or quadratic, also mixed
+    material : Isotropic or Anisotropic, or {cell set name: either} with every cell in just one set
 
     Raises
     ------
     ModelError   triangles; cells without a material or with two
-    MeshError    unknown cell set; a curved cell that turns over
+    MeshError    unknown cell set
     """
     given = sections(mesh, material)
     return _solid_model(mesh, given)
@@ -254,21 +248,23 @@ def _check_solid(section: Section) -> None:
             f"a solid model takes {', '.join(kind.name for kind in SOLID_ELEMENTS)} cells; the mesh has "
             f"{section.cell_type.name}. Use shell_model for triangles"
         )
-    if not isinstance(section.property, Isotropic):
+    if not isinstance(section.property, Isotropic | Anisotropic):
         raise ModelError(f"a solid needs an Isotropic material, not {type(section.property).__name__}")
 
 
-def _block(
-    mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_node: int
-) -> QuadraticStrain:
+def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_node: int) -> QuadraticStrain:
     """The elements of a section that was checked."""
     given, corners, nodes = section.property, section.corners(mesh), section.nodes(mesh)
     if isinstance(given, BeamSection):
         return beam_strain(corners, nodal_freedoms(nodes, 6), given, kinematics)
-    if isinstance(given, Isotropic):
-        ids = mesh.cell_ids[section.cell_type][section.cells]
-        element = SOLID_ELEMENTS[section.cell_type]
-        return solid_strain(element, corners, nodal_freedoms(nodes, dofs_per_node, 3), given, ids)
+    if isinstance(given, Isotropic | Anisotropic):
+        return solid_strain(
+            SOLID_ELEMENTS[section.cell_type],
+            corners,
+            nodal_freedoms(nodes, dofs_per_node, 3),
+            given,
+            section.directions,
+        )
     return shell_triangle(corners, nodal_freedoms(nodes, 6), given, kinematics)
 
 
@@ -315,7 +311,7 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     corners, nodes = section.corners(mesh), section.nodes(mesh)
     if isinstance(section.property, BeamSection):
         return beam_mass(corners, nodes, section.property)
-    if isinstance(section.property, Isotropic):
+    if isinstance(section.property, Isotropic | Anisotropic):
         element = SOLID_ELEMENTS[section.cell_type]
         return CellMass(nodes, solid_mass(element, corners, section.property.density))
     return shell_mass(corners, nodes, section.property)

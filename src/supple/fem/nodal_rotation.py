@@ -22,7 +22,9 @@ def nodal_rotation_operator(model: FiniteElementModel) -> csc_array:
     n_rows = 0
     if d == 6:
         sheets = [section.nodes(model.mesh) for section in model.sections if section.cell_type.dimension < 3]
-        turning = np.unique(np.concatenate([nodes.ravel() for nodes in sheets])) if sheets else np.empty(0, int)
+        turning = (
+            np.unique(np.concatenate([nodes.ravel() for nodes in sheets])) if sheets else np.empty(0, int)
+        )
         n_rows = 3 * len(turning)
         rotation, row = [np.ones(n_rows)], [np.arange(n_rows)]
         column = [(6 * turning[:, None] + np.arange(3, 6)).ravel()]
