@@ -133,7 +133,7 @@ def deck_connections(deck: Deck) -> tuple[Connection, ...]:
 
 
 def refuse_left_out(deck: Deck, allowed: Sequence[str] = ()) -> None:
-    """ModelError where a deck's file has something that is not read, would change the body and is not allowed.
+    """ModelError where something that would change the body is not read, and is not allowed to be left out.
 
     allowed : names of cards
     """
@@ -336,7 +336,7 @@ def _mass(deck: Deck, d: int) -> sparse.csc_array | None:
 
 
 def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
-    """The sums as rows (rows, n) of the nodal freedoms; rotations without a freedom, and no factor, are left."""
+    """The sums as rows (rows, n) of the nodal freedoms, without rotations that no node has."""
     there = (terms.freedoms % 6 < d) | (terms.factors != 0)
     places = terms.rows[there], _at(terms.freedoms[there], d)
     return sparse.csr_array(
@@ -404,7 +404,10 @@ def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
     own = (nodes[:, None] * d + np.arange(d)).ravel()
     values = -motion.reshape(6, -1)[rows]
     i, j = np.nonzero(values)
-    places = np.concatenate([i, np.arange(len(rows))]), np.concatenate([own[j], mean.reference * d + np.array(rows)])
+    places = (
+        np.concatenate([i, np.arange(len(rows))]),
+        np.concatenate([own[j], mean.reference * d + np.array(rows)]),
+    )
     entries = np.concatenate([values[i, j], np.ones(len(rows))])
     return sparse.csr_array(sparse.coo_array((entries, places), shape=(len(rows), len(deck.node_ids) * d)))
 
@@ -417,9 +420,7 @@ def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:
 def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
     """Springs between nodes; ModelError where one resists rigid motion."""
     kept = ~_ground(terms)[terms.rows] if len(terms.rows) else np.empty(0, dtype=bool)
-    own = ScalarTerms(
-        terms.rows[kept], terms.freedoms[kept], terms.factors[kept], terms.lines, terms.values
-    )
+    own = ScalarTerms(terms.rows[kept], terms.freedoms[kept], terms.factors[kept], terms.lines, terms.values)
     rows = _matrix(own, len(deck.node_ids), 6)
     R = nodal_rigid_modes(deck.nodes - deck.nodes.mean(axis=0), 6)
     R[:, 3:] /= max(float(np.ptp(deck.nodes, axis=0).max()), np.finfo(float).tiny)
@@ -439,8 +440,8 @@ def _warn_of_what_is_left(deck: Deck) -> None:
     ground = [int(line) for terms in deck.springs for line in terms.lines[_ground(terms)]]
     if ground:
         warnings.warn(
-            f"{deck.path}: {len(ground)} springs to ground, first on line {min(ground)}, are supports: a free "
-            "body leaves them to joints and springs of the machine",
+            f"{deck.path}: {len(ground)} springs to ground, first on line {min(ground)}, are supports: a "
+            "free body leaves them to joints and springs of the machine",
             SuppleWarning,
             stacklevel=4,
         )

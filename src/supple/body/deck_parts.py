@@ -36,8 +36,7 @@ def deck_parts(deck: Deck) -> dict[str, Deck]:
     if len(order) == 1:
         return {"": _restricted(deck, used)}
     return {
-        f"part_{k}": _restricted(deck, used & (group == numbers[which]))
-        for k, which in enumerate(order, 1)
+        f"part_{k}": _restricted(deck, used & (group == numbers[which])) for k, which in enumerate(order, 1)
     }
 
 
