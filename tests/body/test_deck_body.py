@@ -14,9 +14,12 @@ from supple.body import (
     RigidInterface,
     check_elements,
     deck_body,
+    deck_frequencies,
     deck_mesh,
     deck_model,
+    deck_models,
     deck_parts,
+    mass_of_models,
     refuse_left_out,
     rigid_mass_properties,
 )
@@ -355,3 +358,23 @@ def test_averaging_nodes_on_a_line_of_solids_is_refused():
     core = replace(given, elements=given.elements[:1], masses=(point_mass(0, 1.0, (1.0, 1.0, 1.0)),))
     with pytest.raises(ModelError, match="some are of solids, which have no rotations"):
         deck_body("core", core, [AveragingInterface("edge", line)])
+
+
+def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
+    """Cantilever and free-free beam of Euler and Bernoulli, (beta L)^2 = 3.516 and 22.373."""
+    n, length = 40, 1.0
+    nodes = np.vstack([along_x(length, n), along_x(length, n) + [0, 1, 0]])
+    clamped = terms(*({c: 1.0} for c in range(6)))
+    given = deck(
+        nodes, beam(np.arange(n + 1)), beam(np.arange(n + 1, 2 * n + 2), first=500), held=(clamped,)
+    )
+    unit = np.sqrt(STEEL.youngs_modulus * SQUARE.I1 / SQUARE.mass_per_length) / (2 * np.pi)
+    free = deck_frequencies(given, 4)
+    np.testing.assert_allclose(free, 22.3733 * unit, rtol=1e-3)
+    held = deck_frequencies(given, 10, held=True)
+    np.testing.assert_allclose(held[:6], 0, atol=1e-2)
+    np.testing.assert_allclose(held[6:8], 3.51602 * unit, rtol=5e-4)
+    np.testing.assert_allclose(held[8:], free[:2], rtol=1e-6)
+    together = mass_of_models(list(deck_models(given).values()))
+    assert together.mass == pytest.approx(2 * SQUARE.mass_per_length)
+    np.testing.assert_allclose(together.centre, [0.5, 0.5, 0.0], atol=1e-9)

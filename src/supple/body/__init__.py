@@ -5,6 +5,7 @@ from supple.body.body_source import *
 from supple.body.connection_interfaces import *
 from supple.body.damping import *
 from supple.body.deck_body import *
+from supple.body.deck_modes import *
 from supple.body.deck_parts import *
 from supple.body.finite_element_body import *
 from supple.body.flexible_body import *

@@ -129,11 +129,13 @@ def coordinates(
     *,
     n_interfaces: int = 0,
     tolerance: float,
+    held: bool = False,
 ) -> Coordinates:
     """The coordinates that ties, constraints, rotations without stiffness and freedoms without mass leave.
 
     n_interfaces : the last of the sets are interfaces, whose coordinates stay
     tolerance : of what counts as no mass
+    held : whether constraints may hold the body; displacements that nothing stiffens then rest as well
 
     Raises
     ------
@@ -154,8 +156,8 @@ def coordinates(
     K, M = congruent(whole, stiffness), congruent(whole, mass)
     state = _State(K, M, R, np.arange(n0), None)
     if attached.constraints is not None:
-        state = state.after(eliminate(body, attached.constraints, whole, R, last))
-    turns = np.repeat(~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+        state = state.after(eliminate(body, attached.constraints, whole, R, last, held=held))
+    turns = np.repeat(held | ~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.shape[1]:
         # A rigid motion of all else leaves them where they rest.

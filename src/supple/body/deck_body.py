@@ -89,10 +89,13 @@ def deck_body(
     return flexible_body(name, model, interfaces)
 
 
-def deck_model(deck: Deck, *, kinematics: ShellKinematics = GREEN_LAGRANGE) -> FiniteElementModel:
+def deck_model(
+    deck: Deck, *, kinematics: ShellKinematics = GREEN_LAGRANGE, held: bool = False
+) -> FiniteElementModel:
     """Finite-element model of a deck that is one part: its cells, springs, masses and ties.
 
-    Springs to ground are supports: they are left out, as the deck's own supports are.
+    held : with the deck's own supports as constraints; a body is free, and leaves them and springs to ground,
+        which are supports too, to joints
 
     Raises
     ------
@@ -102,9 +105,11 @@ def deck_model(deck: Deck, *, kinematics: ShellKinematics = GREEN_LAGRANGE) -> F
     -----
     SuppleWarning   springs to ground that are left out; dashpots, which a body leaves to its damping
     """
-    _warn_of_what_is_left(deck)
     mesh = deck_mesh(deck)
-    springs = [_free(deck, terms) for terms in deck.springs]
+    springs = deck.springs
+    if not held:
+        _warn_of_what_is_left(deck)
+        springs = [_free(deck, terms) for terms in deck.springs]
     d = 6 if _turns(deck) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
@@ -113,7 +118,7 @@ def deck_model(deck: Deck, *, kinematics: ShellKinematics = GREEN_LAGRANGE) -> F
             RigidPiece(tie.name, np.unique(np.append(tie.nodes, tie.reference)), deck.nodes[tie.reference])
             for tie in deck.rigid
         ),
-        constraints=_constraints(deck, d),
+        constraints=_constraints(deck, d, (*deck.constraints, *deck.held) if held else deck.constraints),
     )
     return finite_element_model(
         mesh, _sections(deck), kinematics=kinematics, attached=attached, dofs_per_node=d
@@ -337,14 +342,14 @@ def _mass(deck: Deck, d: int) -> sparse.csc_array | None:
 
 def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
     """The sums as rows (rows, n) of the nodal freedoms, without rotations that no node has."""
-    there = (terms.freedoms % 6 < d) | (terms.factors != 0)
+    there = terms.freedoms % 6 < d
     places = terms.rows[there], _at(terms.freedoms[there], d)
     return sparse.csr_array(
         sparse.coo_array((terms.factors[there], places), shape=(len(terms.lines), n_nodes * d))
     )
 
 
-def terms_constraints(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object) -> Constraints | None:
+def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object) -> Constraints | None:
     """Sums that are zero, as rows."""
     given = [each for each in given if len(each.lines)]
     if not given:
@@ -362,10 +367,10 @@ def terms_constraints(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: 
     )
 
 
-def _constraints(deck: Deck, d: int, given: Sequence[ScalarTerms] | None = None) -> Constraints | None:
+def _constraints(deck: Deck, d: int, given: Sequence[ScalarTerms]) -> Constraints | None:
     """Those of the deck, and those by which reference nodes follow weighted means."""
     n = len(deck.node_ids)
-    found = [terms_constraints(deck.constraints if given is None else given, n, d, deck.path)]
+    found = [_zero_sums(given, n, d, deck.path)]
     means = [_mean_rows(deck, number, d) for number in range(len(deck.means))]
     if means:
         labels = tuple(
