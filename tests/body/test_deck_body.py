@@ -19,10 +19,12 @@ from supple.body import (
     deck_model,
     deck_models,
     deck_parts,
+    inertia_gram,
     mass_of_models,
     refuse_left_out,
     rigid_mass_properties,
 )
+from supple.body.inertia_polynomial import InertiaPolynomial
 from supple.errors import ModelError, SuppleWarning
 from supple.importers.deck import (
     BeamProperty,
@@ -365,9 +367,7 @@ def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
     n, length = 40, 1.0
     nodes = np.vstack([along_x(length, n), along_x(length, n) + [0, 1, 0]])
     clamped = terms(*({c: 1.0} for c in range(6)))
-    given = deck(
-        nodes, beam(np.arange(n + 1)), beam(np.arange(n + 1, 2 * n + 2), first=500), held=(clamped,)
-    )
+    given = deck(nodes, beam(np.arange(n + 1)), beam(np.arange(n + 1, 2 * n + 2), first=500), held=(clamped,))
     unit = np.sqrt(STEEL.youngs_modulus * SQUARE.I1 / SQUARE.mass_per_length) / (2 * np.pi)
     free = deck_frequencies(given, 4)
     np.testing.assert_allclose(free, 22.3733 * unit, rtol=1e-3)
@@ -378,3 +378,24 @@ def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
     together = mass_of_models(list(deck_models(given).values()))
     assert together.mass == pytest.approx(2 * SQUARE.mass_per_length)
     np.testing.assert_allclose(together.centre, [0.5, 0.5, 0.0], atol=1e-9)
+
+
+def test_the_inertia_of_a_body_with_constraints_is_that_of_the_body_without():
+    """Coordinates of two halves joined by constraints stand no longer in threes; the Gram matrix is the same."""
+    nodes = np.vstack([along_x(0.5, 3), along_x(0.5, 3) + [0.5, 0, 0]])
+    same = [{6 * 3 + c: 1.0, 6 * 4 + c: -1.0} for c in range(6)]
+    parts = (beam(np.arange(4)), beam(np.arange(4, 8), first=10))
+    joined = terms(*same, dependent=[18, 25, 20, 27, 22, 29])
+    beside = (point_mass(5, 2.0, (0.1, 0.2, 0.25)),)
+    two = deck_body("two", deck(nodes, *parts, constraints=(joined,), masses=beside), [])
+    beside = (point_mass(4, 2.0, (0.1, 0.2, 0.25)),)
+    one = deck_body("one", deck(along_x(1.0, 6), beam(np.arange(7)), masses=beside), [])
+    V = np.random.default_rng(3).normal(size=(one.n, 3))
+    fields = (one.expansion @ V).reshape(7, 6, 3)[[0, 1, 2, 3, 3, 4, 5, 6]].reshape(-1, 3)
+    own, *_ = np.linalg.lstsq(two.expansion.toarray(), fields, rcond=None)
+    np.testing.assert_allclose(two.expansion @ own, fields, atol=1e-12)
+    np.testing.assert_allclose(inertia_gram(two, own), inertia_gram(one, V), atol=1e-10)
+    spins = InertiaPolynomial(two).by_spin[3]
+    np.testing.assert_allclose(
+        own.T @ (spins @ own), V.T @ (InertiaPolynomial(one).by_spin[3] @ V), atol=1e-10
+    )

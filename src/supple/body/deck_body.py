@@ -110,7 +110,8 @@ def deck_model(
     if not held:
         _warn_of_what_is_left(deck)
         springs = [_free(deck, terms) for terms in deck.springs]
-    d = 6 if _turns(deck) else 3
+    sections = _sections(deck)
+    d = 6 if _turns(deck) or any(section.turns_nodes() for section in sections) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
         mass=_mass(deck, d),
@@ -120,9 +121,7 @@ def deck_model(
         ),
         constraints=_constraints(deck, d, (*deck.constraints, *deck.held) if held else deck.constraints),
     )
-    return finite_element_model(
-        mesh, _sections(deck), kinematics=kinematics, attached=attached, dofs_per_node=d
-    )
+    return finite_element_model(mesh, sections, kinematics=kinematics, attached=attached, dofs_per_node=d)
 
 
 def deck_connections(deck: Deck) -> tuple[Connection, ...]:
@@ -271,9 +270,7 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
 
 
 def _turns(deck: Deck) -> bool:
-    """Whether anything turns a node: shells and beams do, and whatever has a freedom of rotation."""
-    if any(each.kind.dimension < 3 for each in deck.elements):
-        return True
+    """Whether anything beside the elements has a freedom of rotation."""
     matrices = (*deck.masses, *deck.stiffnesses)
     terms = (*deck.springs, *deck.inertias, *deck.constraints)
     return any((_rows(each)[0] % 6 > 2).any() for each in matrices) or any(

@@ -73,6 +73,8 @@ def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray
         tolerance=RIGID_TOLERANCE,
         held=held,
     )
+    if not len(made.freedoms):
+        return np.zeros(0)
     wanted = min(n if held else n + 6 + MORE_MODES, len(made.freedoms))
     values = lowest_modes(made.of(model.stiffness), made.of(model.mass), wanted).values
     if not held and len(values):

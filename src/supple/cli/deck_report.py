@@ -99,6 +99,9 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     """Everything of a report, for the terminal."""
     deck, mass = report.deck, report.mass
     yield "nodes", str(len(deck.node_ids))
+    if len(deck.nodes):
+        for axis, low, high in zip("xyz", deck.nodes.min(axis=0), deck.nodes.max(axis=0), strict=True):
+            yield axis, f"{low:g} to {high:g}"
     for name, count in element_counts(deck).items():
         yield f"elements {name}", str(count)
     for name, given in deck.properties.items():
