@@ -252,7 +252,6 @@ class Deck:
     superelements : {name: deck} of parts that are bodies of their own
     scalar_points : (S,) ids of points that are one freedom and have no place; point j counts as node N + j,
                     of which terms and matrices name component 0
-    mass_factor : what the file's masses were multiplied by (PARAM,WTMASS), as its units ask
     """
 
     path: Path
@@ -278,4 +277,3 @@ class Deck:
     notes: tuple[str, ...] = ()
     superelements: Mapping[str, Deck] = field(default_factory=dict)
     scalar_points: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    mass_factor: float = 1.0
