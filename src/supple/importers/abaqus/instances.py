@@ -110,8 +110,8 @@ def _part(deck: Deck, name: str, mine: NDArray[np.bool_]) -> Deck:
     if not lost + crossing:
         return made
     note = (
-        f"{lost + crossing} constraints or springs join instance '{name}' to others; between bodies, joints take "
-        "their place"
+        f"{lost + crossing} constraints or springs join instance '{name}' to others; between bodies, joints "
+        "take their place"
     )
     return replace(made, notes=(*made.notes, note))
 

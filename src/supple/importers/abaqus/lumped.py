@@ -68,9 +68,7 @@ def read_masses(
 def read_springs(
     model: AbaqusModel, freedoms: Freedoms, family: Family, keyword: str
 ) -> tuple[ScalarTerms, ...]:
-    """*SPRING or *DASHPOT: between two nodes along their line (A) or between a freedom of each (2).
-
-    Those to the ground (1) are left out, as a body is free.
+    """*SPRING or *DASHPOT: between two nodes along their line (A) or between a freedom of each (2); to the ground (1).
 
     Raises
     ------
@@ -93,12 +91,9 @@ def read_springs(
                 )
             value = _slope(model, placed, values[wanted - 1 :])
             if elements.type.n_nodes == 1:
-                model.report.leave_out(
-                    f"*ELEMENT, TYPE={elements.type.name}",
-                    int(elements.lines[places[0]]),
-                    "to the ground: make it a force of the machine",
-                    len(places),
-                )
+                nodes, lines = elements.nodes[places, 0].tolist(), elements.lines[places].tolist()
+                for node, line in zip(nodes, lines, strict=True):
+                    rows.add(freedoms.of(node, int(values[0][0])), line, value=value)
                 continue
             for (first, second), line in zip(
                 elements.nodes[places].tolist(), elements.lines[places].tolist(), strict=True

@@ -111,8 +111,8 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
         if not (E > 0 and -1 < nu < 0.5):
             raise model.file.error(
                 block.line,
-                f"E = {E:g} and nu = {nu:g} give no positive stiffness; E must be positive, nu between -1 and "
-                "0.5",
+                f"E = {E:g} and nu = {nu:g} give no positive stiffness; E must be positive, nu between -1 "
+                "and 0.5",
             )
         return IsotropicMaterial(E, nu, material.density)
     if kind.startswith("ENG"):

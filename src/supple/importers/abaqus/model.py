@@ -172,7 +172,8 @@ class AbaqusModel:
         else:
             self.report.doubt(
                 line,
-                f"{what} names '{word}', neither {article} {member} id nor a set above; define that set first",
+                f"{what} names '{word}', neither {article} {member} id nor a set above; define that set "
+                "first",
             )
         return np.empty(0, dtype=np.int64)
 

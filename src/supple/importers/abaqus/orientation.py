@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Orientation:
-    """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle (rad) : a turn about a local axis"""
+    """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : turn about a local axis"""
 
     system: str
     a: FloatArray

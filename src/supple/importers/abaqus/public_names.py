@@ -55,6 +55,6 @@ def _unique(model: AbaqusModel, labels: Labels, rank: IntArray) -> IntArray:
     if unit * len(rank) > np.iinfo(np.int64).max:
         return np.arange(1, len(labels.ids) + 1)
     model.report.note(
-        f"instances use the same ids: those of the second are raised by {unit}, of the third by {2 * unit}, .."
+        f"instances use the same ids: those of the second are raised by {unit}, the third by {2 * unit}, .."
     )
     return labels.ids + unit * rank[labels.scopes]

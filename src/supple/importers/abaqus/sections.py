@@ -150,10 +150,9 @@ class _Builder:
         match section:
             case SectionOfShells():
                 thin = block.type.family is Family.MEMBRANE
-                for name, made, mine in section.properties(key, block.nodes[places], thin=thin):
-                    of = np.isin(owners, mine)
-                    along = section.directions(corners[of]) if section.has_directions else None
-                    self._append(name, made, block, kind, cells[of], element[of], directions=along)
+                for name, made, mine in section.properties(key, cells, thin=thin):
+                    along = section.directions(corners[mine]) if section.has_directions else None
+                    self._append(name, made, block, kind, cells[mine], element[mine], directions=along)
             case SectionOfBeams():
                 axis_nodes = None if block.axis_nodes is None else positions[block.axis_nodes[element]]
                 along, offsets = section.directions_and_offsets(corners, axis_nodes)

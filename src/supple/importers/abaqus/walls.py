@@ -47,17 +47,17 @@ class SectionOfShells:
         return self.homogeneous is None
 
     def properties(
-        self, key: str, nodes: IntArray, *, thin: bool
+        self, key: str, cells: IntArray, *, thin: bool
     ) -> Iterator[tuple[str, ShellProperty | WallProperty, IntArray]]:
-        """Name, property, and which elements (of nodes (E, n)) have it: one for each thickness.
+        """Name, property, and which of cells (C, 3) have it: one for each mean thickness of their nodes.
 
         thin : whether elements resist no bending (membranes)
         """
         if self.nodal_thickness is None:
-            yield key, self._property(self.thickness, thin=thin), np.arange(len(nodes))
+            yield key, self._property(self.thickness, thin=thin), np.arange(len(cells))
             return
-        found = self.nodal_thickness[nodes].mean(axis=1)
-        found = np.where(np.isfinite(found), found, self.thickness)
+        given = self.nodal_thickness
+        found = np.where(np.isfinite(given), given, self.thickness)[cells].mean(axis=1)
         # Twelve digits: sums in another order make no other property.
         values, which = np.unique(np.array([float(f"{t:.12g}") for t in found]), return_inverse=True)
         for i, thickness in enumerate(values.tolist()):
@@ -65,7 +65,7 @@ class SectionOfShells:
             yield name, self._property(thickness, thin=thin), np.flatnonzero(which == i)
 
     def directions(self, corners: FloatArray) -> FloatArray:
-        """First directions (C, 3) of cells with corners (C, 3, 3), before projection; the global x by default.
+        """First directions (C, 3) of cells with corners (C, 3, 3) before projection; by default global x.
 
         Where the wall's normal is the global x within 0.1 degrees, the global z, as both programs have it.
         """
