@@ -7,10 +7,12 @@ from pathlib import Path
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.abaqus_deck import read_abaqus_deck
 from supple.importers.deck import Deck
+from supple.importers.nastran.deck_file import read_nastran_deck
+from supple.importers.nastran.model import NASTRAN_SUFFIXES
 
 __all__ = ["DECK_SUFFIXES", "read_deck"]
 
-READERS = {".inp": read_abaqus_deck}
+READERS = {".inp": read_abaqus_deck} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_deck)
 
 DECK_SUFFIXES = tuple(READERS)
 
