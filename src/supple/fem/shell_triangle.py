@@ -50,7 +50,11 @@ FloatArray = NDArray[np.float64]
 
 
 def shell_triangle(
-    corners: FloatArray, dofs: NDArray[np.int64], section: ShellSection, kinematics: ShellKinematics
+    corners: FloatArray,
+    dofs: NDArray[np.int64],
+    section: ShellSection,
+    kinematics: ShellKinematics,
+    directions: FloatArray | None = None,
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of shell triangles with one section.
 
@@ -60,12 +64,13 @@ def shell_triangle(
     dofs : int array (E, 18)            nodal freedoms
     section : HomogeneousSection or LaminateSection
     kinematics : ShellKinematics
+    directions : float array (E, 3) or None     as in `Section`
 
     Raises
     ------
-    ModelError   an element is normal to the laminate's reference direction
+    ModelError   an element is normal to its direction
     """
-    axes = element_axes(corners, section)
+    axes = element_axes(corners, section, directions)
     xy = plane_coordinates(corners, axes)
     gradients = _gradients(xy)
     return QuadraticStrain(
@@ -94,15 +99,16 @@ def resultant_strains(xy: FloatArray, points: FloatArray) -> tuple[FloatArray, F
     return membrane, bending
 
 
-def layer_strain(corners: FloatArray, section: ShellSection, heights: ArrayLike) -> FloatArray:
+def layer_strain(corners: FloatArray, axes: FloatArray, heights: ArrayLike) -> FloatArray:
     """Plane strain eps_m + z kappa at the centroid of shell triangles from their strains, (E, l, 3, 18).
 
     Parameters
     ----------
     corners : float array (E, 3, 3)
-    heights : float array (l,)      z along the normal from the middle surface, m
+    axes : float array (E, 3, 3)    of the elements
+    heights : float array (l,)      z along the normal from the nodes, m
     """
-    xy = plane_coordinates(corners, element_axes(corners, section))
+    xy = plane_coordinates(corners, axes)
     membrane, bending = resultant_strains(xy, CENTRE)
     return membrane[:, None] + np.asarray(heights)[:, None, None] * bending
 
@@ -154,29 +160,33 @@ def _linear_strain(G: FloatArray) -> FloatArray:
     return B
 
 
-def element_axes(corners: FloatArray, section: ShellSection) -> FloatArray:
+def element_axes(
+    corners: FloatArray, section: ShellSection, directions: FloatArray | None = None
+) -> FloatArray:
     """Axes (E, 3, 3) of each element, rows x y z in global components; z the normal.
 
-    x is the section's reference direction projected onto the element, or the first side of an isotropic one.
+    x is the element's own direction or the section's, projected onto the element, or the first side of an
+    isotropic one.
     """
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     z = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    x = first if section.reference_direction is None else _projected(section.reference_direction, z, corners)
+    towards = section.reference_direction if directions is None else directions
+    x = first if towards is None else _projected(np.asarray(towards), z, corners)
     x = x / np.linalg.norm(x, axis=1, keepdims=True)
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def _projected(direction: ArrayLike, z: FloatArray, corners: FloatArray) -> FloatArray:
-    """A unit direction projected onto the plane of each element (E, 3)."""
-    direction = np.asarray(direction)
-    x = direction - (z @ direction)[:, None] * z
+def _projected(direction: FloatArray, z: FloatArray, corners: FloatArray) -> FloatArray:
+    """A direction (3,), or one of each element (E, 3), projected onto the plane of each element (E, 3)."""
+    direction = np.broadcast_to(direction, z.shape)
+    x = direction - (z * direction).sum(axis=1, keepdims=True) * z
     length = np.linalg.norm(x, axis=1)
-    if length.min() < 1e-3:
+    if (length < 1e-3 * np.linalg.norm(direction, axis=1)).any() or not length.all():
         worst = int(length.argmin())
         raise ModelError(
             f"triangle {worst}, centred at {corners[worst].mean(axis=0)}, is normal to the laminate's "
-            f"reference_direction {direction}; choose a direction along the shell"
+            f"reference_direction {direction[worst]}; choose a direction along the shell"
         )
     return x
 

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
-from supple.fem.beam_section import BeamSection
 from supple.fem.kinematics import VOIGT
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
@@ -240,15 +239,16 @@ def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain
             nodes, block, np.broadcast_to(of_strain[:, None], (len(nodes), 1, 6, 6)), to_nodes
         )
     given = section.property
-    if isinstance(given, BeamSection):
+    if section.cell_type.dimension == 1:
         raise ModelError("no stress recovery for beams: their sections do not say where the stress acts")
     if not isinstance(given, HomogeneousSection):
         raise ModelError(
             "stress needs a HomogeneousSection; an A-B-D matrix does not say the stress of each ply"
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
-    layers = layer_strain(corners, given, 0.5 * given.thickness * np.array(LAYERS))
-    to_global = _plane_to_global(element_axes(corners, given)) @ given.material.plane_stress
+    axes = element_axes(corners, given, section.directions)
+    layers = layer_strain(corners, axes, given.offset + 0.5 * given.thickness * np.array(LAYERS))
+    to_global = _plane_to_global(axes) @ given.material.plane_stress
     return SectionStress(nodes, block, to_global[:, None] @ layers, to_nodes)
 
 
