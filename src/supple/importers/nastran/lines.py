@@ -17,6 +17,7 @@ from supple.importers.nastran.line_properties import (
     ROD_PROPERTY_CARDS,
     read_beam,
     read_rod,
+    rod,
 )
 from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.reading import Reading
