@@ -399,3 +399,14 @@ def test_the_inertia_of_a_body_with_constraints_is_that_of_the_body_without():
     np.testing.assert_allclose(
         own.T @ (spins @ own), V.T @ (InertiaPolynomial(one).by_spin[3] @ V), atol=1e-10
     )
+
+
+def test_lines_take_the_moduli_that_a_deck_states():
+    """E and G alone, also where no Poisson's ratio of a solid gives G, or where there is none to twist."""
+    stiff = replace(SQUARE, J=2e-8)
+    for G, ratio in ((1e9, 104.0), (0.0, 0.3)):
+        made_of = BeamProperty(IsotropicMaterial(2.1e11, ratio, 7850.0, G), stiff)
+        given = replace(deck(along_x(1.0, 1), beam(np.arange(2))), properties={"beam": made_of})
+        K = deck_model(given).stiffness.toarray()
+        assert K[9, 9] == pytest.approx(G * 2e-8, abs=1e-6)
+        assert K[6, 6] == pytest.approx(2.1e11 * SQUARE.area)

@@ -233,21 +233,23 @@ def _property(
                 thickness=given.thickness or None,
             )
         case RodProperty():
-            return RodSection(_isotropic(given.material), given.area, given.J, given.mass_per_length)
+            material, J = _of_lines(given.material), given.J if _has_shear(given.material) else 0.0
+            return RodSection(material, given.area, J, given.mass_per_length)
         case BeamProperty():
             second = None if given.second is None else _beam(given.material, given.second, None)
             return _beam(given.material, given.first, second)
 
 
 def _beam(material: IsotropicMaterial, values: BeamValues, second: BeamSection | None) -> BeamSection:
+    shears = _has_shear(material)
     return BeamSection(
-        _isotropic(material),
+        _of_lines(material),
         values.area,
         values.I1,
         values.I2,
-        values.J,
-        values.K1,
-        values.K2,
+        values.J if shears else 0.0,
+        values.K1 if shears else 0.0,
+        values.K2 if shears else 0.0,
         mass_per_length=values.mass_per_length,
         I12=values.I12,
         neutral=values.neutral,
@@ -261,6 +263,20 @@ def _isotropic(material: IsotropicMaterial) -> Isotropic:
     return Isotropic(
         material.youngs_modulus, material.poissons_ratio, material.density, material.shear_modulus
     )
+
+
+def _has_shear(material: IsotropicMaterial) -> bool:
+    """Whether it resists shear: lines of materials that do not carry no torsion."""
+    return material.shear_modulus is None or material.shear_modulus > 0
+
+
+def _of_lines(material: IsotropicMaterial) -> Isotropic:
+    """Of beams and rods E and G count alone: decks state G beside E that no Poisson's ratio of solids gives."""
+    nu = material.poissons_ratio
+    G = material.shear_modulus if _has_shear(material) else None
+    if not -1 < nu < 0.5:
+        nu, G = 0.0, G or material.youngs_modulus / (2 * (1 + nu))
+    return Isotropic(material.youngs_modulus, nu, material.density, G)
 
 
 def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | Anisotropic:
