@@ -328,9 +328,10 @@ def _card_name(file: Path, number: int, first: str) -> str:
 
 def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     """First field, data fields (8, or 4 large ones) and continuation label of a line."""
-    if "," in text[:10] or ("," in text and (text[0] in "+*," or not has_no_effect(_name_of(text)))):
+    name = _name_of(text)
+    if "," in text[:10] or ("," in text and (text[0] in "+*," or (name and not has_no_effect(name)))):
         words = [word.strip() for word in text.split(",")]
-        if "," not in text[:10] and " " in words[0]:  # blanks part the name from the first field
+        if " " in words[0] and words[0][0] not in "+*":  # blanks part the name from the first field
             words[:1] = words[0].split()
         width = 4 if "*" in words[0] else 8
         if any(words[width + 2 :]) and not has_no_effect(_name_of(words[0])):
