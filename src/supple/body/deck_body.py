@@ -58,6 +58,8 @@ IntArray = NDArray[np.int64]
 
 # Of what cancels when the ends of a spring move rigidly.
 _RIGID = 1e-6
+# Sine of the angle between a wall and the direction of its material: less has no projection.
+_ALONG = 2e-3
 
 
 def deck_body(
@@ -208,8 +210,30 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
                 f"'{each.property}'; add it, or remove the element"
             ) from None
         cells = np.arange(start, first[each.kind])
-        made.append(Section(each.kind, cells, own, each.directions, each.offsets, each.released))
+        directions = _along_cells(deck, each) if each.kind.dimension == 2 else each.directions
+        made.append(Section(each.kind, cells, own, directions, each.offsets, each.released))
     return tuple(made)
+
+
+def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
+    """Directions of walls; where one is normal to its cell, the first side of the cell in its place."""
+    if given.directions is None:
+        return None
+    corners, towards = deck.nodes[given.nodes], np.array(given.directions)
+    first = corners[:, 1] - corners[:, 0]
+    normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    sine = np.linalg.norm(np.cross(normal, towards), axis=1)
+    across = sine <= _ALONG * np.linalg.norm(normal, axis=1) * np.linalg.norm(towards, axis=1)
+    if across.any():
+        number = int(np.argmax(across))
+        warnings.warn(
+            f"{deck.path}, line {given.lines[number]}: the direction of the wall of {given.name} "
+            f"{given.ids[number]} (one of {across.sum()}) is normal to it; its first side is taken",
+            SuppleWarning,
+            stacklevel=5,
+        )
+        towards[across] = first[across]
+    return towards
 
 
 def _property(
@@ -231,6 +255,7 @@ def _property(
                 given.rotary_inertia_per_area,
                 shear=given.shear,
                 thickness=given.thickness or None,
+                mass_offset=given.mass_moment_per_area / (given.mass_per_area or 1.0),
             )
         case RodProperty():
             material, J = _of_lines(given.material), given.J if _has_shear(given.material) else 0.0
