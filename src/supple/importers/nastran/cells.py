@@ -387,11 +387,14 @@ def _triangles_with_middles(
 
 
 def _ring_triangles(ring: list[int], positions: FloatArray) -> list[list[int]]:
+    """A fan from the node from which its smallest triangle is largest: middle nodes lie on sides."""
     if len(ring) < 3:
         return []
-    if len(ring) == 4:
-        return split_quadrilaterals(positions, np.array([ring])).tolist()
-    return [[ring[0], ring[i], ring[i + 1]] for i in range(1, len(ring) - 1)]
+    turned = [ring[start:] + ring[:start] for start in range(len(ring))]
+    fans = np.array([[[own[0], own[i], own[i + 1]] for i in range(1, len(own) - 1)] for own in turned])
+    x = positions[fans]
+    areas = np.linalg.norm(np.cross(x[..., 1, :] - x[..., 0, :], x[..., 2, :] - x[..., 0, :]), axis=-1)
+    return fans[int(areas.min(axis=1).argmax())].tolist()
 
 
 def _material_directions(
