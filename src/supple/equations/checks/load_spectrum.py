@@ -38,7 +38,7 @@ SAME = 1.05
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
 FEW, SAMPLES = 33, 257
-"""Output times too few to show a load, and those looked at instead."""
+"""Output times too few to show a load, and those sampled instead."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 SPEED, ACCELERATION = 1e-6, 1e-3
 """Of the largest speed, or acceleration, of the run: what jumps by less is rounding."""
 BESIDE = 1e-7
-"""Of the shortest scale of a law: how near to an instant its sides are looked at."""
+"""Of the shortest scale of a law: how near to an instant its sides are sampled."""
 
 
 @dataclass(frozen=True)
