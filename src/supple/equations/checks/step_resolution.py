@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, Run
 from supple.machine import Constant, System, TimeLaw
@@ -147,7 +147,7 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
             f"line by {100 * missed.share:.0f} % of its largest value{briefest}: the steps miss or alias it. "
             f"Take {needed}, or adaptive steps, which stop where it breaks"
         )
-        say(message, ResolutionWarning, run.validity)
+        warn_or_raise(message, ResolutionWarning, run.validity)
 
 
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
