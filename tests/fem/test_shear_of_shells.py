@@ -238,3 +238,14 @@ def test_the_share_of_shear_in_bending_is_that_of_a_plate(n):
     assert shear_share(model, shape)[0] == pytest.approx(expected, rel=12 / n**2)
     shearing, _ = supported(replace(wall, shear_factor=5 / 6), (side, side), (n, n))
     assert shear_share(shearing, shape)[0] == 0.0
+
+
+def test_membranes_do_not_bend_and_what_only_bends_does_not_stretch():
+    """Both parts, alone, add up to the whole wall."""
+    mesh, wall = strip(1.0, 0.3, 4, 2), HomogeneousSection(FACE, 0.01)
+    none = np.zeros((3, 3))
+    membrane = LaminateSection(wall.membrane, none, none, 1.0, 0.0)
+    plate = LaminateSection(none, none, wall.bending, 1.0, 0.0)
+    whole = shell_model(mesh, wall).stiffness
+    found = shell_model(mesh, membrane).stiffness + shell_model(mesh, plate).stiffness
+    assert abs(found - whole).max() < 1e-12 * abs(whole).max()
