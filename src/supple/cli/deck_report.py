@@ -94,7 +94,7 @@ def write_report(report: DeckReport, path: Path) -> None:
 def deck_rows(report: DeckReport) -> Iterator[Row]:
     """Everything of a report, for the terminal."""
     deck, mass = report.deck, report.mass
-    yield "nodes", str(len(deck.node_ids))
+    yield "what", f"{len(deck.node_ids)} nodes"
     if len(deck.nodes):
         for axis, low, high in zip("xyz", deck.nodes.min(axis=0), deck.nodes.max(axis=0), strict=True):
             yield axis, f"{low:g} to {high:g}"
