@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from supple.body import ModelCheck, Verdict, labelled_matrices_source, deck_source
+from supple.body import ModelCheck, Verdict, deck_source, labelled_matrices_source
 from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import Case, read_case
 from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
-from supple.importers import HDF5_SUFFIXES, DECK_SUFFIXES
+from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES
 from supple.terminal import console, words
 from supple.units import UNNAMED, UnitSystem, measured
 
