@@ -8,6 +8,7 @@ sparse; the others are solved together with those that they share freedoms with.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,7 +117,8 @@ def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -
         dense = own[:, freedoms].toarray()
         liked = np.where(last[freedoms], _LAST, 1.0)
         liked[np.isin(freedoms, named[members])] *= _NAMED
-        _, factor, order = linalg.qr(dense * liked, mode="economic", pivoting=True)
+        decomposed: tuple[Any, ...] = linalg.qr(dense * liked, mode="r", pivoting=True)
+        factor, order = decomposed[0], decomposed[-1]
         sizes = np.abs(np.diag(factor))
         rank = int((sizes > _REDUNDANT * sizes[0]).sum())
         dependent, free = order[:rank], order[rank:]
