@@ -162,8 +162,7 @@ def test_layered_solids_of_one_material(deck):
 )
 def test_shells_cover_the_same_area_the_same_way_up(deck, cards, cells):
     text = (
-        SQUARE
-        + "GRID,5,,1.,0.,0.\nGRID,6,,2.,.5,0.\nGRID,7,,1.,1.,0.\nGRID,8,,0.,.5,0.\nGRID,9,,1.,.5,0.\n"
+        SQUARE + "GRID,5,,1.,0.,0.\nGRID,6,,2.,.5,0.\nGRID,7,,1.,1.,0.\nGRID,8,,0.,.5,0.\nGRID,9,,1.,.5,0.\n"
     )
     read = deck(text + cards + "\nPSHELL,9,5,.1,5,,5\n" + MATERIAL)
     x = read.nodes[np.concatenate([found.nodes for found in read.elements])]
@@ -269,7 +268,10 @@ def test_orthotropic_plies_by_laminate_theory(deck):
 
 def test_directions_of_a_material(deck):
     """THETA turns from the side G1-G2; MCID is the x axis of a system; a whole number is always a system."""
-    text = SQUARE + "MAT8,8,140.,10.,.3,5.,5.,3.,1.6\nPCOMP,9\n,8,.1,0.\nCORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
+    text = (
+        SQUARE
+        + "MAT8,8,140.,10.,.3,5.,5.,3.,1.6\nPCOMP,9\n,8,.1,0.\nCORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
+    )
     for words, expected in [
         ("1,2,3,4", [1, 0, 0]),
         ("2,3,4,1", [0, 1, 0]),
