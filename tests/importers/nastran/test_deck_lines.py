@@ -1,4 +1,4 @@
-"""Beams and rods of decks: sections, orientation, offsets, pins; each against a closed form or another card."""
+"""Beams and rods of decks: sections, orientation, offsets, pins; against closed forms and other cards."""
 
 from __future__ import annotations
 

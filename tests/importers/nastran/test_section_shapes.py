@@ -150,7 +150,7 @@ def test_the_same_section_by_other_names():
 
 
 def test_torsion_of_closed_and_open_walls():
-    """A thin square box by Bredt, t a^3; a slit one a strip, 4 a t^3 / 3; two equal cells as the outer one."""
+    """A thin square box by Bredt, t a^3; a channel a t^3; two equal cells as the outer one."""
     a, t = 1.0, 1e-3
     assert values("BOX", a, a, t, t).J == pytest.approx(t * a**3, rel=5e-3)
     assert values("CHAN", a, a, t, t).J == pytest.approx(3 * a * t**3 / 3, rel=5e-3)
