@@ -133,7 +133,7 @@ class ExplicitShell(ElementPart):
             xy = plane_coordinates(corners, element_axes(corners, given, section.directions))
             area = triangle_area(xy)
             B = block.B[:, 0]
-            membrane, bending = resultant_strains(xy, MIDSIDES)
+            membrane, bending = resultant_strains(xy, MIDSIDES, given)
             drills = B[:, DRILLING]
             D = block.w[:, :1, None] * np.broadcast_to(block.D, (len(B), *block.D.shape[-2:]))
             mass = given.mass_per_area * area / 3
