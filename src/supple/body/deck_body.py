@@ -244,7 +244,11 @@ def _property(
             return _material(given.material)
         case ShellProperty():
             return HomogeneousSection(
-                _isotropic(given.material), given.thickness, given.offset, given.added_mass
+                _isotropic(given.material),
+                given.thickness,
+                given.offset,
+                given.added_mass,
+                given.shear_factor,
             )
         case WallProperty():
             return LaminateSection(
