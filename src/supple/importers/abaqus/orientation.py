@@ -47,8 +47,8 @@ class Orientation:
             axes = np.broadcast_to(axes / np.linalg.norm(axes, axis=0), (len(places), 3, 3))
         if not self.axis:
             return axes
-        turn = Rotation.from_rotvec(self.angle * np.eye(3)[self.axis - 1]).as_matrix()
-        return axes @ turn
+        turn: FloatArray = Rotation.from_rotvec(self.angle * np.eye(3)[self.axis - 1]).as_matrix()
+        return np.asarray(axes @ turn, dtype=np.float64)
 
     def shell_directions(self, places: FloatArray) -> FloatArray:
         """First in-plane directions (n, 3) before projection: of the axis after the one along the normal."""

@@ -40,7 +40,11 @@ class _Solid:
 # Nastran lists middle nodes bottom, upright, top; a CellType bottom, top, upright.
 _SOLIDS = {
     "CTETRA": _Solid(
-        4, CellType.TETRA4, CellType.TETRA10, tuple(range(10)), ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+        4,
+        CellType.TETRA4,
+        CellType.TETRA10,
+        tuple(range(10)),
+        ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
     ),
     "CHEXA": _Solid(
         8,
@@ -232,7 +236,8 @@ def _material_axes(
     if system.startswith("-"):
         for card in cards:
             reading.leave_out(
-                card, "the axes of an anisotropic material go with the element (CORDM = -1); basic axes are taken"
+                card,
+                "the axes of an anisotropic material go with the element (CORDM = -1); basic axes are taken",
             )
         return None
     return reading.system(cards[0], int(system)).directions(reading.positions(nodes).mean(axis=1))

@@ -66,7 +66,9 @@ def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
     if card.word(2) in ("1", "2", "3"):
         middle, t = card.real(3, "the mean radius RM"), card.real(4, "the thickness T")
         if card.word(2) != "1":
-            reading.leave_out(card, "the flexibility of bent pipes (FSI = 2, 3) is not read: they are stiffer")
+            reading.leave_out(
+                card, "the flexibility of bent pipes (FSI = 2, 3) is not read: they are stiffer"
+            )
         section = SHAPES["TUBE"].values(middle + t / 2, max(middle - t / 2, 0.0))
         assert section is not None
         area, I1, I2, J, K1, K2 = section.area, section.I1, section.I2, section.J, section.K1, section.K2
@@ -142,7 +144,9 @@ def _values(
     area, I1, I2, I12, J, nsm = given
     own, other = material.density * area, (nsm + added) * reading.mass_factor
     mass = own + other
-    centre = tuple((own * n + other * m) / mass if mass else 0.0 for n, m in zip(neutral, nsm_at, strict=True))
+    centre = tuple(
+        (own * n + other * m) / mass if mass else 0.0 for n, m in zip(neutral, nsm_at, strict=True)
+    )
     rotary = None
     if nsi or (other and nsm_at != neutral):
         # Moments about y and z grow with the distance along z and y.
@@ -165,7 +169,9 @@ def _rows_of_beam(card: BulkCard) -> tuple[list[tuple[str, ...]], tuple[str, ...
     return stations, tuple(word for row in rows[place:] for word in row)
 
 
-def _shaped(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty | str:
+def _shaped(
+    card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float
+) -> BeamProperty | str:
     """PBARL, PBEAML: TYPE, then DIM1 .. NSM at A, and behind SO, X/XB those of further stations.
 
     A bar's shear centre counts as its centroid; of a beam the grids carry the shear centre.

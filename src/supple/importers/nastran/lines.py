@@ -89,7 +89,10 @@ def read_rods(
         element = card.integer(0, "the element id")
         nsm = added.get(element, 0.0)
         if card.name == "CONROD":
-            values = (card.integer(3, "the material id"), *(card.real(4 + i, w, 0.0) for i, w in enumerate("AJC")))
+            values = (
+                card.integer(3, "the material id"),
+                *(card.real(4 + i, w, 0.0) for i, w in enumerate("AJC")),
+            )
             total = card.real(7, "NSM", 0.0) + nsm
             own.cards = {values[0]: card}
             of, why = own.name(

@@ -24,7 +24,6 @@ LARGEST_INCONSISTENCY = 0.01
 """Of G with E and nu, relative: beyond it Nastran warns, and shear goes by G alone."""
 
 
-
 @dataclass(frozen=True, eq=False)
 class WallMaterial:
     """A material in a wall: plane stress (3, 3), transverse shear (2, 2) or None where rigid; density."""

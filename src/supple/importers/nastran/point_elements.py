@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -264,9 +262,7 @@ def _conm2(card: BulkCard, reading: Reading) -> NodalMatrix:
     else:
         axes = reading.system(card, system).directions(at[None])[0]
         offset, inertia = axes @ offset, axes @ inertia @ axes.T
-    x = np.array(
-        [[0.0, -offset[2], offset[1]], [offset[2], 0.0, -offset[0]], [-offset[1], offset[0], 0.0]]
-    )
+    x = np.array([[0.0, -offset[2], offset[1]], [offset[2], 0.0, -offset[0]], [-offset[1], offset[0], 0.0]])
     M = np.block([[m * np.eye(3), -m * x], [m * x, inertia - m * x @ x]])
     return _kept(6 * node + np.arange(6), M * reading.mass_factor)
 
@@ -292,9 +288,7 @@ def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
 # --- shear panels
 
 
-def _shear_panel(
-    card: BulkCard, known: BulkCard | None, materials: Materials, reading: Reading
-) -> None:
+def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, reading: Reading) -> None:
     """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel that carries a constant shear flow alone.
 
     Forces of the flow q along the four sides, at their ends, do work on  w = sum of -+ L/2 (u_i + u_j) t_ij,

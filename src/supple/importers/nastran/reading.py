@@ -110,9 +110,7 @@ class Reading:
             if self.case.present or len(sets) != 1:
                 if sets:
                     why = "case control chooses none" if self.case.present else "no case control chooses"
-                    self.note(
-                        f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}."
-                    )
+                    self.note(f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}.")
                 return set()
             return set(sets)
         if command in self.case.varied:

@@ -20,9 +20,7 @@ RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC",
 Side = tuple[int, str]
 
 
-def read_ties(
-    reading: Reading, turning: NDArray[np.bool_]
-) -> tuple[list[RigidTie], list[WeightedMean]]:
+def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
     """All rigid and averaging elements; what is neither simply one nor the other, as constraints.
 
     turning : (N,) whether the rotations of a node have stiffness (shells, beams); ties of nodes of solids
@@ -229,9 +227,7 @@ def _rbe1(card: BulkCard, reading: Reading) -> None:
     _rigid_rows(card, independent, dependent, reading)
 
 
-def _rbe3(
-    card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: list[WeightedMean]
-) -> None:
+def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: list[WeightedMean]) -> None:
     """EID - REFGRID REFC WT1 C1 G1,1 G1,2 .. WT2 C2 G2,1 .. [UM ..] [ALPHA ..].
 
     UM only chooses which freedoms of the same equations Nastran eliminates.
@@ -356,7 +352,9 @@ def read_multipoint_constraints(reading: Reading) -> None:
             if at not in (1, 4) or not card.word(place):
                 continue
             factor = card.real(place + 2, "a factor", 0.0)
-            of = reading.freedom(card, card.integer(place, "a grid"), card.integer(place + 1, "a component", 0))
+            of = reading.freedom(
+                card, card.integer(place, "a grid"), card.integer(place + 1, "a component", 0)
+            )
             if not terms:
                 dependent = _alone(of)
             terms += times(of, factor)

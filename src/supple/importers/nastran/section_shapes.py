@@ -96,9 +96,7 @@ def _bar(width: float, height: float) -> SectionValues:
     odd = range(1, 20, 2)
     series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in odd)
     J = long * short**3 / 3 * (1 - 192 / pi**5 * short / long * series)
-    return SectionValues(
-        width * height, width * height**3 / 12, height * width**3 / 12, 0.0, J, 5 / 6, 5 / 6
-    )
+    return SectionValues(width * height, width * height**3 / 12, height * width**3 / 12, 0.0, J, 5 / 6, 5 / 6)
 
 
 def _box(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
@@ -198,9 +196,7 @@ def _t2(width: float, height: float, flange: float, web: float) -> SectionValues
     s = _t(width, height, flange, web)
     if s is None:
         return None
-    return SectionValues(
-        s.area, s.I1, s.I2, s.I12, s.J, s.K1, s.K2, (-s.shear_centre[0], s.shear_centre[1])
-    )
+    return SectionValues(s.area, s.I1, s.I2, s.I12, s.J, s.K1, s.K2, (-s.shear_centre[0], s.shear_centre[1]))
 
 
 def _l(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
@@ -215,7 +211,10 @@ def _l(width: float, height: float, lying: float, upright: float) -> SectionValu
 def _cross(arms: float, web: float, height: float, thickness: float) -> SectionValues | None:
     if min(arms, web, height, thickness, height - thickness) <= 0:
         return None
-    boxes = [_Box(0.0, 0.0, height, web), *(_Box(0.0, s * (web + arms / 2) / 2, thickness, arms / 2) for s in (1, -1))]
+    boxes = [
+        _Box(0.0, 0.0, height, web),
+        *(_Box(0.0, s * (web + arms / 2) / 2, thickness, arms / 2) for s in (1, -1)),
+    ]
     return _built(boxes, _thin((height, web), (arms, thickness)))
 
 

@@ -160,7 +160,9 @@ def _matrix(cards: list[BulkCard], factor: float, reading: Reading) -> NodalMatr
         for place in range(4, len(card.fields), 4):
             if card.is_blank(place, place + 3):
                 continue
-            row = reading.freedom(card, card.integer(place, "a grid"), card.integer(place + 1, "a component", 0))
+            row = reading.freedom(
+                card, card.integer(place, "a grid"), card.integer(place + 1, "a component", 0)
+            )
             value = factor * card.real(place + 2, "an entry")
             for i, a in row:
                 for j, b in column:

@@ -91,16 +91,16 @@ def _pshell(
     return moved_wall(wall, options.offset) if options.offset else wall
 
 
-def _pcomp(card: BulkCard, materials: Materials, reading: Reading, options: WallOptions) -> WallProperty | str:
+def _pcomp(
+    card: BulkCard, materials: Materials, reading: Reading, options: WallOptions
+) -> WallProperty | str:
     """Plies from the bottom up, each with material, thickness and angle; Z0 is the lower face."""
     plies: list[Ply] = []
     for material, thickness, angle in _rows(card):
         found = materials.of_wall(material)
         if isinstance(found, str):
             return found
-        plies.append(
-            Ply(found.plane_stress, found.shear, found.density, thickness, float(np.radians(angle)))
-        )
+        plies.append(Ply(found.plane_stress, found.shear, found.density, thickness, float(np.radians(angle))))
     option = card.word(7)
     if option == "SYM":
         plies += plies[::-1]
