@@ -97,6 +97,21 @@ def test_plane_elements_carry_sets_beside_solids_alone(deck):
     ]
 
 
+def test_faces_and_edges_of_solids_carry_sets_alone(deck):
+    """As meshers write them; a shell that stands away from the solids, without a section, is missing."""
+    nodes, cells = brick((1, 1, 1), (1, 1, 1))
+    text = (
+        node_rows(nodes) + element_rows("C3D8", cells) + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n"
+    )
+    text += "*ELEMENT, TYPE=S4, ELSET=face\n9, 1, 2, 4, 3\n*ELEMENT, TYPE=T3D2, ELSET=edge\n10, 1, 2\n"
+    made = deck(text + "*NSET, NSET=held, ELSET=face\n")
+    assert made.left_out == ()
+    assert made.passed_over["*ELEMENT, TYPE=S4"] == made.passed_over["*ELEMENT, TYPE=T3D2"] == 1
+    assert made.node_sets["held"].tolist() == [0, 1, 2, 3]
+    away = deck(text + "*NODE\n99, 5., 5., 5.\n*ELEMENT, TYPE=S3, ELSET=fin\n11, 1, 2, 99\n")
+    assert [left.card for left in away.left_out] == ["*ELEMENT, TYPE=S3"]
+
+
 def test_elements_of_an_unknown_type_are_left_out(deck):
     made = deck(node_rows(LINE3) + "*ELEMENT, TYPE=CONN3D2\n1, 1, 2\n2, 2, 3\n")
     (left,) = made.left_out

@@ -67,7 +67,9 @@ def cylindrical_axes(a: FloatArray, b: FloatArray, places: FloatArray) -> FloatA
     aside = np.cross(axial, np.eye(3)[np.argmin(np.abs(axial))])
     on_axis = np.linalg.norm(radial, axis=1) <= 1e-12 * (1 + np.linalg.norm(across, axis=1))
     radial = _unit(np.where(on_axis[:, None], aside, radial))
-    return np.stack([radial, np.cross(axial, radial), np.broadcast_to(axial, radial.shape)], axis=-1)
+    axes = np.empty((len(places), 3, 3))
+    axes[:, :, 0], axes[:, :, 1], axes[:, :, 2] = radial, np.cross(axial, radial), axial
+    return axes
 
 
 def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientation]:
