@@ -15,14 +15,17 @@ from supple.body import (
     check_elements,
     deck_body,
     deck_frequencies,
+    deck_mass,
     deck_mesh,
     deck_model,
     deck_models,
     deck_parts,
+    inertia_gram,
     mass_of_models,
     refuse_left_out,
     rigid_mass_properties,
 )
+from supple.body.inertia_polynomial import InertiaPolynomial
 from supple.errors import ModelError, SuppleWarning
 from supple.importers.deck import (
     BeamProperty,
@@ -37,6 +40,7 @@ from supple.importers.deck import (
     ScalarTerms,
     ShellProperty,
     SolidProperty,
+    WallProperty,
     WeightedMean,
 )
 from supple.mesh import CellType, block
@@ -365,9 +369,7 @@ def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
     n, length = 40, 1.0
     nodes = np.vstack([along_x(length, n), along_x(length, n) + [0, 1, 0]])
     clamped = terms(*({c: 1.0} for c in range(6)))
-    given = deck(
-        nodes, beam(np.arange(n + 1)), beam(np.arange(n + 1, 2 * n + 2), first=500), held=(clamped,)
-    )
+    given = deck(nodes, beam(np.arange(n + 1)), beam(np.arange(n + 1, 2 * n + 2), first=500), held=(clamped,))
     unit = np.sqrt(STEEL.youngs_modulus * SQUARE.I1 / SQUARE.mass_per_length) / (2 * np.pi)
     free = deck_frequencies(given, 4)
     np.testing.assert_allclose(free, 22.3733 * unit, rtol=1e-3)
@@ -378,3 +380,59 @@ def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
     together = mass_of_models(list(deck_models(given).values()))
     assert together.mass == pytest.approx(2 * SQUARE.mass_per_length)
     np.testing.assert_allclose(together.centre, [0.5, 0.5, 0.0], atol=1e-9)
+
+
+def test_the_inertia_of_a_body_with_constraints_is_that_of_the_body_without():
+    """Coordinates of two halves joined by constraints stand no longer in threes; the Gram matrix is the same."""
+    nodes = np.vstack([along_x(0.5, 3), along_x(0.5, 3) + [0.5, 0, 0]])
+    same = [{6 * 3 + c: 1.0, 6 * 4 + c: -1.0} for c in range(6)]
+    parts = (beam(np.arange(4)), beam(np.arange(4, 8), first=10))
+    joined = terms(*same, dependent=[18, 25, 20, 27, 22, 29])
+    beside = (point_mass(5, 2.0, (0.1, 0.2, 0.25)),)
+    two = deck_body("two", deck(nodes, *parts, constraints=(joined,), masses=beside), [])
+    beside = (point_mass(4, 2.0, (0.1, 0.2, 0.25)),)
+    one = deck_body("one", deck(along_x(1.0, 6), beam(np.arange(7)), masses=beside), [])
+    V = np.random.default_rng(3).normal(size=(one.n, 3))
+    fields = (one.expansion @ V).reshape(7, 6, 3)[[0, 1, 2, 3, 3, 4, 5, 6]].reshape(-1, 3)
+    own, *_ = np.linalg.lstsq(two.expansion.toarray(), fields, rcond=None)
+    np.testing.assert_allclose(two.expansion @ own, fields, atol=1e-12)
+    np.testing.assert_allclose(inertia_gram(two, own), inertia_gram(one, V), atol=1e-10)
+    spins = InertiaPolynomial(two).by_spin[3]
+    np.testing.assert_allclose(
+        own.T @ (spins @ own), V.T @ (InertiaPolynomial(one).by_spin[3] @ V), atol=1e-10
+    )
+
+
+def test_lines_take_the_moduli_that_a_deck_states():
+    """E and G alone, also where no Poisson's ratio of a solid gives G, or where there is none to twist."""
+    stiff = replace(SQUARE, J=2e-8)
+    for G, ratio in ((1e9, 104.0), (0.0, 0.3)):
+        made_of = BeamProperty(IsotropicMaterial(2.1e11, ratio, 7850.0, G), stiff)
+        given = replace(deck(along_x(1.0, 1), beam(np.arange(2))), properties={"beam": made_of})
+        K = deck_model(given).stiffness.toarray()
+        assert K[9, 9] == pytest.approx(G * 2e-8, abs=1e-6)
+        assert K[6, 6] == pytest.approx(2.1e11 * SQUARE.area)
+
+
+def test_scalar_points_vibrate_at_the_supports_and_are_no_part_of_a_body():
+    """A mass of one freedom on a spring from a clamped bar: omega^2 = k / m; a free body is without both."""
+    bar = deck(along_x(1.0, 4), beam(np.arange(5)), held=(terms(*({c: 1.0} for c in range(6))),))
+    given = replace(
+        bar,
+        scalar_points=np.array([77]),
+        springs=(terms({6 * 4: 1.0, 6 * 5: -1.0}, values=[1e3]),),
+        inertias=(terms({6 * 5: 1.0}, values=[0.5]),),
+    )
+    soft = deck_frequencies(given, 3, held=True)
+    assert soft[0] == pytest.approx(np.sqrt(1e3 / 0.5) / (2 * np.pi), rel=1e-4)
+    np.testing.assert_allclose(deck_frequencies(given, 3), deck_frequencies(bar, 3), rtol=1e-9)
+    assert deck_mass(given).mass == pytest.approx(SQUARE.mass_per_length)
+
+
+def test_the_direction_of_a_wall_that_is_normal_to_it_is_replaced():
+    wall = WallProperty(1e7 * np.eye(3), np.zeros((3, 3)), 1e2 * np.eye(3), None, 10.0, 1e-3, 0.01)
+    triangles = elements("CTRIA3", CellType.TRIANGLE3, [[0, 1, 2], [0, 2, 3]], "wall", 1, [0.0, 0.0, 1.0])
+    square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    given = replace(deck(square, triangles), properties={"wall": wall})
+    with pytest.warns(SuppleWarning, match=r"line 1: the direction of the wall of CTRIA3 1 \(one of 2\) is normal"):
+        deck_model(given)

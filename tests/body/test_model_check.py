@@ -106,7 +106,9 @@ def test_a_freedom_without_mass_follows_the_others(shell):
     assert check.is_accepted
     (found,) = (each for each in check.findings if each.what == "positive mass")
     last = shell.mesh.n_nodes - 1
-    assert f"all but 1 of {shell.n_dofs} eigenvalues; the motions without mass, at nodes {last}," in found.seen
+    assert (
+        f"all but 1 of {shell.n_dofs} eigenvalues; the motions without mass, at nodes {last}," in found.seen
+    )
 
 
 def test_a_node_with_neither_mass_nor_stiffness_is_refused(shell):
@@ -114,7 +116,9 @@ def test_a_node_with_neither_mass_nor_stiffness_is_refused(shell):
     keep[-6:-3] = 0
     D = diags_array(keep)
     M, K = (csc_array(D @ matrix @ D) for matrix in (shell.mass, shell.stiffness))
-    assert "without mass are some without stiffness" in refused(changed(shell, M=M, K=K))["positive mass"].seen
+    assert (
+        "without mass are some without stiffness" in refused(changed(shell, M=M, K=K))["positive mass"].seen
+    )
 
 
 def test_a_mass_that_is_not_positive_definite(solid):

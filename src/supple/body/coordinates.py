@@ -167,7 +167,7 @@ def coordinates(
     if bare.any():
         state = state.after(_follow_statically(body, state.K, bare))
     try:
-        motions = massless_motions(state.M, tolerance)
+        motions = massless_motions(state.M, tolerance) if len(state.kept) else np.zeros((0, 0))
         if motions.shape[1]:
             state = state.after(tie_statically(state.K, motions, ~last[state.kept]))
     except ModelError as error:

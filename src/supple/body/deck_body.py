@@ -58,6 +58,8 @@ IntArray = NDArray[np.int64]
 
 # Of what cancels when the ends of a spring move rigidly.
 _RIGID = 1e-6
+# Sine of the angle between a wall and the direction of its material: less has no projection.
+_ALONG = 2e-3
 
 
 def deck_body(
@@ -110,7 +112,8 @@ def deck_model(
     if not held:
         _warn_of_what_is_left(deck)
         springs = [_free(deck, terms) for terms in deck.springs]
-    d = 6 if _turns(deck) else 3
+    sections = _sections(deck)
+    d = 6 if _turns(deck) or any(section.turns_nodes() for section in sections) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
         mass=_mass(deck, d),
@@ -120,9 +123,7 @@ def deck_model(
         ),
         constraints=_constraints(deck, d, (*deck.constraints, *deck.held) if held else deck.constraints),
     )
-    return finite_element_model(
-        mesh, _sections(deck), kinematics=kinematics, attached=attached, dofs_per_node=d
-    )
+    return finite_element_model(mesh, sections, kinematics=kinematics, attached=attached, dofs_per_node=d)
 
 
 def deck_connections(deck: Deck) -> tuple[Connection, ...]:
@@ -209,8 +210,30 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
                 f"'{each.property}'; add it, or remove the element"
             ) from None
         cells = np.arange(start, first[each.kind])
-        made.append(Section(each.kind, cells, own, each.directions, each.offsets, each.released))
+        directions = _along_cells(deck, each) if each.kind.dimension == 2 else each.directions
+        made.append(Section(each.kind, cells, own, directions, each.offsets, each.released))
     return tuple(made)
+
+
+def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
+    """Directions of walls; where one is normal to its cell, the first side of the cell in its place."""
+    if given.directions is None:
+        return None
+    corners, towards = deck.nodes[given.nodes], np.array(given.directions)
+    first = corners[:, 1] - corners[:, 0]
+    normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    sine = np.linalg.norm(np.cross(normal, towards), axis=1)
+    across = sine <= _ALONG * np.linalg.norm(normal, axis=1) * np.linalg.norm(towards, axis=1)
+    if across.any():
+        number = int(np.argmax(across))
+        warnings.warn(
+            f"{deck.path}, line {given.lines[number]}: the direction of the wall of {given.name} "
+            f"{given.ids[number]} (one of {across.sum()}) is normal to it; its first side is taken",
+            SuppleWarning,
+            stacklevel=5,
+        )
+        towards[across] = first[across]
+    return towards
 
 
 def _property(
@@ -232,23 +255,26 @@ def _property(
                 given.rotary_inertia_per_area,
                 shear=given.shear,
                 thickness=given.thickness or None,
+                mass_offset=given.mass_moment_per_area / (given.mass_per_area or 1.0),
             )
         case RodProperty():
-            return RodSection(_isotropic(given.material), given.area, given.J, given.mass_per_length)
+            material, J = _of_lines(given.material), given.J if _has_shear(given.material) else 0.0
+            return RodSection(material, given.area, J, given.mass_per_length)
         case BeamProperty():
             second = None if given.second is None else _beam(given.material, given.second, None)
             return _beam(given.material, given.first, second)
 
 
 def _beam(material: IsotropicMaterial, values: BeamValues, second: BeamSection | None) -> BeamSection:
+    shears = _has_shear(material)
     return BeamSection(
-        _isotropic(material),
+        _of_lines(material),
         values.area,
         values.I1,
         values.I2,
-        values.J,
-        values.K1,
-        values.K2,
+        values.J if shears else 0.0,
+        values.K1 if shears else 0.0,
+        values.K2 if shears else 0.0,
         mass_per_length=values.mass_per_length,
         I12=values.I12,
         neutral=values.neutral,
@@ -264,6 +290,20 @@ def _isotropic(material: IsotropicMaterial) -> Isotropic:
     )
 
 
+def _has_shear(material: IsotropicMaterial) -> bool:
+    """Whether it resists shear: lines of materials that do not carry no torsion."""
+    return material.shear_modulus is None or material.shear_modulus > 0
+
+
+def _of_lines(material: IsotropicMaterial) -> Isotropic:
+    """Of beams and rods E and G count alone: decks state G beside E that no Poisson's ratio of solids gives."""
+    nu = material.poissons_ratio
+    G = material.shear_modulus if _has_shear(material) else None
+    if not -1 < nu < 0.5:
+        nu, G = 0.0, G or material.youngs_modulus / (2 * (1 + nu))
+    return Isotropic(material.youngs_modulus, nu, material.density, G)
+
+
 def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | Anisotropic:
     if isinstance(material, AnisotropicMaterial):
         return Anisotropic(material.elasticity, material.density)
@@ -271,9 +311,7 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
 
 
 def _turns(deck: Deck) -> bool:
-    """Whether anything turns a node: shells and beams do, and whatever has a freedom of rotation."""
-    if any(each.kind.dimension < 3 for each in deck.elements):
-        return True
+    """Whether anything beside the elements has a freedom of rotation."""
     matrices = (*deck.masses, *deck.stiffnesses)
     terms = (*deck.springs, *deck.inertias, *deck.constraints)
     return any((_rows(each)[0] % 6 > 2).any() for each in matrices) or any(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from supple.algebra import lowest_modes
 from supple.body.coordinates import coordinates, rigid_sets
 from supple.body.deck_body import deck_model
-from supple.body.deck_parts import deck_parts
+from supple.body.deck_parts import deck_parts, with_scalar_points, without_scalar_points
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.mass_properties import MassProperties, rigid_mass_properties
 from supple.body.model_check import ZERO_MODE
@@ -19,7 +19,7 @@ from supple.errors import SuppleWarning
 from supple.fem import FiniteElementModel
 from supple.importers.deck import Deck
 
-__all__ = ["deck_frequencies", "deck_models", "mass_of_models"]
+__all__ = ["deck_frequencies", "deck_mass", "deck_models", "mass_of_models"]
 
 FloatArray = NDArray[np.float64]
 
@@ -34,7 +34,8 @@ def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementMod
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuppleWarning)
-        return {name: deck_model(part, held=held) for name, part in deck_parts(deck).items()}
+        whole = with_scalar_points(deck) if held else deck
+        return {name: deck_model(part, held=held) for name, part in deck_parts(whole).items()}
 
 
 def mass_of_models(models: Sequence[FiniteElementModel]) -> MassProperties:
@@ -47,6 +48,11 @@ def mass_of_models(models: Sequence[FiniteElementModel]) -> MassProperties:
         arm = each.centre - centre
         inertia += each.inertia + each.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return MassProperties(float(total), centre, inertia)
+
+
+def deck_mass(deck: Deck) -> MassProperties:
+    """Mass, centre and inertia about it of all parts of a deck; errors as for `deck_model`."""
+    return mass_of_models(list(deck_models(without_scalar_points(deck), held=True).values()))
 
 
 def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
@@ -73,6 +79,8 @@ def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray
         tolerance=RIGID_TOLERANCE,
         held=held,
     )
+    if not len(made.freedoms):
+        return np.zeros(0)
     wanted = min(n if held else n + 6 + MORE_MODES, len(made.freedoms))
     values = lowest_modes(made.of(model.stiffness), made.of(model.mass), wanted).values
     if not held and len(values):

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from supple.errors import ModelError, did_you_mean
 from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 
-__all__ = ["deck_links", "deck_parts", "named_part"]
+__all__ = ["deck_links", "deck_parts", "named_part", "with_scalar_points", "without_scalar_points"]
 
 IntArray = NDArray[np.int64]
 
@@ -21,8 +21,9 @@ IntArray = NDArray[np.int64]
 def deck_parts(deck: Deck) -> dict[str, Deck]:
     """The parts of a deck, each whole, from the largest: {"part_1": .., "part_2": ..}; "" where it is one.
 
-    Nodes that nothing uses are in none of them.
+    Nodes that nothing uses are in none of them, nor are scalar points.
     """
+    deck = without_scalar_points(deck)
     n, links = len(deck.node_ids), deck_links(deck)
     cells = [each.nodes for each in deck.elements]
     start = np.concatenate([links[:, 0], *(nodes[:, :-1].ravel() for nodes in cells)])
@@ -38,6 +39,57 @@ def deck_parts(deck: Deck) -> dict[str, Deck]:
     return {
         f"part_{k}": _restricted(deck, used & (group == numbers[which])) for k, which in enumerate(order, 1)
     }
+
+
+def without_scalar_points(deck: Deck) -> Deck:
+    """A deck without the freedoms that have no place, and without what acts on them: no body has such."""
+    n = len(deck.node_ids)
+    if not len(deck.scalar_points):
+        return deck
+
+    def terms(given: tuple[ScalarTerms, ...]) -> tuple[ScalarTerms, ...]:
+        cut = (_without(each, each.freedoms >= 6 * n) for each in given)
+        return tuple(each for each in cut if len(each.lines))
+
+    def matrices(given: tuple[NodalMatrix, ...]) -> tuple[NodalMatrix, ...]:
+        return tuple(each for each in given if (each.freedoms < 6 * n).all())
+
+    return replace(
+        deck,
+        scalar_points=deck.scalar_points[:0],
+        masses=matrices(deck.masses),
+        stiffnesses=matrices(deck.stiffnesses),
+        dampings=matrices(deck.dampings),
+        springs=terms(deck.springs),
+        dashpots=terms(deck.dashpots),
+        inertias=terms(deck.inertias),
+        constraints=terms(deck.constraints),
+        held=terms(deck.held),
+    )
+
+
+def with_scalar_points(deck: Deck) -> Deck:
+    """A deck at its own supports, where points of one freedom stand as nodes that move along x alone."""
+    n, k = len(deck.node_ids), len(deck.scalar_points)
+    if not k:
+        return deck
+    place = deck.nodes.mean(axis=0) if n else np.zeros(3)
+    rest = 6 * (n + np.repeat(np.arange(k), 5)) + np.tile(np.arange(1, 6), k)
+    still = ScalarTerms(np.arange(5 * k), rest, np.ones(5 * k), np.zeros(5 * k, dtype=np.int64))
+    return replace(
+        deck,
+        scalar_points=deck.scalar_points[:0],
+        node_ids=np.append(deck.node_ids, deck.scalar_points),
+        nodes=np.vstack([deck.nodes.reshape(-1, 3), np.tile(place, (k, 1))]),
+        held=(*deck.held, still),
+    )
+
+
+def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
+    """The rows that have none of the refused terms."""
+    gone = np.zeros(len(given.lines), dtype=bool)
+    gone[given.rows[refused]] = True
+    return _rows(given, ~gone[given.rows])
 
 
 def named_part(deck: Deck, name: str | None) -> Deck:
@@ -154,15 +206,20 @@ def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> 
 
 
 def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
-    inside = own[given.freedoms // 6]
+    cut = _rows(given, own[given.freedoms // 6])
+    dependent = np.where(cut.dependent >= 0, _renumbered(np.maximum(cut.dependent, 0), number), -1)
+    return replace(cut, freedoms=_renumbered(cut.freedoms, number), dependent=dependent)
+
+
+def _rows(given: ScalarTerms, inside: NDArray[np.bool_]) -> ScalarTerms:
+    """The rows of some terms."""
     rows, place = np.unique(given.rows[inside], return_inverse=True)
-    dependent = given.dependent[rows] if len(given.dependent) else given.dependent
     return replace(
         given,
         rows=place,
-        freedoms=_renumbered(given.freedoms[inside], number),
+        freedoms=given.freedoms[inside],
         factors=given.factors[inside],
         lines=given.lines[rows],
         values=given.values[rows] if len(given.values) else given.values,
-        dependent=np.where(dependent >= 0, _renumbered(np.maximum(dependent, 0), number), -1),
+        dependent=given.dependent[rows] if len(given.dependent) else given.dependent,
     )

@@ -22,6 +22,7 @@ from supple.body import (
 from supple.cases import condense, damping, explicit_parts, interfaces, line_on_grids, reductions, split
 from supple.cases.body_kinds import (
     KINDS,
+    Abaqus,
     ElasticKind,
     Matrices,
     Nastran,
@@ -85,6 +86,7 @@ class Body(CheckedTable):
     shell: Shell | None = None
     solid: Solid | None = None
     nastran: Nastran | None = None
+    abaqus: Abaqus | None = None
     matrices: Matrices | None = None
     superelement: Superelement | None = None
     rigid: Rigid | None = None
@@ -156,9 +158,10 @@ class Body(CheckedTable):
         """
         try:
             connections = source.connections()
-            taken = {each.connection for each in self.interface}
-            taken |= {each.nodes for each in self.interface if each.kind == "rigid"}
-            check_rigid_connections(self.name, self.mesh or "", connections, taken)
+            if not source.ties_itself:
+                taken = {each.connection for each in self.interface}
+                taken |= {each.nodes for each in self.interface if each.kind == "rigid"}
+                check_rigid_connections(self.name, self.mesh or "", connections, taken)
             body = source.body(
                 self.name, [each.build(connections, source.numbers) for each in self.interface]
             )

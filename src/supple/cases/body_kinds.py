@@ -14,6 +14,7 @@ from pydantic import Field
 from supple.body import (
     BodySource,
     RigidBody,
+    deck_source,
     elements_source,
     labelled_matrices_source,
     matrices_source,
@@ -141,6 +142,31 @@ class Nastran(ElasticKind):
         return nastran_source(folder / mesh, _KINEMATICS[self.kinematics])
 
 
+class Abaqus(ElasticKind):
+    """The elements, materials, sections, masses and ties of an Abaqus or CalculiX input file."""
+
+    mesh_suffixes = (".inp",)
+    has_elements = True
+    has_connections = True
+
+    kinematics: Kinematics = Field(
+        "green-lagrange",
+        description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
+    )
+    part: str | None = Field(
+        None, description="the part of the deck that is this body, where it falls into several: part_1 .."
+    )
+    leave_out: tuple[str, ...] = Field(
+        (), strict=False, description="keywords of the deck that would change the body and are left out"
+    )
+
+    def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
+        """The deck."""
+        return deck_source(
+            folder / mesh, _KINEMATICS[self.kinematics], part=self.part, leave_out=self.leave_out
+        )
+
+
 class Matrices(ElasticKind):
     """A linear body from matrices exported by another program, with the nodes of its mesh file."""
 
@@ -222,6 +248,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "shell": Shell,
         "solid": Solid,
         "nastran": Nastran,
+        "abaqus": Abaqus,
         "matrices": Matrices,
         "superelement": Superelement,
         "rigid": Rigid,

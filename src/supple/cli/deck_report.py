@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from supple.body import MassProperties, deck_frequencies, deck_models, deck_parts, mass_of_models
+from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts
 from supple.errors import SuppleError
-from supple.fem import FiniteElementModel
 from supple.importers.deck import Deck
 from supple.results.descriptions import Row
 
@@ -29,7 +28,6 @@ class DeckReport:
     """
 
     deck: Deck
-    models: dict[str, FiniteElementModel]
     mass: MassProperties | None
     frequencies: tuple[float, ...] | None
     faults: tuple[str, ...]
@@ -58,11 +56,9 @@ def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckRepo
     held : at the deck's own supports
     """
     faults: list[str] = []
-    models: dict[str, FiniteElementModel] = {}
     mass = frequencies = None
     try:
-        models = deck_models(deck, held=True)
-        mass = mass_of_models(list(models.values()))
+        mass = deck_mass(deck)
     except SuppleError as error:
         faults.append(f"no mass: {error}")
     if mass is not None and not mass.mass > 0:
@@ -72,7 +68,7 @@ def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckRepo
             frequencies = tuple(deck_frequencies(deck, n_modes, held=held).tolist())
         except SuppleError as error:
             faults.append(f"no frequencies: {error}")
-    return DeckReport(deck, models, mass, frequencies, tuple(faults))
+    return DeckReport(deck, mass, frequencies, tuple(faults))
 
 
 def element_counts(deck: Deck) -> dict[str, int]:
@@ -99,6 +95,9 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     """Everything of a report, for the terminal."""
     deck, mass = report.deck, report.mass
     yield "nodes", str(len(deck.node_ids))
+    if len(deck.nodes):
+        for axis, low, high in zip("xyz", deck.nodes.min(axis=0), deck.nodes.max(axis=0), strict=True):
+            yield axis, f"{low:g} to {high:g}"
     for name, count in element_counts(deck).items():
         yield f"elements {name}", str(count)
     for name, given in deck.properties.items():
@@ -130,6 +129,8 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
 
 def _parts(deck: Deck) -> Iterator[Row]:
     parts = deck_parts(deck)
+    if len(deck.scalar_points):
+        yield "scalar points", f"{len(deck.scalar_points)}, which no free body has"
     used = sum(len(part.node_ids) for part in parts.values())
     if used < len(deck.node_ids):
         yield "nodes that nothing uses", f"{len(deck.node_ids) - used}, dropped"

@@ -197,14 +197,21 @@ def export(
 
 @app.command()
 def info(
-    path: Annotated[Path, typer.Argument(help="Case (.toml), mesh (.inp, .msh, .bdf ..) or result (.h5).")],
+    path: Annotated[
+        Path, typer.Argument(help="Case (.toml), deck (.inp, .bdf ..), mesh (.msh) or result (.h5).")
+    ],
+    json: Annotated[Path | None, typer.Option("--json", help="File for the numbers of a deck.")] = None,
+    modes: Annotated[int, typer.Option(min=0, help="Lowest frequencies of a deck to compute.")] = 0,
+    held: Annotated[
+        bool, typer.Option("--held", help="At the deck's own supports, instead of free.")
+    ] = False,
     debug: Debug = False,
 ) -> None:
-    """Say what a case, mesh or result file holds."""
+    """Say what a case, mesh, deck or result file holds."""
     from supple.cli.info import print_info
 
     with reported_errors(debug=debug), reported_warnings():
-        print_info(path)
+        print_info(path, json=json, n_modes=modes, held=held)
 
 
 @app.command()

@@ -46,7 +46,7 @@ class Ply:
             return np.zeros((2, 2))
         c, s = np.cos(self.angle), np.sin(self.angle)
         T = np.array([[c, s], [-s, c]])
-        return T.T @ np.linalg.inv(self.shear) @ T
+        return np.asarray(T.T @ np.linalg.inv(self.shear) @ T, dtype=np.float64)
 
 
 def orthotropic_ply(
@@ -155,4 +155,4 @@ def _shear_stiffness(
         S = ply.turned_shear_compliance()
         compliance += half * np.einsum("n,nai,ab,nbj->ij", _WEIGHTS, F, S, F)
         flow = flow + balanced(k, faces[k + 1 : k + 2])[0]
-    return np.linalg.inv(compliance)
+    return np.asarray(np.linalg.inv(compliance), dtype=np.float64)

@@ -27,10 +27,13 @@ LARGE = """\
 GRID*                  7               3             1.5             2.0
 *                    3.0               4             123"""
 FREE = "GRID,7,3,1.5,2.0,3.0,4,123"
+LATE = "GRID    7,  3, 1.5, 2.0, 3.0, 4, 123"
 TABS = "GRID\t7\t3\t1.5\t2.0\t3.0\t4\t123"
 
 
-@pytest.mark.parametrize("text", [SMALL, LARGE, FREE, TABS], ids=["small", "large", "free", "tabs"])
+@pytest.mark.parametrize(
+    "text", [SMALL, LARGE, FREE, LATE, TABS], ids=["small", "large", "free", "late", "tabs"]
+)
 def test_all_forms_of_fields_say_the_same(read, text):
     (card,) = read(text + "\n").cards
     assert card.name == "GRID"

@@ -328,10 +328,13 @@ def _card_name(file: Path, number: int, first: str) -> str:
 
 def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     """First field, data fields (8, or 4 large ones) and continuation label of a line."""
-    if "," in text[:10] or (text[0] in "+*," and "," in text):
+    name = _name_of(text)
+    if "," in text[:10] or ("," in text and (text[0] in "+*," or (name and not has_no_effect(name)))):
         words = [word.strip() for word in text.split(",")]
+        if " " in words[0] and words[0][0] not in "+*":  # blanks part the name from the first field
+            words[:1] = words[0].split()
         width = 4 if "*" in words[0] else 8
-        if any(words[width + 2 :]):
+        if any(words[width + 2 :]) and not has_no_effect(_name_of(words[0])):
             what = "large fields" if width == 4 else "fields"
             raise _error(
                 file,
@@ -351,6 +354,11 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     # A label may stand in column 73 without its '+': the continuation then has '+' for its first letter.
     label = text[72:80].strip()
     return first, data, label and f"+{label[1:]}"
+
+
+def _name_of(text: str) -> str:
+    """Name of the card that a line begins with."""
+    return text[:8].partition(" ")[0].rstrip("*").upper()
 
 
 def _sections(path: Path) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:

@@ -99,7 +99,7 @@ SHELL_CARDS = tuple(_SHELLS)
 
 
 def grids_named(cards: Sequence[BulkCard], reading: Reading, first: int, count: int) -> IntArray:
-    """Numbers (cards, count) of the grids in fields of element cards; ImportFormatError for an unknown one."""
+    """Numbers (cards, count) of the grids in fields of element cards; an unknown one is an error."""
     ids = np.stack([integers(cards, first + i, f"grid G{i + 1}") for i in range(count)], axis=1)
     nodes, known = reading.grids.lookup(ids)
     if not known.all():
@@ -216,7 +216,7 @@ def _solid_cells(
         if wanted:
             nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]
         ids, lines = integers(chosen, 0, "the element id"), np.array([card.line for card in chosen])
-        axes = _material_axes(properties.found[of], system, nodes, properties, of, reading, chosen)
+        axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
         found.append(DeckElements(name, kind, nodes, ids, lines, of, axes))
     return found
 
@@ -225,8 +225,6 @@ def _material_axes(
     made: Property,
     system: str,
     nodes: IntArray,
-    properties: Properties,
-    of: str,
     reading: Reading,
     cards: Sequence[BulkCard],
 ) -> FloatArray | None:
@@ -237,7 +235,7 @@ def _material_axes(
         for card in cards:
             reading.leave_out(
                 card,
-                "the axes of an anisotropic material go with the element (CORDM = -1); basic axes are taken",
+                "the material's axes go with the element (CORDM = -1); basic axes are taken",
             )
         return None
     return reading.system(cards[0], int(system)).directions(reading.positions(nodes).mean(axis=1))
@@ -281,7 +279,7 @@ class _Middles:
                 self._reading.constraints.add(terms, line, dependent=6 * middle + i)
         if self._added:
             self._reading.note(
-                f"{len(self._added)} sides of quadratic solids have no middle node; a node put midway follows "
+                f"{len(self._added)} sides of quadratic solids have no middle node; one put midway follows "
                 "the mean of the two corners, as in Nastran."
             )
 
@@ -321,13 +319,15 @@ _PLAIN = WallOptions()
 
 
 def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions:
-    if not added and card.is_blank(shell.offset, shell.offset + 1) and card.is_blank(shell.flag, 14):
-        if not shell.middles or card.is_blank(shell.thickness, shell.thickness + shell.corners):
-            return _PLAIN
-    given = [card.real(shell.thickness + i, f"T{i + 1}", 0.0) for i in range(shell.corners)]
-    some = [t for t in given if t > 0]
+    blank = card.is_blank(shell.thickness, shell.thickness + shell.corners)
+    if blank and not added and card.is_blank(shell.offset, shell.offset + 1):
+        return _PLAIN
+    given = tuple(
+        card.real(shell.thickness + i, f"T{i + 1}") if card.word(shell.thickness + i) else None
+        for i in range(shell.corners)
+    )
     return WallOptions(
-        float(np.mean(some)) if some else None,
+        given if any(t is not None for t in given) else (),
         card.word(shell.flag) == "1",
         card.real(shell.offset, "ZOFFS", 0.0),
         added,
@@ -380,17 +380,18 @@ def _triangles_with_middles(
                 ring.append(int(corners[row, i]))
             if after is not None:
                 ring.append(after)
-        rest = _ring_triangles(ring, reading.grids.positions)
+        rest = _ring_triangles(ring, [node for node in ring if node in middles], reading.grids.positions)
         triangles += rest
         of_card += [row] * len(rest)
     return np.array(triangles, dtype=np.int64), np.array(of_card, dtype=np.int64)
 
 
-def _ring_triangles(ring: list[int], positions: FloatArray) -> list[list[int]]:
-    if len(ring) < 3:
-        return []
-    if len(ring) == 4:
+def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) -> list[list[int]]:
+    """Triangles of a polygon: a quadrilateral by its diagonal; others from a middle node, amid a side."""
+    if len(ring) == 4 and len(middles) != 1:
         return split_quadrilaterals(positions, np.array([ring])).tolist()
+    first = ring.index(middles[0]) if middles else 0
+    ring = ring[first:] + ring[:first]
     return [[ring[0], ring[i], ring[i + 1]] for i in range(1, len(ring) - 1)]
 
 

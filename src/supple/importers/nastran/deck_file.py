@@ -174,7 +174,7 @@ def _start(file: BulkFile, whole: BulkFile) -> Reading:
     reading = Reading(
         file,
         read_grids(file),
-        _scalar_points(file.named("SPOINT", "EPOINT")),
+        _scalar_points(file),
         read_case_control(whole.above),
         parameters.get("WTMASS", 1.0) * parameters.get("CM1", 1.0),
         parameters.get("CK1", 1.0),
@@ -224,10 +224,10 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
     return found
 
 
-def _scalar_points(cards: list[BulkCard]) -> IntArray:
-    """Ids of SPOINT and EPOINT, in their order: a list, or ID1 THRU ID2."""
+def _scalar_points(file: BulkFile) -> IntArray:
+    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2; and of what scalar elements name, as in Nastran."""
     ids: dict[int, None] = {}
-    for card in cards:
+    for card in file.named("SPOINT", "EPOINT"):
         if card.word(1) == "THRU":
             first, last = card.integer(0, "the first point"), card.integer(2, "the last point")
             if last - first > 10**6:
@@ -235,6 +235,9 @@ def _scalar_points(cards: list[BulkCard]) -> IntArray:
             ids |= dict.fromkeys(range(first, last + 1))
         else:
             ids |= {card.integer(i, "a point"): None for i in range(len(card.fields)) if card.word(i)}
+    for card in file.named(*(f"{kind}{form}" for kind in ("CELAS", "CDAMP", "CMASS") for form in "34")):
+        ids |= {card.integer(i, "a scalar point", 0): None for i in (2, 3)}
+    ids.pop(0, None)
     return np.array(list(ids), dtype=np.int64)
 
 

@@ -108,8 +108,8 @@ def _once(cards: list[BulkCard]) -> list[BulkCard]:
         first = found.setdefault(number, card)
         if first is not card and _content(first) != _content(card):
             raise card.error(
-                f"grid {number} is defined a second time and differs from that of line {first.line}; renumber "
-                "or remove it"
+                f"grid {number} is defined a second time and differs from that of line {first.line}; "
+                "renumber or remove it"
             )
     return list(found.values())
 
@@ -130,7 +130,7 @@ def _content(card: BulkCard) -> list[str | float]:
 def _resolve(
     file: BulkFile, ids: IntArray, given_in: IntArray, local: FloatArray
 ) -> tuple[dict[int, CoordinateSystem], FloatArray]:
-    """Every coordinate system in the basic one, and the positions; each system waits for its reference."""
+    """Coordinate systems in the basic one, and the positions; each waits for what it rests on."""
     systems = {0: BASIC}
     positions = np.full(local.shape, np.nan)
     waiting = _definitions(file)

@@ -30,8 +30,8 @@ def read_beam(card: BulkCard, materials: Materials, reading: Reading, added: flo
 def read_rod(card: BulkCard, materials: Materials, reading: Reading, added: float) -> RodProperty | str:
     """The section of a rod's property; else why there is none.
 
-    PROD: MID A J C NSM. PTUBE: MID OD T NSM OD2, a tube with outer diameter OD, tapered to OD2; a blank T is a
-    solid one. A tapered tube takes the mean of its area, as Nastran does.
+    PROD: MID A J C NSM. PTUBE: MID OD T NSM OD2, a tube of outer diameter OD, tapered to OD2; a blank T
+    makes it solid. A tapered tube takes the mean of its area, as Nastran does.
     """
     material = materials.isotropic(card.integer(1, "the material id"))
     if isinstance(material, str):
@@ -83,7 +83,7 @@ def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
 
 
 def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
-    """Stations with A I1 I2 I12 J NSM, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2 for the whole; linear between ends."""
+    """Stations with A I1 I2 I12 J NSM, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2; linear between the ends."""
     names = ("A", "I1", "I2", "I12", "J", "NSM")
     at_a = [card.real(2 + i, what, 0.0) for i, what in enumerate(names)]
     stations, rest = _rows_of_beam(card)
@@ -99,9 +99,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         else:
             between = True
     if between:
-        reading.note(
-            "PBEAM sections are read at both ends; stations between them are taken to lie on the straight line."
-        )
+        reading.note("Sections of PBEAM are read at both ends; those between count as on the straight line.")
     last = [bulk_real(word) if word else None for word in (*rest, *[""] * 16)[:16]]
     K1, K2 = (1.0 if value is None else value for value in last[:2])
     if last[2] or last[3]:
@@ -187,9 +185,7 @@ def _shaped(
         stations.append((at, _sizes(card, place + 2, shape.sizes, stations[0][1])))
         place += shape.sizes + 3
     if any(0 < at < 1 for at, _ in stations):
-        reading.note(
-            "PBEAML sections are read at both ends; stations between them are taken to lie on the straight line."
-        )
+        reading.note("Sections of PBEAML are read at both ends; those between count as on the straight line.")
     made = []
     for at, sizes in stations:
         if at not in (0.0, 1.0):

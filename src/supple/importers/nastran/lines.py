@@ -70,7 +70,9 @@ class _Lines:
         return DeckElements(
             name,
             CellType.LINE2,
-            *(np.array(values, dtype=np.int64) for values in (self.nodes, self.ids, self.lines)),
+            np.array(self.nodes, dtype=np.int64),
+            np.array(self.ids, dtype=np.int64),
+            np.array(self.lines, dtype=np.int64),
             of,
             np.array(self.directions) if self.directions else None,
             offsets if offsets.any() else None,
@@ -89,15 +91,12 @@ def read_rods(
         element = card.integer(0, "the element id")
         nsm = added.get(element, 0.0)
         if card.name == "CONROD":
-            values = (
-                card.integer(3, "the material id"),
-                *(card.real(4 + i, w, 0.0) for i, w in enumerate("AJC")),
-            )
-            total = card.real(7, "NSM", 0.0) + nsm
-            own.cards = {values[0]: card}
-            of, why = own.name(
-                values[0], (values, total), lambda card, v=values, t=total: _conrod(v, t, materials, reading)
-            )
+            number, total = card.integer(3, "the material id"), card.real(7, "NSM", 0.0) + nsm
+            area, J = card.real(4, "A", 0.0), card.real(5, "J", 0.0)
+            material = materials.isotropic(number)
+            made = material if isinstance(material, str) else rod(material, area, J, total, reading)
+            own.cards = {number: card}
+            of, why = own.name(number, (area, J, total), lambda _, made=made: made)
             ends = grids_named([card], reading, 1, 2)[0].tolist()
         else:
             number = card.integer(1, "the property id", element)
@@ -109,13 +108,6 @@ def read_rods(
         groups.setdefault((card.name, of), _Lines()).add(card, ends)
     found = [lines.elements(name, of) for (name, of), lines in groups.items()]
     return found, properties.found | own.found
-
-
-def _conrod(
-    values: tuple[int, float, float, float], added: float, materials: Materials, reading: Reading
-) -> Property | str:
-    material = materials.isotropic(values[0])
-    return material if isinstance(material, str) else rod(material, values[1], values[2], added, reading)
 
 
 def read_beams(
@@ -261,7 +253,7 @@ def _curved(
 def _centre(
     card: BulkCard, known: BulkCard, start: FloatArray, end: FloatArray, node: int, reading: Reading
 ) -> FloatArray | None:
-    """Centre of the arc by GEOM: 1 on the line of the vector, 2 across it, 3 by radius RB, 4 by angle THETAB."""
+    """Centre of the arc by GEOM: 1 on the line of the vector, 2 across it, 3 by RB, 4 by the angle THETAB."""
     geometry = card.integer(7, "GEOM", 1)
     vector, chord = _vector(card, node, start, reading, basic=False), end - start
     length = float(np.linalg.norm(chord))

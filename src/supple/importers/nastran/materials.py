@@ -57,7 +57,10 @@ class Materials:
             return self._missing(number, card)
         if number not in self._line:
             self._line[number] = self._mat1(card)
-        return self._line[number]
+        found = self._line[number]
+        if not (found.youngs_modulus > 0 or found.shear_modulus):
+            return f"its material {number} has no stiffness"
+        return found
 
     def of_solid(self, number: int) -> IsotropicMaterial | AnisotropicMaterial | str:
         """The material of solid cells; else why there is none."""
@@ -96,23 +99,24 @@ class Materials:
         return card.real(place, "the density RHO", 0.0) * self._reading.mass_factor
 
     def _mat1(self, card: BulkCard) -> IsotropicMaterial:
-        """E, G and nu fill each other in; where two of them are blank, those count as 0 as in Nastran."""
+        """E, G and nu fill each other in; where all are given and do not fit, shear goes by G."""
         E, G, nu = (card.real(1 + i, what, 0.0) for i, what in enumerate(("E", "G", "NU")))
-        has = [bool(card.word(1 + i)) for i in range(3)]
+        has_E, has_G, has_nu = E > 0, G > 0, bool(card.word(3))
         shear: float | None = None
-        if has == [False, True, True]:
+        if has_G and has_nu and not has_E:
             E = 2 * G * (1 + nu)
-        elif has == [True, True, False] and G > 0:
+        elif has_G and has_E and not has_nu:
             nu = E / (2 * G) - 1
             if not -1 < nu < 0.5:
                 nu, shear = 0.0, G
-        elif sum(has) < 2:
+        elif has_G and has_E and abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY:
             shear = G
+        elif has_G and not has_E:
+            shear = G
+        elif has_E and not has_nu:
             self._reading.note(
-                f"MAT1 {card.word(0)} gives only one of E, G, NU; the others count as 0, as in Nastran."
+                f"MAT1 {card.word(0)} gives E alone; NU counts as 0 and G as E / 2, where Nastran takes G = 0."
             )
-        elif all(has) and abs(1 - E / (2 * (1 + nu) * G) if G else 1) > LARGEST_INCONSISTENCY:
-            shear = G
         factor = self._reading.stiffness_factor
         return IsotropicMaterial(
             E * factor, nu, self._density(card, 4), None if shear is None else shear * factor

@@ -42,12 +42,13 @@ def read_added_mass(reading: Reading) -> dict[int, float]:
             continue
         for of, ids, value in _entries(card, reading):
             elements = _members(card, of, ids, reading)
+            share = value
             if card.name.startswith("NSML"):
                 total = sum(_extent(element, reading) for element in elements)
-                value = value / total if total else 0.0
+                share = value / total if total else 0.0
             for element in elements:
                 number = element.integer(0, "the element id")
-                found[number] = found.get(number, 0.0) + value
+                found[number] = found.get(number, 0.0) + share
     return found
 
 

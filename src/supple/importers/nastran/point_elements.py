@@ -82,7 +82,7 @@ def _scalar(
     factor: float,
     reading: Reading,
 ) -> None:
-    """EID, property (1, 3) or value (2, 4), then G1 C1 G2 C2 (1, 2) or scalar points S1 S2; blank is ground."""
+    """EID, property (1, 3) or value (2, 4), then G1 C1 G2 C2 (1, 2) or points S1 S2; blank is ground."""
     if form in "13":
         number = card.integer(1, "the property id", card.integer(0, "the element id"))
         if number not in properties:
@@ -143,7 +143,7 @@ def _bush(card: BulkCard, known: BulkCard, reading: Reading) -> None:
     }
     for kind, values in _bush_values(known).items():
         if kind == "M":
-            _bush_mass(card, a, b, values[0], reading)
+            _bush_mass(a, b, values[0], reading)
         elif kind == "RIGID":
             reading.leave_out(known, "rigid directions of a CBUSH (K = RIGID) are not read")
         elif kind in rows:
@@ -167,7 +167,7 @@ def _bush_values(known: BulkCard) -> dict[str, list[float]]:
     return found
 
 
-def _bush_mass(card: BulkCard, a: int, b: int | None, mass: float, reading: Reading) -> None:
+def _bush_mass(a: int, b: int | None, mass: float, reading: Reading) -> None:
     ends = [a] if b is None else [a, b]
     for node in ends:
         freedoms = 6 * node + np.arange(3)
@@ -183,17 +183,18 @@ def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: 
     if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
         vector = reading.grids.positions[reading.node(card, 4, "the grid G0")] - xa
     else:
-        vector = reading.grids.axes[a] @ [card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)]
+        given = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
+        vector = reading.grids.axes[a] @ given
     length = np.linalg.norm(chord)
     if not length > 0:
-        return np.eye(3)
+        return np.identity(3)
     x = chord / length
     z = np.cross(x, vector)
     if not np.linalg.norm(z) > 1e-6 * max(float(np.linalg.norm(vector)), 1e-300):
         # Only the spring along the line is defined; across it all directions are alike.
         z = np.cross(x, np.eye(3)[np.argmin(np.abs(x))])
     z /= np.linalg.norm(z)
-    return np.stack([x, np.cross(z, x), z], axis=1)
+    return np.stack([x, np.cross(z, x), z], axis=1).astype(np.float64)
 
 
 def _bush_along(card: BulkCard, known: BulkCard, reading: Reading) -> None:
@@ -217,7 +218,7 @@ def _bush_along(card: BulkCard, known: BulkCard, reading: Reading) -> None:
     if c:
         reading.dashpots.add(terms, card.line, value=c * reading.damping_factor)
     if m:
-        _bush_mass(card, a, b, m, reading)
+        _bush_mass(a, b, m, reading)
 
 
 def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], reading: Reading) -> None:
@@ -292,8 +293,8 @@ def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, r
     """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel that carries a constant shear flow alone.
 
     Forces of the flow q along the four sides, at their ends, do work on  w = sum of -+ L/2 (u_i + u_j) t_ij,
-    so the stiffness is  w w^T / c,  the compliance  c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  a the lean of a
-    parallelogram; of another quadrilateral that of its middle lines. Its mass goes to the four grids.
+    so the stiffness is  w w^T / c,  the compliance  c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  a the lean of
+    a parallelogram; of another quadrilateral that of its middle lines. Its mass goes to the four grids.
     Source: MacNeal, The NASTRAN Theoretical Manual (1972), section 5.3, after Garvey.
     """
     material = None if known is None else materials.isotropic(known.integer(1, "the material id"))

@@ -251,7 +251,7 @@ def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: l
                 f"rbe3_{card.word(0)}",
                 reference,
                 unique,
-                np.bincount(number, weights),
+                np.bincount(number, weights).astype(np.float64),
                 card.line,
                 tuple(str(i) in follows for i in range(1, 7)),
             )
@@ -302,7 +302,7 @@ def _mean_rows(
 
         u_ref = (S^T W S)^-1 S^T W u,   S the rigid motions about the reference, W the weights;
 
-    rotations weigh L^2 more, L the mean distance of the grids from the reference, so that units do not matter.
+    rotations weigh L^2 more, L the mean distance of the grids from the reference: units do not matter.
     Source: MSC Nastran, Linear Static Analysis User's Guide, "RBE3".
     """
     origin = reading.grids.positions[reference]

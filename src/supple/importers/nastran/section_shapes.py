@@ -1,4 +1,4 @@
-"""Sections of beams by their shape (PBARL, PBEAML): closed forms of area, second moments, torsion and shear."""
+"""Sections of beams by shape (PBARL, PBEAML): closed forms of area, second moments, torsion and shear."""
 
 from __future__ import annotations
 
@@ -344,4 +344,4 @@ SHAPES = {
     "HAT1": SectionShape(5, _hat1),
     "DBOX": SectionShape(10, _dbox),
 }
-"""The shapes of PBARL and PBEAML: int their order of sizes DIM1, DIM2 .."""
+"""The shapes of PBARL and PBEAML, in the order of sizes DIM1, DIM2 .."""

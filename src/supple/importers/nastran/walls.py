@@ -21,11 +21,11 @@ WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
 class WallOptions:
     """What an element says of its wall.
 
-    thickness : of T1 .. T4, or None;  relative : whether it multiplies that of the property
+    thicknesses : T1 .. T4, None where blank, of which the mean counts;  relative : to that of the property
     offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, without PARAM,WTMASS
     """
 
-    thickness: float | None = None
+    thicknesses: tuple[float | None, ...] = ()
     relative: bool = False
     offset: float = 0.0
     added_mass: float = 0.0
@@ -61,7 +61,9 @@ def _pshell(
     if not used:
         return "its property names no material"
     own = card.real(2, "the thickness T", 0.0)
-    t = own if options.thickness is None else options.thickness * (own if options.relative else 1.0)
+    factor = own if options.relative else 1.0
+    given = [own if value is None else factor * value for value in options.thicknesses]
+    t = sum(given) / len(given) if given else own
     if t <= 0:
         return "its property has no thickness"
     ratio, shear_ratio = card.real(4, "12I/T^3", 1.0), card.real(6, "TS/T", 5 / 6)
