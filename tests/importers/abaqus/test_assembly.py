@@ -152,7 +152,8 @@ def test_the_mesh_of_an_assembly(tmp_path):
 def test_generated_nodes_and_elements_are_the_written_ones(tmp_path):
     text = (
         "*NODE, NSET=low\n1, 0., 0., 0.\n5, 4., 0., 0.\n*NGEN, NSET=low\n1, 5, 1\n"
-        "*NODE\n21, 0., 2., 0.\n25, 4., 2., 0.\n*NGEN, NSET=high\n21, 25\n*NFILL, NSET=every\nlow, high, 2, 10\n"
+        "*NODE\n21, 0., 2., 0.\n25, 4., 2., 0.\n*NGEN, NSET=high\n21, 25\n"
+        "*NFILL, NSET=every\nlow, high, 2, 10\n"
         "*ELEMENT, TYPE=S4, ELSET=skin\n1, 1, 2, 12, 11\n*ELGEN, ELSET=skin\n1, 4, 1, 1, 2, 10, 4\n"
     )
     (tmp_path / "m.inp").write_text(text)
