@@ -118,7 +118,7 @@ class Body(CheckedTable):
 
     @property
     def kind(self) -> str:
-        """The key that says what the body is made of."""
+        """The key of what the body is made of."""
         return next(key for key in KINDS if getattr(self, key) is not None)
 
     @property
@@ -181,7 +181,7 @@ class Body(CheckedTable):
 
         flexible : from `flexible`; None of a body that is not elastic, or is a file
         folder : where that file lies
-        notify : hears of each long step
+        notify : called at each long step
         elements : of a body that is to march in them
         """
         given = {key: getattr(self, key) for key in _START}
@@ -212,9 +212,10 @@ class Body(CheckedTable):
     ) -> RigidBody | ReducedBody | FullBody | IntrinsicBody:
         if self.reduced is not None:
             return replace(read_reduced_body(folder / self.reduced), name=self.name)
-        if self.rigid is not None:
+        made_of = getattr(self, self.kind)
+        if isinstance(made_of, Rigid):
             places = {i.name: np.array(i.position) for i in self.interface if i.position is not None}
-            return self.rigid.body(self.name, places)
+            return made_of.body(self.name, places)
         if self.condense is not None:
             damped = self.damping
             # A rule of the case file: kinds that ask for neither a body nor its frame.

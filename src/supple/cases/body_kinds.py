@@ -51,7 +51,7 @@ _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 class BodyKind(CheckedTable):
-    """What a body is made of. The class says what a body of this kind has, and what its table must hold."""
+    """What a body is made of. The class states what a body of this kind has, and what its table must hold."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
     """Of its mesh file; none if it takes no mesh."""
@@ -259,12 +259,12 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
 
 
 def kind_of(body: Raw) -> type[BodyKind] | None:
-    """The kind of a body; None where no key tells."""
+    """The kind of a body; None without such a key."""
     return next((kind for key, kind in KINDS.items() if key in body), None)
 
 
 def is_elastic(body: Raw) -> bool:
-    """True of a body that the case builds, and may reduce; also where it does not say what it is made of."""
+    """True of a body that the case builds, and may reduce; also where no key states what it is made of."""
     kind = kind_of(body)
     return (kind is None or kind.is_elastic) and not is_explicit(body)
 

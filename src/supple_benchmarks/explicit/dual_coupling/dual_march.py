@@ -11,8 +11,13 @@ import numpy as np
 from jax import Array, lax
 from numpy.typing import NDArray
 
-from supple.methods.explicit.coupling.multi_time_step import CoupledArrays, CoupledState, MultiTimeStep, Side
-from supple.methods.explicit.coupling.sides import Coupling
+from supple_benchmarks.explicit.dual_coupling.multi_time_step import (
+    CoupledArrays,
+    CoupledState,
+    MultiTimeStep,
+    Side,
+)
+from supple_benchmarks.explicit.dual_coupling.sides import Coupling
 
 __all__ = ["CoupledMotion", "dual_march"]
 

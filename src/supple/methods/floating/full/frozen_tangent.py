@@ -17,15 +17,15 @@ from supple.methods.floating.full.full_interior import InteriorState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
 
-__all__ = ["KeptTangent", "kept_tangent", "numbers_of", "serves", "tangent_of"]
+__all__ = ["FrozenTangent", "frozen_tangent", "numbers_of", "serves", "tangent_of"]
 
 SIMILAR = 0.1
-"""Part by which the step factors may differ from those of a kept tangent."""
+"""Part by which the step factors may differ from those of a frozen tangent."""
 
 _FIELDS = ("rotation", "angular_velocity", "angular_acceleration", "acceleration", "time", "coordinates")
 
 
-class KeptTangent(NamedTuple):
+class FrozenTangent(NamedTuple):
     """Eliminated interiors, and what they were made for."""
 
     eliminations: tuple[Elimination, ...]
@@ -39,14 +39,14 @@ class KeptTangent(NamedTuple):
     """Whether an iteration with it has gained tenfold"""
 
 
-def kept_tangent(
+def frozen_tangent(
     machine: FullSystem,
     states: tuple[InteriorState, ...],
     turns: np.ndarray,
     factors: StepFactors,
     *,
     symmetric: bool,
-) -> KeptTangent:
+) -> FrozenTangent:
     """Factor every interior's tangent at these states, or its symmetric part."""
     none = [np.zeros(interior.full.n_coordinates) for interior in machine.interiors]
     still = tuple(
@@ -54,16 +54,16 @@ def kept_tangent(
         for state, zero in zip(states, none, strict=True)
     )
     factor = FullTangent.symmetric if symmetric else FullTangent.exact
-    return KeptTangent(machine.eliminated(still, turns, factors, factor), still, turns, factors, symmetric)
+    return FrozenTangent(machine.eliminated(still, turns, factors, factor), still, turns, factors, symmetric)
 
 
-def serves(tangent: KeptTangent, factors: StepFactors) -> bool:
+def serves(tangent: FrozenTangent, factors: StepFactors) -> bool:
     """Whether it is of about the same step."""
     return bool(np.allclose(factors, tangent.factors, rtol=SIMILAR, atol=0.0))
 
 
-def numbers_of(machine: FullSystem, tangent: KeptTangent | None) -> np.ndarray:
-    """What a kept tangent was made for, as one row of numbers; NaN where there is none."""
+def numbers_of(machine: FullSystem, tangent: FrozenTangent | None) -> np.ndarray:
+    """What a frozen tangent was made for, as one row of numbers; NaN where there is none."""
     if tangent is None:
         return np.full(_size(machine), np.nan)
     of_step = [*tangent.factors, float(tangent.symmetric), float(tangent.proven)]
@@ -71,7 +71,7 @@ def numbers_of(machine: FullSystem, tangent: KeptTangent | None) -> np.ndarray:
     return np.concatenate([of_step, np.ravel(tangent.turns), *parts]).astype(float)
 
 
-def tangent_of(machine: FullSystem, numbers: np.ndarray) -> KeptTangent | None:
+def tangent_of(machine: FullSystem, numbers: np.ndarray) -> FrozenTangent | None:
     """The tangent that `numbers_of` describes, factored again."""
     if len(numbers) != _size(machine) or not np.isfinite(numbers).all():
         return None
@@ -98,7 +98,7 @@ def tangent_of(machine: FullSystem, numbers: np.ndarray) -> KeptTangent | None:
         )
     factors = StepFactors(float(of_step[0]), float(of_step[1]))
     turns = turns.reshape(b, 3)
-    tangent = kept_tangent(machine, tuple(states), turns, factors, symmetric=bool(of_step[2]))
+    tangent = frozen_tangent(machine, tuple(states), turns, factors, symmetric=bool(of_step[2]))
     return tangent._replace(proven=bool(of_step[3]))
 
 

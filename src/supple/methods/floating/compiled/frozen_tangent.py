@@ -9,8 +9,8 @@ Only `S^-1` is kept, with the translations of each body in its own axes: there i
 turn. What joints do changes with their turning, costs little, and is taken anew at every iterate. So a kept
 tangent errs by deformations and angular velocities that have changed since.
 
-A step with a kept tangent may end without a last evaluation, too (`contraction`). With the sizes `s_0`, `s_1`
-of the residual before and behind a correction by the same tangent, then `n` steps old,
+A step with a frozen tangent may end without a last evaluation, too (`contraction`). With the sizes `s_0`,
+`s_1` of the residual before and behind a correction by the same tangent, then `n` steps old,
 
     s_1' <= s_1 max(1, s_0' / s_0)^2 n' / n
 
@@ -40,9 +40,9 @@ from supple.methods.floating.compiled.step_equations import tree_layout
 __all__ = [
     "SHARE",
     "SLOWEST",
-    "KeptTangent",
+    "FrozenTangent",
     "bodies_inverse",
-    "keeps_tangent",
+    "freezes_tangent",
     "no_tangent",
     "predicted_to_suffice",
     "serves",
@@ -51,19 +51,19 @@ __all__ = [
 ]
 
 SLOWEST = 0.1
-"""Rate beyond which a kept tangent is renewed."""
+"""Rate beyond which a frozen tangent is renewed."""
 SHARE = 0.1
-"""Of the tolerance, what is asked of an iterate that a kept tangent led to."""
+"""Of the tolerance, what is asked of an iterate that a frozen tangent led to."""
 MARGIN = 10.0
 """By which what is predicted must be below the tolerance."""
 PAUSE = 16.0
-"""Steps without a kept tangent after one that did not outlive its first: where motions are not resolved, no
+"""Steps without a frozen tangent after one that did not outlive its first: where motions are not resolved, no
 tangent is worth keeping."""
 _FEWEST = 10
 """Coordinates of a body with nonlinear stiffness that make a tangent dear."""
 
 
-class KeptTangent(NamedTuple):
+class FrozenTangent(NamedTuple):
     """An inverse and what is known of it."""
 
     inverse: AnyArray
@@ -91,31 +91,31 @@ class KeptTangent(NamedTuple):
     """1 where accelerations are guessed along the line through the last two, 0 where they are the last"""
 
 
-def keeps_tangent(model: Model) -> bool:
+def freezes_tangent(model: Model) -> bool:
     """Whether a tangent costs more than what is solved with a kept one: known from the structure."""
     dear = any(group.r >= _FEWEST and group.cubic is not None for group in model.groups)
     return dear and is_predictable(model) and tree_layout(model) is None
 
 
-def no_tangent(model: Model) -> KeptTangent:
+def no_tangent(model: Model) -> FrozenTangent:
     """Before the first step."""
     n = model.n_velocities
     none = np.zeros(())
-    return KeptTangent(np.zeros((n, n)), *[none] * 8, acceleration=np.zeros(n), last=none, lead=none)
+    return FrozenTangent(np.zeros((n, n)), *[none] * 8, acceleration=np.zeros(n), last=none, lead=none)
 
 
-def serves(kept: KeptTangent, step: jax.Array) -> jax.Array:
+def serves(kept: FrozenTangent, step: jax.Array) -> jax.Array:
     """Whether a step of this size can begin with it."""
     return jnp.abs(step - kept.step) <= 1e-6 * step
 
 
-def predicted(kept: KeptTangent, acceleration: jax.Array, step: jax.Array) -> jax.Array:
+def predicted(kept: FrozenTangent, acceleration: jax.Array, step: jax.Array) -> jax.Array:
     """Where the iteration of a step begins: with the accelerations (n,) of the last, or along a line."""
     ahead = kept.lead * step / jnp.where(kept.last > 0, kept.last, jnp.inf)
     return acceleration + ahead * (acceleration - kept.acceleration)
 
 
-def predicted_to_suffice(kept: KeptTangent, size: jax.Array) -> jax.Array:
+def predicted_to_suffice(kept: FrozenTangent, size: jax.Array) -> jax.Array:
     """Whether a correction from a residual of this size surely ends below the tolerance."""
     ratio = jnp.maximum(1.0, size / jnp.where(kept.before > 0, kept.before, 1.0))
     older = (kept.age + 1) / jnp.maximum(kept.measured_at, 1.0)
@@ -124,7 +124,7 @@ def predicted_to_suffice(kept: KeptTangent, size: jax.Array) -> jax.Array:
 
 
 def used(
-    kept: KeptTangent,
+    kept: FrozenTangent,
     step: jax.Array,
     accelerations: tuple[jax.Array, jax.Array],
     scale: jax.Array,
@@ -132,7 +132,7 @@ def used(
     sizes: jax.Array,
     corrections: jax.Array,
     evaluated: jax.Array,
-) -> KeptTangent:
+) -> FrozenTangent:
     """What is known behind an accepted step.
 
     kept : with the inverse at its end; accelerations : before and behind it, (n,); scale : of them, (n,)
@@ -141,27 +141,27 @@ def used(
     """
     new = made > 0
     age = kept.age + 1
-    told = evaluated & (corrections == 1) & ~new
+    measured = evaluated & (corrections == 1) & ~new
     after = kept._replace(
         step=jnp.where(new, step, kept.step),
         age=jnp.where(new, 0.0, age),
-        before=jnp.where(new, 0.0, jnp.where(told, sizes[0], kept.before)),
-        after=jnp.where(told, sizes[1], kept.after),
-        measured_at=jnp.where(told, age, kept.measured_at),
+        before=jnp.where(new, 0.0, jnp.where(measured, sizes[0], kept.before)),
+        after=jnp.where(measured, sizes[1], kept.after),
+        measured_at=jnp.where(measured, age, kept.measured_at),
         phase=jnp.where(new, 0.0, (kept.phase + 1) % MEASURED_EVERY),
         made=kept.made + made,
         acceleration=accelerations[0],
         last=step,
         lead=_lead(kept, step, accelerations, scale),
     )
-    tired = told & (MARGIN * after.after * (age + 1) > age)
+    tired = measured & (MARGIN * after.after * (age + 1) > age)
     worn = ~new & (tired | (corrections > 1))
     pause = jnp.where(worn & (age <= 1), PAUSE, jnp.maximum(kept.pause - 1.0, 0.0))
     return after._replace(step=jnp.where(worn | (pause > 0), 0.0, after.step), pause=pause)
 
 
 def _lead(
-    kept: KeptTangent, step: jax.Array, accelerations: tuple[jax.Array, jax.Array], scale: jax.Array
+    kept: FrozenTangent, step: jax.Array, accelerations: tuple[jax.Array, jax.Array], scale: jax.Array
 ) -> jax.Array:
     """1 where a line would have led nearer to the accelerations at the end of a step, 0 where rest would."""
     before, after = accelerations

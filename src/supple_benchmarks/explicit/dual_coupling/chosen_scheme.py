@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from supple.errors import ModelError
-from supple.methods.explicit.coupling.multi_time_step import GravouilCombescure, PrakashHjelmstad
-from supple.methods.explicit.coupling.sides import Coupling
+from supple_benchmarks.explicit.dual_coupling.multi_time_step import GravouilCombescure, PrakashHjelmstad
+from supple_benchmarks.explicit.dual_coupling.sides import Coupling
 
 __all__ = ["chosen_scheme"]
 

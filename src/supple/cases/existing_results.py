@@ -10,7 +10,7 @@ from supple.errors import ResultFileError
 from supple.storage import read_header
 from supple.storage.result_file import check_same_run
 
-__all__ = ["check_remains", "kept_so_far", "readings_paths", "report_path", "result_path"]
+__all__ = ["kept_so_far", "readings_paths", "refuse_overwrite", "report_path", "result_path"]
 
 
 def result_path(case: Path, folder: Path) -> Path:
@@ -44,7 +44,7 @@ def kept_so_far(case: Path, folder: Path) -> str:
     return "nothing was computed yet; run it again"
 
 
-def check_remains(case: Case, folder: Path, *, resume: bool, force: bool) -> None:
+def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> None:
     """Before anything is read or built: may this run write to the folder?
 
     Raises

@@ -25,12 +25,11 @@ from supple.methods.floating.compiled import batch_start, engine
 from supple.methods.floating.compiled.contraction import MEASURED_EVERY
 from supple.methods.floating.compiled.elimination import ByLapack
 from supple.methods.floating.compiled.engine import controls, initial_state
-from supple.methods.floating.compiled.iterate import evaluate, motion_of
-from supple.methods.floating.compiled.kept_tangent import (
+from supple.methods.floating.compiled.frozen_tangent import (
     PAUSE,
-    KeptTangent,
+    FrozenTangent,
     bodies_inverse,
-    keeps_tangent,
+    freezes_tangent,
     no_tangent,
     predicted,
     predicted_to_suffice,
@@ -38,6 +37,7 @@ from supple.methods.floating.compiled.kept_tangent import (
     solution_by_parts,
     used,
 )
+from supple.methods.floating.compiled.iterate import evaluate, motion_of
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, STOPS_AT_ONCE
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, step_matrix
@@ -209,7 +209,7 @@ def test_a_dear_tangent_of_a_smooth_machine_is_kept(rod):
     )
 
     def kept(body, *loads):
-        return keeps_tangent(build_model(turning(body, *loads)))
+        return freezes_tangent(build_model(turning(body, *loads)))
 
     assert kept(rod)
     assert not kept(rod, spring)  # its law may have a kink
@@ -288,7 +288,7 @@ def test_the_inverse_is_the_same_however_a_body_turns(smooth):
     assert np.abs((here.inverse - there.inverse) / scale).max() < 1e-9
 
 
-KNOWN = KeptTangent(np.eye(1), STEP, 4.0, 1e3, 4e-3, 2.0, 1.0, 1.0, 0.0, np.ones(1), STEP, 0.0)
+KNOWN = FrozenTangent(np.eye(1), STEP, 4.0, 1e3, 4e-3, 2.0, 1.0, 1.0, 0.0, np.ones(1), STEP, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,8 @@ from jax import Array, lax
 
 from supple.algebra import jax_settings  # noqa: F401 - 64-bit floats, before the first array
 from supple.errors import ModelError
-from supple.methods.explicit.coupling.interface_operator import InterfaceOperator, interface_operator
-from supple.methods.explicit.coupling.sides import Coupling
+from supple_benchmarks.explicit.dual_coupling.interface_operator import InterfaceOperator, interface_operator
+from supple_benchmarks.explicit.dual_coupling.sides import Coupling
 
 __all__ = ["GravouilCombescure", "MultiTimeStep", "PrakashHjelmstad"]
 

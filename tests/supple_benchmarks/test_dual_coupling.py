@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from supple.errors import ModelError
 from supple.fem import Isotropic, lumped_mass, solid_model
 from supple.mesh import CellType, Mesh, block
-from supple.methods.explicit.coupling import (
+from supple_benchmarks.explicit.dual_coupling import (
     Coupling,
     ElementSide,
     GravouilCombescure,

@@ -8,10 +8,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-__all__ = ["in_turn"]
+__all__ = ["sequential_vmap"]
 
 
-def in_turn(function: Callable[..., Any], *arguments: Any) -> Any:
+def sequential_vmap(function: Callable[..., Any], *arguments: Any) -> Any:
     """`function(*arguments)`; under `jax.vmap` one case after the other instead of all at once.
 
     A condition then stays a branch that a case takes or leaves, where mapped together all cases would pay for

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.methods.floating.compiled.in_turn import in_turn
+from supple.methods.floating.compiled.sequential_vmap import sequential_vmap
 
 
 class Weighted(NamedTuple):
@@ -21,7 +21,7 @@ def halved_or_not(given, wanted):
 
 
 def one_case(values, wanted):
-    return in_turn(halved_or_not, Weighted(values, 0.5), wanted)
+    return sequential_vmap(halved_or_not, Weighted(values, 0.5), wanted)
 
 
 def test_mapped_cases_have_the_answers_of_single_ones():

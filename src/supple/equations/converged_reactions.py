@@ -9,14 +9,14 @@ import numpy as np
 
 from supple.errors import ConvergenceError
 
-__all__ = ["settled_reactions"]
+__all__ = ["converged_reactions"]
 
-_MOST, _SETTLED = 100, 1e-12
+_MOST, _CONVERGED = 100, 1e-12
 
 S = TypeVar("S", bound=tuple[Any, ...])
 
 
-def settled_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
+def converged_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
     """Accelerations, multipliers, and whatever else belongs to them, by iteration.
 
     answered : these, with the forces that depend on given multipliers (m,)
@@ -29,9 +29,9 @@ def settled_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
         if not np.isfinite(found[1]).all():
             break
         # Of what grows without bound the largest entry, whose square would overflow.
-        if np.max(abs(found[1] - before)) <= _SETTLED * np.max(abs(found[1])):
+        if np.max(abs(found[1] - before)) <= _CONVERGED * np.max(abs(found[1])):
             return found
     raise ConvergenceError(
-        "friction and the forces in the joints do not settle: each raises the other, as "
+        "friction and the forces in the joints do not converge: each raises the other, as "
         "in a slide that jams. Lower the coefficient of friction, or the radius of the pin"
     )

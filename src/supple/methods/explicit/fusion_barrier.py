@@ -16,13 +16,13 @@ import jax.numpy as jnp
 from jax import lax
 from jax.core import Tracer
 
-__all__ = ["worked_out"]
+__all__ = ["fusion_barrier"]
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
 
 
-def worked_out(stage: Callable[[Given], Found], given: Given) -> Found:
+def fusion_barrier(stage: Callable[[Given], Found], given: Given) -> Found:
     """stage(given), both trees of arrays, none of them empty."""
     first = jax.tree.leaves(given)[0]
     if not isinstance(first, Tracer):
