@@ -29,6 +29,29 @@ def test_abaqus_entries_have_labels(files):
     np.testing.assert_array_equal(made.matrix.toarray(), [[2.5, -1], [-1, 4]])
 
 
+@pytest.mark.parametrize("blank", [" ", ", "])
+def test_abaqus_coordinates_run_through_the_nodes_by_their_ids(files, blank):
+    """Row 3 (k - 1) + c is component c of the node with the k-th id."""
+    text = "** made by hand\n" + "\n".join(
+        blank.join((str(i), str(j), value)) for i, j, value in ((1, 1, "2.5"), (2, 5, "-1."), (6, 6, "4."))
+    )
+    made = read_abaqus_matrix(files(K_mtx=text) / "K.mtx", np.array([9, 5]))
+    np.testing.assert_array_equal(made.freedoms, [[5, 1], [5, 2], [5, 3], [9, 1], [9, 2], [9, 3]])
+    expected = np.zeros((6, 6))
+    expected[0, 0], expected[1, 4], expected[4, 1], expected[5, 5] = 2.5, -1, -1, 4
+    np.testing.assert_array_equal(made.matrix.toarray(), expected)
+    shell = read_abaqus_matrix(files(K_mtx=text) / "K.mtx", np.array([7]))
+    np.testing.assert_array_equal(shell.freedoms, [[7, i] for i in range(1, 7)])
+
+
+def test_abaqus_coordinates_need_the_nodes_of_the_model(files):
+    folder = files(K_mtx="1 1 2.5\n7 7 1.0\n")
+    with pytest.raises(
+        ImportFormatError, match=r"K\.mtx: rows 1 to 7, which are neither 3 nor 6 .* of 2 nodes"
+    ):
+        read_abaqus_matrix(folder / "K.mtx", np.array([1, 2]))
+
+
 def test_calculix_entries_have_a_map_beside_them(files):
     folder = files(arm_sti="1 1 2.5\n 1 2 -1.0\n2 2 4.0\n", arm_dof="    5.1\n   17.3\n")
     made = read_calculix_matrix(folder / "arm.sti")

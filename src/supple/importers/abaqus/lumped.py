@@ -68,7 +68,7 @@ def read_masses(
 def read_springs(
     model: AbaqusModel, freedoms: Freedoms, family: Family, keyword: str
 ) -> tuple[ScalarTerms, ...]:
-    """*SPRING or *DASHPOT: between two nodes along their line (A) or between a freedom of each (2); to the ground (1).
+    """*SPRING or *DASHPOT along the line of two nodes (A), between a freedom of each (2), to the ground (1).
 
     Raises
     ------

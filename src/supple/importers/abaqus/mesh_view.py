@@ -72,7 +72,7 @@ def read_abaqus(
         cells.setdefault(kind, []).append(made)
         owners.setdefault(kind, []).append(block.first + owner)
         origins.setdefault(kind, []).extend(
-            CellOrigin(*file.lines[line][:2], element)
+            CellOrigin(file.lines[line][0], file.lines[line][1], element)
             for element, line in zip(block.ids[owner].tolist(), block.lines[owner].tolist(), strict=True)
         )
     owner_of = {kind: np.concatenate(parts) for kind, parts in owners.items()}
