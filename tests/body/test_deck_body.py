@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from supple.body import (
     AveragingInterface,
+    MeanAxisFrame,
     RigidInterface,
     check_elements,
     deck_body,
@@ -27,6 +28,7 @@ from supple.body import (
 )
 from supple.body.inertia_polynomial import InertiaPolynomial
 from supple.errors import ModelError, SuppleWarning
+from supple.fem import lumped_mass, stress_recovery
 from supple.importers.deck import (
     BeamProperty,
     BeamValues,
@@ -44,6 +46,7 @@ from supple.importers.deck import (
     WeightedMean,
 )
 from supple.mesh import CellType, block
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 
 STEEL = IsotropicMaterial(2.1e11, 0.0, 7850.0)
 SIDE = 0.02
@@ -436,3 +439,35 @@ def test_the_direction_of_a_wall_that_is_normal_to_it_is_replaced():
     given = replace(deck(square, triangles), properties={"wall": wall})
     with pytest.warns(SuppleWarning, match=r"line 1: the direction of the wall .* \(one of 2\) is normal"):
         deck_model(given)
+
+
+def test_stress_of_solids_and_shells_in_one_body():
+    """Uniform stretching: E eps in every layer at every node."""
+    model = deck_model(skinned())
+    u = np.zeros((model.mesh.n_nodes, 6))
+    u[:, 0] = 1e-6 * model.mesh.nodes[:, 0]
+    stress = stress_recovery(model).linearized().at_nodes(u.ravel())
+    assert stress.shape == (model.mesh.n_nodes, 3, 6)
+    np.testing.assert_allclose(stress[..., 0], STEEL.youngs_modulus * 1e-6, rtol=1e-9)
+    np.testing.assert_allclose(stress[..., 1:], 0, atol=1e-3)
+
+
+def test_what_is_beside_the_elements_is_refused_where_elements_alone_count():
+    model = deck_model(skinned(rigid=(RigidTie("rbe2_1", 0, np.array([1, 2]), 1),)))
+    with pytest.raises(ModelError, match="a lumped mass has elements alone, and this model has rigid ties"):
+        lumped_mass(model)
+
+
+def test_a_body_with_ties_masses_and_a_rotation_that_rests_is_reduced():
+    """Its kinetic energy of rigid motion stays; the lowest modes are those of the whole."""
+    given = skinned(
+        rigid=(RigidTie("rbe2_1", 0, np.array([1, 2, 3]), 1),), masses=(point_mass(12, 0.5, (0.01, 0.01, 0.01)),)
+    )
+    body = deck_body("panel", given, [RigidInterface("tip", "tip")])
+    small = reduce(body, MeanAxisFrame(), CraigBampton(n_modes=10), derivatives=NoDerivatives(), loads=NoLoads)
+    R = body.rigid_modes
+    np.testing.assert_allclose(small.gram[:6, :6], R.T @ (body.mass @ R), rtol=1e-9, atol=1e-9)
+    own = np.sort(frequencies(body, 3))
+    free = body.lowest_modes(9).values[6:]
+    np.testing.assert_allclose(own, np.sqrt(free) / (2 * np.pi))
+    assert small.frequencies[0] / (2 * np.pi) == pytest.approx(own[0], rel=1e-3)
