@@ -44,7 +44,7 @@ def main(picture: Path = Path("nastran_plate.png")) -> tuple[float, float]:
     """Sag of the free edge, m, and the lowest frequency, Hz."""
     file = picture.with_name("plate.bdf")
     file.write_text(bulk_data())
-    body = deck_body("plate", read_deck(file), [sp.RigidInterface("root", "spc_123456")]).linearized()
+    body = deck_body("plate", read_deck(file), [sp.RigidInterface("root", "spc1_123456")]).linearized()
     mesh = body.model.mesh
     plate = sp.reduce(body, sp.MeanAxisFrame(), CraigBampton(n_modes=8), derivatives=sp.NoDerivatives())
     clamp = m.Fixed(first="ground", second="plate.root")
