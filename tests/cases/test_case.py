@@ -8,7 +8,7 @@ import pytest
 from supple.body import body_source
 from supple.cases import read_case, run_case
 from supple.errors import CaseError
-from supple.importers.nastran import model as nastran
+from supple.importers.nastran import deck_file as nastran
 from supple.mesh import strip
 from supple.quantities import Place
 from supple.simulation import simulate

@@ -111,7 +111,7 @@ def read_nastran_deck(path: str | Path) -> Deck:
 
 
 def _deck(file: BulkFile, whole: BulkFile) -> Deck:
-    reading = _start(file, whole)
+    reading = start_reading(file, whole)
     materials, added = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
@@ -168,7 +168,8 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
     )
 
 
-def _start(file: BulkFile, whole: BulkFile) -> Reading:
+def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
+    """Grids, parameters and case control of a file; cards that are not known stand as left out."""
     file = _elements_once(file)
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
     reading = Reading(
