@@ -370,7 +370,8 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
         _extend(sets, placed.scope, name, members)
         return
     if not block.data:
-        raise file.error(block.line, f"set '{name}' is empty; list its members, or is the file cut short?")
+        model.report.doubt(block.line, f"set '{name}' is empty; list its members, or is the file cut short?")
+        return
     labels = model.nodes if of_nodes else model.element_labels
     found: list[IntArray] = []
     for line, text in block.data:
