@@ -259,5 +259,23 @@ def test_unknown_members_of_sets_are_noted(deck):
     assert "set 'n' names node 13, which the file does not define" in made.notes[0]
 
 
+def test_the_last_definition_of_an_id_holds(deck):
+    text = node_rows(NODES) + "*NODE\n12, 0.3, 0.1, 0.1\n" + element_rows("C3D8", CELLS)
+    made = deck(
+        text + element_rows("C3D8", [CELLS[1]], elset="new") + "*ELEMENT, TYPE=S3, ELSET=skin\n2, 1, 2, 3\n"
+    )
+    assert made.nodes[-1].tolist() == [0.3, 0.1, 0.1]
+    assert len(made.nodes) == 12
+    assert [note.split(": ")[-1] for note in made.notes] == [
+        "node 12 is defined a second time; renumber or remove it",
+        "element 1 is defined a second time; renumber or remove it",
+    ]
+    assert {name: of.tolist() for name, of in made.element_sets.items()} == {
+        "all": [],
+        "new": [1],
+        "skin": [2],
+    }
+
+
 def test_titles_above_the_first_keyword_are_passed_over(deck):
     assert len(deck(">** a title\n" + node_rows(NODES) + element_rows("C3D8", CELLS)).nodes) == 12

@@ -59,9 +59,7 @@ def read_abaqus(
     path = Path(path)
     file = read_keyword_file(path)
     _refuse_what_is_beyond_a_mesh(file)
-    model = read_model(file)
-    if model.report.doubts:
-        raise model.report.doubts[0]
+    model = read_model(file, strict=True)
     cells: dict[CellType, list[IntArray]] = {}
     owners: dict[CellType, list[IntArray]] = {}
     origins: dict[CellType, list[CellOrigin]] = {}
@@ -110,9 +108,7 @@ def read_abaqus_nodes(path: str | Path) -> NodeTable:
             raise file.error(
                 block.line, "*TRANSFORM turns the freedoms of its nodes; export the matrices without it"
             )
-    model = read_model(file, elements=False)
-    if model.report.doubts:
-        raise model.report.doubts[0]
+    model = read_model(file, elements=False, strict=True)
     return NodeTable(
         str(path),
         public_ids(model).nodes,

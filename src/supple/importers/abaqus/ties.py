@@ -123,7 +123,8 @@ def _nearest(
     centres = x[faces].mean(axis=1)
     count = min(_CANDIDATES, len(faces))
     _, candidates = KDTree(centres).query(x[nodes], k=count)
-    candidates = np.reshape(candidates, (len(nodes), count))
+    # Of places beyond all numbers no face is near, and the query names one that is not there.
+    candidates = np.minimum(np.reshape(candidates, (len(nodes), count)), len(faces) - 1)
     pairs = faces[candidates].reshape(-1, faces.shape[1])
     targets = np.repeat(x[nodes], count, axis=0)
     shares = _projected(x[pairs], targets)

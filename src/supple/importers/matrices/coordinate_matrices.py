@@ -15,6 +15,7 @@ from supple.importers.matrices.labelled_matrix import (
     from_labelled_entries,
     printed_resolution,
 )
+from supple.importers.node_table import NodeTable
 from supple.importers.plain_number import is_plain, is_plain_digits
 from supple.importers.text_file import file_lines
 
@@ -25,7 +26,7 @@ _LARGEST_WHOLE = 2.0**53
 """Beyond it a float cannot tell a whole number from its neighbour."""
 
 
-def read_abaqus_matrix(path: str | Path, node_ids: IntArray | None = None) -> LabelledMatrix:
+def read_abaqus_matrix(path: str | Path, nodes: NodeTable | None = None) -> LabelledMatrix:
     """Matrix of Abaqus (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, or COORDINATE.
 
     The first has node, component, node, component, value; the second row, column, value, rows counted from 1
@@ -33,7 +34,7 @@ def read_abaqus_matrix(path: str | Path, node_ids: IntArray | None = None) -> La
 
     Parameters
     ----------
-    node_ids : of the model, whose number says how many freedoms a node has in COORDINATE: 3, or 6
+    nodes : of the model, whose number says how many freedoms a node has in COORDINATE: 3, or 6
     Raises
     ------
     ImportFormatError   missing or cut file; lines of another form; an entry given twice; not symmetric; a
@@ -41,7 +42,7 @@ def read_abaqus_matrix(path: str | Path, node_ids: IntArray | None = None) -> La
     """
     path = Path(path)
     if len(_words(_lines(path)[0][1], None)) == 3:
-        return _by_coordinates(path, np.sort(np.empty(0, int) if node_ids is None else node_ids))
+        return _by_coordinates(path, np.empty(0, int) if nodes is None else np.sort(nodes.ids))
     table, resolution = _table(path, 5, "node, component, node, component, value", ",")
     labels = _whole(path, table[:, :4], "a node id or component")
     return from_labelled_entries(str(path), labels[:, :2], labels[:, 2:], table[:, 4], resolution)
