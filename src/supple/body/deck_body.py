@@ -300,7 +300,7 @@ def _has_shear(material: IsotropicMaterial) -> bool:
 
 
 def _of_lines(material: IsotropicMaterial) -> Isotropic:
-    """Of beams and rods E and G count alone: decks state G beside E that no Poisson's ratio of solids gives."""
+    """Of beams and rods E and G count alone: decks state G that no Poisson's ratio of solids gives."""
     nu = material.poissons_ratio
     G = material.shear_modulus if _has_shear(material) else None
     if not -1 < nu < 0.5:

@@ -61,7 +61,8 @@ def read_elements(
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements that have a section and a material, and what they are made of.
 
-    Others are left out. Where sections overlap the last one holds.
+    Others are left out, but those without a section on the faces and edges of solids, which carry sets alone.
+    Where sections overlap the last one holds.
 
     Raises
     ------
@@ -79,6 +80,10 @@ def read_elements(
         key = public_name(model, placed.scope, name, model.element_sets)
         sections.append((key, _section(model, placed, materials, orientations)))
     builder = _Builder(model, ids)
+    of_solids = np.zeros(len(model.positions), dtype=bool)
+    for block in model.elements:
+        if block.type.family is Family.SOLID:
+            of_solids[block.nodes[section_of[block.numbers] >= 0]] = True
     for block in model.elements:
         if block.type.family not in CELL_FAMILIES:
             continue
@@ -86,6 +91,15 @@ def read_elements(
         for number in np.unique(of_block).tolist():
             places = np.flatnonzero(of_block == number)
             key, section = sections[number] if number >= 0 else ("", None)
+            if number < 0 and block.type.family is not Family.SOLID:
+                # Meshers write the edges and faces of solids as well, for their sets.
+                on_solids = of_solids[block.nodes[places]].all(axis=1)
+                if on_solids.any():
+                    count = int(np.count_nonzero(on_solids))
+                    model.report.passed_over[f"*ELEMENT, TYPE={block.type.name}"] += count
+                places = places[~on_solids]
+                if not len(places):
+                    continue
             if section is None or not isinstance(section, _FITS[block.type.family]):
                 meaning = "without a section that is read" if number >= 0 else "without a section"
                 model.report.leave_out(

@@ -142,13 +142,8 @@ def _ply(material: DeckMaterial, thickness: float, angle: float) -> Ply:
         G = E / (2 * (1 + nu))
         return orthotropic_ply(E, E, nu, G, G, G, density=material.density, thickness=thickness, angle=angle)
     compliance = np.linalg.inv(material.elasticity)
-    return Ply(
-        np.linalg.inv(compliance[np.ix_(_FLAT, _FLAT)]),
-        np.linalg.inv(compliance[np.ix_(_ACROSS, _ACROSS)]),
-        material.density,
-        thickness,
-        angle,
-    )
+    flat, across = (np.linalg.inv(compliance[np.ix_(some, some)]) for some in (_FLAT, _ACROSS))
+    return Ply(np.asarray(flat, float), np.asarray(across, float), material.density, thickness, angle)
 
 
 def _plies(

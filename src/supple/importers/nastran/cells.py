@@ -298,13 +298,15 @@ def read_shells(
     found: list[DeckElements] = []
     for name, shell in _SHELLS.items():
         groups: dict[str, list[BulkCard]] = {}
-        for card in reading.file.named(name):
-            element = card.integer(0, "the element id")
+        all_cards = reading.file.named(name)
+        elements = integers(all_cards, 0, "the element id").tolist()
+        numbers = integers(all_cards, 1, "the property id", 0).tolist()
+        for card, element, number in zip(all_cards, elements, numbers, strict=True):
             options = _wall_options(card, shell, added.get(element, 0.0))
             of, why = properties.name(
-                card.integer(1, "the property id", element),
+                number or element,
                 options,
-                lambda wall, options=options: read_wall(wall, materials, reading, options),
+                lambda wall, options=options: read_wall(wall, materials, reading, options or _PLAIN),
             )
             if why:
                 reading.leave_out(card, f"elements left out: {why}")
@@ -318,10 +320,11 @@ def read_shells(
 _PLAIN = WallOptions()
 
 
-def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions:
+def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:
+    """What an element says of its wall; None where nothing, as most do."""
     blank = card.is_blank(shell.thickness, shell.thickness + shell.corners)
     if blank and not added and card.is_blank(shell.offset, shell.offset + 1):
-        return _PLAIN
+        return None
     given = tuple(
         card.real(shell.thickness + i, f"T{i + 1}") if card.word(shell.thickness + i) else None
         for i in range(shell.corners)
@@ -380,21 +383,19 @@ def _triangles_with_middles(
                 ring.append(int(corners[row, i]))
             if after is not None:
                 ring.append(after)
-        rest = _ring_triangles(ring, reading.grids.positions)
+        rest = _ring_triangles(ring, [node for node in ring if node in middles], reading.grids.positions)
         triangles += rest
         of_card += [row] * len(rest)
     return np.array(triangles, dtype=np.int64), np.array(of_card, dtype=np.int64)
 
 
-def _ring_triangles(ring: list[int], positions: FloatArray) -> list[list[int]]:
-    """A fan from the node from which its smallest triangle is largest: middle nodes lie on sides."""
-    if len(ring) < 3:
-        return []
-    turned = [ring[start:] + ring[:start] for start in range(len(ring))]
-    fans = np.array([[[own[0], own[i], own[i + 1]] for i in range(1, len(own) - 1)] for own in turned])
-    x = positions[fans]
-    areas = np.linalg.norm(np.cross(x[..., 1, :] - x[..., 0, :], x[..., 2, :] - x[..., 0, :]), axis=-1)
-    return fans[int(areas.min(axis=1).argmax())].tolist()
+def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) -> list[list[int]]:
+    """Triangles of a polygon: a quadrilateral by its diagonal; others from a middle node, amid a side."""
+    if len(ring) == 4 and len(middles) != 1:
+        return split_quadrilaterals(positions, np.array([ring])).tolist()
+    first = ring.index(middles[0]) if middles else 0
+    ring = ring[first:] + ring[:first]
+    return [[ring[0], ring[i], ring[i + 1]] for i in range(1, len(ring) - 1)]
 
 
 def _material_directions(
