@@ -17,11 +17,10 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.labelled_superelement import NodalMatrices, labelled_superelement, read_nodal_matrices
 from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
-from supple.body.nastran_body import nastran_model
 from supple.body.superelement import read_superelement
 from supple.errors import ModelError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
-from supple.importers import Connection, numbers_of, read_deck, read_matrix, read_nastran
+from supple.importers import Connection, numbers_of, read_deck, read_matrix
 from supple.mesh import Mesh
 
 __all__ = [
@@ -30,7 +29,6 @@ __all__ = [
     "elements_source",
     "labelled_matrices_source",
     "matrices_source",
-    "nastran_source",
 ]
 
 IntArray = NDArray[np.int64]
@@ -95,12 +93,6 @@ def deck_source(
         deck_mesh(own), lambda: deck_model(own, kinematics=kinematics), deck_connections(own)
     )
     return replace(made, ties_itself=True)
-
-
-def nastran_source(path: Path, kinematics: ShellKinematics = GREEN_LAGRANGE) -> BodySource:
-    """The elements, materials and walls of a bulk data file; errors as for `read_nastran`."""
-    read = read_nastran(path)
-    return elements_source(read.mesh, lambda: nastran_model(read, kinematics=kinematics), read.connections)
 
 
 def labelled_matrices_source(

@@ -10,8 +10,7 @@ from supple.importers.matrices.labelled_matrix import *
 from supple.importers.matrices.matrix_file import *
 from supple.importers.matrices.matrix_market import *
 from supple.importers.mesh_file import *
-from supple.importers.nastran.model import *
-from supple.importers.nastran.properties import *
+from supple.importers.nastran.mesh_view import *
 from supple.importers.node_table import *
 from supple.importers.numbering import *
 from supple.importers.turbine.nrel5mw import *

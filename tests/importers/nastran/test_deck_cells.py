@@ -91,7 +91,7 @@ def test_a_missing_middle_node_stands_midway_and_follows_its_corners(deck):
     np.testing.assert_array_equal(terms.dependent, 6 * added + np.arange(3))
     # A rigid motion fulfils them: u = a + b x.
     motion = np.zeros((len(read.nodes), 6))
-    motion[:, :3] = [1.0, 2.0, 3.0] + np.cross([0.1, 0.2, -0.3], read.nodes)
+    motion[:, :3] = np.array([1.0, 2.0, 3.0]) + np.cross([0.1, 0.2, -0.3], read.nodes)
     sums = np.bincount(terms.rows, terms.factors * motion.ravel()[terms.freedoms])
     np.testing.assert_allclose(sums, 0, atol=1e-15)
     assert any(note.startswith("1 sides of quadratic solids") for note in read.notes)
@@ -162,8 +162,7 @@ def test_layered_solids_of_one_material(deck):
 )
 def test_shells_cover_the_same_area_the_same_way_up(deck, cards, cells):
     text = (
-        SQUARE
-        + "GRID,5,,1.,0.,0.\nGRID,6,,2.,.5,0.\nGRID,7,,1.,1.,0.\nGRID,8,,0.,.5,0.\nGRID,9,,1.,.5,0.\n"
+        SQUARE + "GRID,5,,1.,0.,0.\nGRID,6,,2.,.5,0.\nGRID,7,,1.,1.,0.\nGRID,8,,0.,.5,0.\nGRID,9,,1.,.5,0.\n"
     )
     read = deck(text + cards + "\nPSHELL,9,5,.1,5,,5\n" + MATERIAL)
     x = read.nodes[np.concatenate([found.nodes for found in read.elements])]
@@ -204,7 +203,8 @@ def test_coupling_of_membrane_and_bending(deck):
     z = 0.03
     D = 1 + 12 * (z / 0.1) ** 2  # of the bending, by the parallel-axis theorem
     C = 2.1e11 / (1 - 0.09)
-    four = f"MAT2,6,{-z / 0.1 * C:.9e},{-z / 0.1 * 0.3 * C:.9e},0.,{-z / 0.1 * C:.9e},0.,{-z / 0.1 * 0.35 * C:.9e}\n"
+    G11, G12, G33 = (f"{-z / 0.1 * factor * C:.9e}" for factor in (1, 0.3, 0.35))
+    four = f"MAT2,6,{G11},{G12},0.,{G11},0.,{G33}\n"
     by_material = wall(deck, f"PSHELL,9,5,.1,5,{D}\n,,,6\n" + four.replace("e+", "+"))
     text = SQUARE + MATERIAL + "CQUAD4,7,9,1,2,3,4,,.03\nPSHELL,9,5,.1,5,1.000001\n"
     (by_offset,) = deck(text).properties.values()
@@ -269,7 +269,10 @@ def test_orthotropic_plies_by_laminate_theory(deck):
 
 def test_directions_of_a_material(deck):
     """THETA turns from the side G1-G2; MCID is the x axis of a system; a whole number is always a system."""
-    text = SQUARE + "MAT8,8,140.,10.,.3,5.,5.,3.,1.6\nPCOMP,9\n,8,.1,0.\nCORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
+    text = (
+        SQUARE
+        + "MAT8,8,140.,10.,.3,5.,5.,3.,1.6\nPCOMP,9\n,8,.1,0.\nCORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
+    )
     for words, expected in [
         ("1,2,3,4", [1, 0, 0]),
         ("2,3,4,1", [0, 1, 0]),

@@ -22,9 +22,11 @@ def between(x, low, high):
 PICTURES = {
     "I": (
         (6.0, 3.0, 4.0, 0.4, 0.5, 0.7),
-        lambda y, z: (between(y, 0, 0.5) & (abs(z) < 1.5))
-        | (between(y, 5.3, 6) & (abs(z) < 2))
-        | (between(y, 0.5, 5.3) & (abs(z) < 0.2)),
+        lambda y, z: (
+            (between(y, 0, 0.5) & (abs(z) < 1.5))
+            | (between(y, 5.3, 6) & (abs(z) < 2))
+            | (between(y, 0.5, 5.3) & (abs(z) < 0.2))
+        ),
     ),
     "T": (
         (4.0, 5.0, 0.6, 0.4),
@@ -56,9 +58,11 @@ PICTURES = {
     ),
     "Z": (
         (2.0, 0.5, 4.0, 5.0),
-        lambda y, z: ((abs(z) < 0.25) & (abs(y) < 2.5))
-        | (between(y, 2, 2.5) & between(z, -2.25, 0))
-        | (between(y, -2.5, -2) & between(z, 0, 2.25)),
+        lambda y, z: (
+            ((abs(z) < 0.25) & (abs(y) < 2.5))
+            | (between(y, 2, 2.5) & between(z, -2.25, 0))
+            | (between(y, -2.5, -2) & between(z, 0, 2.25))
+        ),
     ),
     "CROSS": (
         (4.0, 0.5, 3.0, 0.7),
@@ -74,16 +78,20 @@ PICTURES = {
     ),
     "HAT": (
         (4.0, 0.5, 3.0, 1.0),
-        lambda y, z: (between(y, 3.5, 4) & (abs(z) < 1.5))
-        | (between(abs(z), 1.0, 1.5) & between(y, 0, 4))
-        | (between(abs(z), 1.0, 2.5) & between(y, 0, 0.5)),
+        lambda y, z: (
+            (between(y, 3.5, 4) & (abs(z) < 1.5))
+            | (between(abs(z), 1.0, 1.5) & between(y, 0, 4))
+            | (between(abs(z), 1.0, 2.5) & between(y, 0, 0.5))
+        ),
     ),
     "HAT1": (
         (5.0, 4.0, 3.0, 0.5, 0.7),
-        lambda y, z: (between(y, 0, 0.7) & (abs(z) < 2.5))
-        | (between(y, 3.5, 4) & (abs(z) < 1.5))
-        | (between(abs(z), 1.0, 1.5) & between(y, 0.7, 4))
-        | (between(abs(z), 1.0, 2.5) & between(y, 0.7, 1.2)),
+        lambda y, z: (
+            (between(y, 0, 0.7) & (abs(z) < 2.5))
+            | (between(y, 3.5, 4) & (abs(z) < 1.5))
+            | (between(abs(z), 1.0, 1.5) & between(y, 0.7, 4))
+            | (between(abs(z), 1.0, 2.5) & between(y, 0.7, 1.2))
+        ),
     ),
     "BOX": (
         (4.0, 3.0, 0.4, 0.3),
@@ -95,14 +103,16 @@ PICTURES = {
     ),
     "DBOX": (
         (6.0, 3.0, 2.5, 0.3, 0.4, 0.5, 0.2, 0.3, 0.4, 0.5),
-        lambda y, z: between(y, 0, 3)
-        & between(z, 0, 6)
-        & (
-            (z < 0.3)
-            | (z > 5.5)
-            | (abs(z - 2.5) < 0.2)
-            | ((z < 2.5) & ((y > 2.8) | (y < 0.3)))
-            | ((z > 2.5) & ((y > 2.6) | (y < 0.5)))
+        lambda y, z: (
+            between(y, 0, 3)
+            & between(z, 0, 6)
+            & (
+                (z < 0.3)
+                | (z > 5.5)
+                | (abs(z - 2.5) < 0.2)
+                | ((z < 2.5) & ((y > 2.8) | (y < 0.3)))
+                | ((z > 2.5) & ((y > 2.6) | (y < 0.5)))
+            )
         ),
     ),
     "BAR": ((3.0, 5.0), lambda y, z: (abs(y) < 2.5) & (abs(z) < 1.5)),
@@ -140,7 +150,7 @@ def test_the_same_section_by_other_names():
 
 
 def test_torsion_of_closed_and_open_walls():
-    """A thin square box by Bredt, t a^3; a slit one a strip, 4 a t^3 / 3; two equal cells as the outer one."""
+    """A thin square box by Bredt, t a^3; a channel a t^3; two equal cells as the outer one."""
     a, t = 1.0, 1e-3
     assert values("BOX", a, a, t, t).J == pytest.approx(t * a**3, rel=5e-3)
     assert values("CHAN", a, a, t, t).J == pytest.approx(3 * a * t**3 / 3, rel=5e-3)

@@ -79,7 +79,8 @@ class SectionOfShells:
         if self.given is not None:
             return self.given
         if self.homogeneous is not None and not thin:
-            return ShellProperty(self.homogeneous, thickness, offset=-self.offset * thickness)
+            offset = -self.offset * thickness
+            return ShellProperty(self.homogeneous, thickness, offset=offset, shear_factor=5 / 6)
         scale = thickness / sum(ply.thickness for ply in self.plies)
         plies = [replace(ply, thickness=ply.thickness * scale) for ply in self.plies]
         wall = laminate(plies, bottom=-self.offset * thickness - thickness / 2)

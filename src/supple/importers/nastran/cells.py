@@ -298,13 +298,15 @@ def read_shells(
     found: list[DeckElements] = []
     for name, shell in _SHELLS.items():
         groups: dict[str, list[BulkCard]] = {}
-        for card in reading.file.named(name):
-            element = card.integer(0, "the element id")
+        all_cards = reading.file.named(name)
+        elements = integers(all_cards, 0, "the element id").tolist()
+        numbers = integers(all_cards, 1, "the property id", 0).tolist()
+        for card, element, number in zip(all_cards, elements, numbers, strict=True):
             options = _wall_options(card, shell, added.get(element, 0.0))
             of, why = properties.name(
-                card.integer(1, "the property id", element),
+                number or element,
                 options,
-                lambda wall, options=options: read_wall(wall, materials, reading, options),
+                lambda wall, options=options: read_wall(wall, materials, reading, options or _PLAIN),
             )
             if why:
                 reading.leave_out(card, f"elements left out: {why}")
@@ -318,10 +320,11 @@ def read_shells(
 _PLAIN = WallOptions()
 
 
-def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions:
+def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:
+    """What an element says of its wall; None where nothing, as most do."""
     blank = card.is_blank(shell.thickness, shell.thickness + shell.corners)
     if blank and not added and card.is_blank(shell.offset, shell.offset + 1):
-        return _PLAIN
+        return None
     given = tuple(
         card.real(shell.thickness + i, f"T{i + 1}") if card.word(shell.thickness + i) else None
         for i in range(shell.corners)

@@ -109,13 +109,11 @@ class Materials:
             nu = E / (2 * G) - 1
             if not -1 < nu < 0.5:
                 nu, shear = 0.0, G
-        elif has_G and has_E and abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY:
-            shear = G
-        elif has_G and not has_E:
+        elif has_G and (not has_E or abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY):
             shear = G
         elif has_E and not has_nu:
             self._reading.note(
-                f"MAT1 {card.word(0)} gives E alone; NU counts as 0 and G as E / 2, where Nastran takes G = 0."
+                f"MAT1 {card.word(0)} gives E alone; NU counts as 0, G as E / 2 (Nastran: G = 0)."
             )
         factor = self._reading.stiffness_factor
         return IsotropicMaterial(

@@ -243,15 +243,16 @@ def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: l
         for _, components, nodes in groups
     )
     if plain and not reading.has_local_axes(reference, follows):
-        nodes = np.array([node for _, _, members in groups for node in members], dtype=np.int64)
-        weights = np.concatenate([np.full(len(members), weight) for weight, _, members in groups])
-        unique, number = np.unique(nodes, return_inverse=True)
+        weights: dict[int, float] = {}
+        for weight, _, members in groups:
+            for node in members:
+                weights[node] = weights.get(node, 0.0) + weight
         means.append(
             WeightedMean(
                 f"rbe3_{card.word(0)}",
                 reference,
-                unique,
-                np.bincount(number, weights).astype(np.float64),
+                np.array(list(weights), dtype=np.int64),
+                np.array(list(weights.values())),
                 card.line,
                 tuple(str(i) in follows for i in range(1, 7)),
             )
