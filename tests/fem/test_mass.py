@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from supple.fem import HomogeneousSection, lumped_mass, shell_model, solid_model
+from supple.algebra import lowest_modes
+from supple.fem import (
+    HomogeneousSection,
+    Isotropic,
+    Section,
+    bending_shell_mass,
+    finite_element_model,
+    lumped_mass,
+    shell_mass,
+    shell_model,
+    solid_model,
+)
 from supple.mesh import CellType, Mesh, block, box_beam, plate
 
 SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
@@ -80,3 +91,46 @@ def test_mass_is_positive_definite_and_lumping_keeps_the_total(build, material, 
     assert lumped.min() > 0
     R = rigid_modes(model)[:, :3]
     np.testing.assert_allclose(R.T @ (lumped[:, None] * R), R.T @ model.mass @ R, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.05])
+def test_the_mass_of_a_bending_shell_has_the_inertia_of_the_linear_one(offset, distorted):
+    """R^T M R, and M stays positive."""
+    wall = HomogeneousSection(Isotropic(1.0, 0.3, 7.0), 0.01, offset=offset)
+    mesh = distorted(box_beam(1.0, 0.6, 0.4, 2, 1, 1), 0.06)
+    section = Section(CellType.TRIANGLE3, np.arange(mesh.n_cells), wall)
+    plain, bending = (
+        finite_element_model(mesh, (section,), shell_mass=mass).mass.toarray()
+        for mass in (shell_mass, bending_shell_mass)
+    )
+    R = np.zeros((mesh.n_nodes, 6, 6))
+    R[:] = np.eye(6)
+    for axis in range(3):
+        R[:, :3, 3 + axis] = np.cross(np.eye(3)[axis], mesh.nodes)
+    R = R.reshape(-1, 6)
+    np.testing.assert_allclose(R.T @ bending @ R, R.T @ plain @ R, atol=1e-12)
+    assert np.abs(bending - plain).max() > 1e-3 * np.abs(plain).max()
+    assert np.linalg.eigvalsh(bending)[0] > 0
+
+
+@pytest.mark.parametrize(("mass", "error", "order"), [(shell_mass, 0.06, 2), (bending_shell_mass, 0.013, 2)])
+def test_plates_vibrate_at_second_order_and_far_nearer_with_bending_mass(mass, error, order):
+    """The second mode of a supported square, 5 pi^2 sqrt(D / m a^4), with eight elements a side."""
+    wall = HomogeneousSection(Isotropic(1e7, 0.3, 1.0), 1e-3)
+    exact = 5 * np.pi**2 * np.sqrt(wall.bending[0, 0] / wall.mass_per_area)
+
+    def mode(n):
+        mesh = plate(1.0, 1.0, n, n)
+        section = Section(CellType.TRIANGLE3, np.arange(mesh.n_cells), wall)
+        model = finite_element_model(mesh, (section,), shell_mass=mass)
+        free = np.zeros((mesh.n_nodes, 6), dtype=bool)
+        free[:, 2:5] = True
+        x = mesh.nodes - mesh.nodes.min(axis=0)
+        free[(np.isclose(x, 0) | np.isclose(x, 1))[:, :2].any(axis=1), 2] = False
+        rows = np.flatnonzero(free.ravel())
+        K, M = model.stiffness[rows][:, rows], model.mass[rows][:, rows]
+        return np.sqrt(lowest_modes(K, M, 2).values[1])
+
+    coarse, fine = (mode(n) / exact - 1 for n in (8, 16))
+    assert abs(coarse) < error
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.3)

@@ -30,6 +30,7 @@ from supple.fem import (
     RodSection,
     Section,
     ShellKinematics,
+    bending_shell_mass,
     finite_element_model,
     linear_strains,
 )
@@ -123,7 +124,14 @@ def deck_model(
         ),
         constraints=_constraints(deck, d, (*deck.constraints, *deck.held) if held else deck.constraints),
     )
-    return finite_element_model(mesh, sections, kinematics=kinematics, attached=attached, dofs_per_node=d)
+    return finite_element_model(
+        mesh,
+        sections,
+        kinematics=kinematics,
+        attached=attached,
+        dofs_per_node=d,
+        shell_mass=bending_shell_mass,
+    )
 
 
 def deck_connections(deck: Deck) -> tuple[Connection, ...]:

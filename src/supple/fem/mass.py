@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +11,10 @@ from scipy.sparse import coo_array, csc_array, kron
 
 from supple.algebra.cross import cross_matrices
 from supple.algebra.narrow_indices import narrow_indices
+from supple.fem.shell_kinematics import SIDES
 from supple.fem.shell_section import ShellSection
 
-__all__ = ["CellMass"]
+__all__ = ["CellMass", "ShellMass", "bending_shell_mass", "shell_mass"]
 
 FloatArray = NDArray[np.float64]
 
@@ -47,6 +49,10 @@ class CellMass:
         return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, coupled)
 
 
+ShellMass = Callable[[FloatArray, NDArray[np.int64], ShellSection], CellMass]
+"""Mass of shell triangles (E, 3, 3) between nodes (E, 3): `shell_mass` or `bending_shell_mass`."""
+
+
 def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSection) -> CellMass:
     """Consistent mass of shell triangles, with linear shape functions.
 
@@ -68,6 +74,34 @@ def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSect
         block[:, :3, 3:], block[:, 3:, :3], block[:, 3:, 3:] = -arm, arm, -arm @ arm
         coupled = (mass * pattern[:, :, None, :, None] * block[:, None, :, None]).reshape(-1, 18, 18)
     return CellMass(nodes, mass * pattern, about_centre * pattern, coupled)
+
+
+def bending_shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSection) -> CellMass:
+    """Consistent mass of shell triangles whose deflection bends with the rotations of their corners.
+
+        w = sum_a L_a w_a + 1/2 sum_k L_i L_j c_k . (theta_i - theta_j),   c_k = (x_j - x_i) x n
+
+    At the middle of a side ij it is the cubic of discrete Kirchhoff elements. Plates of eight elements a side
+    vibrate within some per cent in modes where linear shape functions err by ten; rigid motion has the same
+    mass, centre and inertia.
+    """
+    linear = shell_mass(corners, nodes, section)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * np.linalg.norm(normal, axis=1)
+    normal /= 2 * area[:, None]
+    bubble, deflection = np.zeros((len(nodes), 3, 3, 6)), np.zeros((len(nodes), 3, 3, 6))
+    deflection[:, np.arange(3), np.arange(3), :3] = normal[:, None]
+    for side, (i, j) in enumerate(SIDES):
+        lever = 0.5 * np.cross(corners[:, j] - corners[:, i], normal)
+        bubble[:, side, i, 3:], bubble[:, side, j, 3:] = lever, -lever
+    bubble, deflection = bubble.reshape(-1, 3, 18), deflection.reshape(-1, 3, 18)
+    # int L_i L_j L_a and int L_i L_j L_k L_l over the triangle, by its area.
+    with_corners = np.array([[1 / 30 if a in side else 1 / 60 for a in range(3)] for side in SIDES])
+    with_sides = (1 + np.eye(3)) / 180
+    mixed = bubble.swapaxes(1, 2) @ (with_corners @ deflection)
+    mass = mixed + mixed.swapaxes(1, 2) + bubble.swapaxes(1, 2) @ (with_sides @ bubble)
+    mass *= (section.mass_per_area * area)[:, None, None]
+    return replace(linear, coupled=mass if linear.coupled is None else mass + linear.coupled)
 
 
 def mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) -> csc_array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import chain
 
@@ -17,7 +17,7 @@ from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
 from supple.fem.beam_section import LineSection, RodSection
-from supple.fem.mass import CellMass, mass_matrix, shell_mass
+from supple.fem.mass import CellMass, ShellMass, mass_matrix, shell_mass
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
@@ -57,6 +57,7 @@ class FiniteElementModel:
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
     kinematics : ShellKinematics            of shells; solids and beams have one kind only
     attached : Attached                     springs, masses and ties of nodes, beside the elements
+    shell_mass : ShellMass                  of shells: shell_mass or bending_shell_mass
     """
 
     mesh: Mesh
@@ -67,6 +68,7 @@ class FiniteElementModel:
     rotation_limit: float
     kinematics: ShellKinematics = GREEN_LAGRANGE
     attached: Attached = field(default_factory=Attached)
+    shell_mass: ShellMass = shell_mass
 
     @property
     def n_dofs(self) -> int:
@@ -147,6 +149,7 @@ def finite_element_model(
     kinematics: ShellKinematics = GREEN_LAGRANGE,
     attached: Attached | None = None,
     dofs_per_node: int | None = None,
+    shell_mass: ShellMass = shell_mass,
 ) -> FiniteElementModel:
     """Model of a mesh of solids, shells and beams together, and of what stands beside them.
 
@@ -156,6 +159,7 @@ def finite_element_model(
     kinematics : of shells
     attached : in the freedoms of nodes that have `dofs_per_node`
     dofs_per_node : 3 or 6; when omitted 3 where there are solids alone
+    shell_mass : shell_mass, or bending_shell_mass, which is far more exact on coarse meshes
 
     Raises
     ------
@@ -165,9 +169,8 @@ def finite_element_model(
         (_check_solid if section.cell_type.dimension == 3 else partial(_check_shell, mesh))(section)
     turns = any(section.turns_nodes() for section in given)
     limit = kinematics.rotation_limit if turns else float("inf")
-    return _model(
-        mesh, dofs_per_node or (6 if turns else 3), given, limit, kinematics, attached or Attached()
-    )
+    d = dofs_per_node or (6 if turns else 3)
+    return _model(mesh, d, given, limit, kinematics, attached or Attached(), shell_mass)
 
 
 def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementModel:
@@ -178,9 +181,15 @@ def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementMod
     refuse_attached(model, "a part of a model")
     given = tuple(_in_part(section, part) for section in model.sections)
     given = tuple(section for section in given if len(section.cells))
-    if model.dofs_per_node == 3:
-        return _solid_model(part.mesh, given)
-    return _shell_model(part.mesh, given, model.kinematics)
+    return _model(
+        part.mesh,
+        model.dofs_per_node,
+        given,
+        model.rotation_limit,
+        model.kinematics,
+        Attached(),
+        model.shell_mass,
+    )
 
 
 def _in_part(section: Section, part: MeshPart) -> Section:
@@ -193,13 +202,13 @@ def _in_part(section: Section, part: MeshPart) -> Section:
 def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
     """Consistent mass of the cells of each section, before it is assembled; ModelError of other masses."""
     refuse_attached(model, "the mass of cells")
-    return _cell_masses(model.mesh, model.sections)
+    return _cell_masses(model.mesh, model.sections, model.shell_mass)
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
     refuse_attached(model, "a lumped mass")
-    masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
+    masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections, model.shell_mass))
     return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
 
 
@@ -293,6 +302,7 @@ def _model(
     rotation_limit: float,
     kinematics: ShellKinematics,
     attached: Attached,
+    shell_mass: ShellMass = shell_mass,
 ) -> FiniteElementModel:
     d = dofs_per_node
     cells = [section.nodes(mesh) for section in given]
@@ -301,7 +311,7 @@ def _model(
     )
     elements = (_block(mesh, portion, kinematics, d) for portion in _portions(given))
     matrices = (full_cells(stiffness(block), block.dofs, d) for block in chain(elements, attached.springs))
-    mass = mass_matrix(_cell_masses(mesh, given), mesh.n_nodes, d)
+    mass = _mass(mesh, given, shell_mass, d)
     return FiniteElementModel(
         mesh=mesh,
         dofs_per_node=d,
@@ -311,14 +321,33 @@ def _model(
         rotation_limit=rotation_limit,
         kinematics=kinematics,
         attached=attached,
+        shell_mass=shell_mass,
     )
 
 
-def _cell_masses(mesh: Mesh, given: tuple[Section, ...]) -> tuple[CellMass, ...]:
-    return tuple(_cell_mass(mesh, section) for section in given)
+def _mass(mesh: Mesh, given: tuple[Section, ...], shell_mass: ShellMass, dofs_per_node: int) -> csc_array:
+    """Of all cells; the couplings, which are as large as their stiffness, a portion at a time."""
+    plain, coupled = [], []
+    for section in given:
+        parts = [_cell_mass(mesh, portion, shell_mass) for portion in _portions((section,))]
+        if any(part.coupled is not None for part in parts):
+            coupled.append(section)
+        plain += [replace(part, coupled=None) for part in parts]
+    mass = mass_matrix(tuple(plain), mesh.n_nodes, dofs_per_node)
+    if not coupled:
+        return mass
+    sparsity = node_sparsity([section.nodes(mesh) for section in coupled], mesh.n_nodes, dofs_per_node)
+    matrices = (_cell_mass(mesh, portion, shell_mass).coupled for portion in _portions(tuple(coupled)))
+    more = sparsity.matrix(sparsity.data_of_portions(each for each in matrices if each is not None))
+    more.eliminate_zeros()
+    return csc_array(mass + more)
 
 
-def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
+def _cell_masses(mesh: Mesh, given: tuple[Section, ...], shell_mass: ShellMass) -> tuple[CellMass, ...]:
+    return tuple(_cell_mass(mesh, section, shell_mass) for section in given)
+
+
+def _cell_mass(mesh: Mesh, section: Section, shell_mass: ShellMass) -> CellMass:
     corners, nodes = section.corners(mesh), section.nodes(mesh)
     if isinstance(section.property, LineSection):
         return beam_mass(line_of(mesh, section), nodes, section.property)
