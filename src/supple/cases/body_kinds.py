@@ -217,6 +217,12 @@ class ReducedFile(BodyKind):
     """The file of a reduced body: its key holds a name instead of a table."""
 
 
+class SectionTableFile(BodyKind):
+    """The file of a section table, of which a line is made: its key holds a name instead of a table."""
+
+    is_elastic = True
+
+
 KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
     {
         "shell": Shell,
@@ -226,6 +232,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "superelement": Superelement,
         "rigid": Rigid,
         "reduced": ReducedFile,
+        "section_table": SectionTableFile,
     }
 )
 """The kinds by their key in the table of a body, which has just one of them."""

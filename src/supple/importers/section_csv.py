@@ -10,7 +10,7 @@ from supple.errors import ImportFormatError, ModelError
 from supple.importers.csv_table import read_csv_table
 from supple.importers.section_table import UPPER, SectionTable, check_sections, section_matrix
 
-__all__ = ["read_section_csv"]
+__all__ = ["read_section_csv", "write_section_csv"]
 
 PLACE = ("x", "y", "z")
 AXIS = ("axis_x", "axis_y", "axis_z")
@@ -66,3 +66,24 @@ def read_section_csv(path: str | Path) -> SectionTable:
         )
     x /= size[:, None]
     return SectionTable(positions, np.stack([x, np.cross(z, x), z], axis=2), stiffness, inertia)
+
+
+def write_section_csv(table: SectionTable, path: str | Path, *, about: str = "") -> None:
+    """Write a section table that `read_section_csv` reads, to 8 digits, without columns of zeros.
+
+    about : text above the table, such as its source
+    """
+    entries = {
+        f"{of}{pair}": matrices[:, i, j]
+        for of, matrices in (("k", table.stiffness), ("m", table.inertia))
+        for pair, i, j in zip(PAIRS, *UPPER, strict=True)
+    }
+    columns = dict(zip((*PLACE, *AXIS), np.hstack([table.positions, table.axes[:, :, 0]]).T, strict=True))
+    columns |= {name: values for name, values in entries.items() if values.any()}
+    rows = [
+        ",".join(columns),
+        *(",".join(f"{value:.8g}" for value in row) for row in zip(*columns.values(), strict=True)),
+    ]
+    Path(path).write_text(
+        "\n".join([*(f"# {line}" for line in about.splitlines()), *rows]) + "\n", encoding="utf-8"
+    )

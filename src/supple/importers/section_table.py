@@ -198,7 +198,7 @@ def _check_curve(where: Sequence[str], positions: FloatArray, axes: FloatArray) 
     lengths = np.linalg.norm(chords, axis=1)
     if not (lengths > 0).all():
         k = int(np.argmin(lengths))
-        raise ModelError(f"{where[k]} and {where[k + 1]} are at one place; leave one of them out")
+        raise ModelError(f"sections {k} and {k + 1} are at one place; leave one of them out")
     off = np.abs(axes.swapaxes(1, 2) @ axes - np.eye(3)).max(axis=(1, 2)) > ASYMMETRY
     off |= np.linalg.det(axes) < 0
     if off.any():

@@ -26,12 +26,12 @@ def _parsed(path: Path) -> Any:
     try:
         # Every scalar as it is written: to YAML 1.1 the words 1_000, 1:30 and 010 are other numbers.
         return yaml.load(text, Loader=_LOADER)
-    except (yaml.YAMLError, ValueError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        if isinstance(error, RecursionError) or "nesting depth" in str(error):
+            raise ImportFormatError(
+                f"{path}: its lists and entries nest too deep to be read; is this a windIO turbine file?"
+            ) from None
         raise ImportFormatError(f"{path}: not readable as YAML ({error}); save it anew") from error
-    except RecursionError:
-        raise ImportFormatError(
-            f"{path}: its lists and entries nest too deep to be read; is this a windIO turbine file?"
-        ) from None
 
 
 @dataclass(frozen=True)

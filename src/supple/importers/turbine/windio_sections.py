@@ -20,6 +20,8 @@ BLADE = ("components", "blade")
 FIRST = (*BLADE, "elastic_properties_mb", "six_x_six")
 SECOND = (*BLADE, "structure", "elastic_properties")
 PAIRS = [f"{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
+STIFFNESS = ("grid", *(f"K{pair}" for pair in PAIRS))
+INERTIA = ("grid", "mass", "cm_x", "cm_y", "i_edge", "i_flap", "i_plr", "i_cp")
 
 
 def read_windio_sections(path: str | Path) -> SectionTable:
@@ -98,6 +100,12 @@ def _second(file: WindioFile) -> tuple[tuple[FloatArray, FloatArray], tuple[Floa
             "a rigid body to the blade there"
         )
     grids = [_grid(file, *SECOND, name) for name in ("stiffness_matrix", "inertia_matrix")]
+    for name, known in (("stiffness_matrix", STIFFNESS), ("inertia_matrix", INERTIA)):
+        for key in file.entry(*SECOND, name):
+            if key not in known:
+                raise ImportFormatError(
+                    f"{file.path}: unknown entry {'.'.join((*SECOND, name))}.{key}; it takes {', '.join(known)}"
+                )
 
     def values(which: int, name: str) -> FloatArray:
         matrix = ("stiffness_matrix", "inertia_matrix")[which]
