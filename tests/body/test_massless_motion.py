@@ -19,9 +19,9 @@ from supple.body import (
 from supple.errors import ModelError
 from supple.fem import CellMass, Isotropic, solid_model
 from supple.fem.mass import mass_matrix
-from supple.fem.quadrature import four_point_tetrahedron
 from supple.fem.solid_element import SolidElement, solid_mass
 from supple.mesh import CellType, block
+from supple.mesh.quadrature import four_point_tetrahedron
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)

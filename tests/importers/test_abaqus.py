@@ -82,7 +82,7 @@ def test_blade_agrees_with_another_reader():
         np.testing.assert_array_equal(mesh.nodes_of(name), other.point_sets[name])
 
 
-@pytest.mark.parametrize("kind", [kind for kind in CellType if kind.dimension == 3])
+@pytest.mark.parametrize("kind", [kind for kind in CellType if kind.n_corners in (4, 8)])
 def test_solids_written_by_another_program(kind, tmp_path):
     """Several lines an element, as meshio writes C3D20; the node order is the same on both sides."""
     mesh = block(2.0, 1.0, 1.0, 2, 1, 1, kind)

@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import connected_components
 
 from supple.errors import CellError, MeshError
 from supple.mesh.cell_type import CellType
-from supple.mesh.reference_cell import reference_nodes, shape_gradients
+from supple.mesh.quadrature import strain_rule
+from supple.mesh.reference_cell import shape_gradients
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -33,18 +34,20 @@ def check_mesh(
     cell_sets: Mapping[str, Mapping[CellType, IntArray]],
     node_ids: IntArray,
     cell_ids: Mapping[CellType, IntArray],
+    links: IntArray,
 ) -> None:
     """Raise MeshError at the first mistake, in the mesh's ids; later checks may rely on earlier ones."""
     names = _Names(node_ids, cell_ids)
     _check_node_coordinates(nodes, names)
-    _check_cell_arrays(cells)
+    _check_cell_arrays(cells, links)
+    _check_links(nodes, links)
     _check_cell_node_range(nodes, cells, names)
     _check_repeated_nodes(cells, names)
-    _check_orphan_nodes(nodes, cells, names)
+    _check_orphan_nodes(nodes, cells, links, names)
     _check_node_sets(nodes, node_sets)
     _check_cell_sets(cells, cell_sets)
     _check_cell_geometry(nodes, cells, names)
-    _check_connected(nodes, cells, names)
+    _check_connected(nodes, cells, links, names)
 
 
 def check_ids(
@@ -91,8 +94,15 @@ def _check_node_coordinates(nodes: FloatArray, names: _Names) -> None:
         )
 
 
-def _check_cell_arrays(cells: Mapping[CellType, IntArray]) -> None:
-    if not cells:
+def _check_links(nodes: FloatArray, links: IntArray) -> None:
+    if links.ndim != 2 or links.shape[1] != 2:
+        raise MeshError(f"links have shape {links.shape}; expected (L, 2)")
+    if links.size and (links.min() < 0 or links.max() >= len(nodes)):
+        raise MeshError(f"a link names a node outside 0 .. {len(nodes) - 1}; node numbers start at 0")
+
+
+def _check_cell_arrays(cells: Mapping[CellType, IntArray], links: IntArray) -> None:
+    if not cells and not len(links):
         raise MeshError("the mesh has no cells; give at least one {CellType: node numbers (E, k)}")
     for kind, array in cells.items():
         if array.ndim != 2 or array.shape[1] != kind.n_nodes:
@@ -126,8 +136,11 @@ def _check_repeated_nodes(cells: Mapping[CellType, IntArray], names: _Names) -> 
             )
 
 
-def _check_orphan_nodes(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
+def _check_orphan_nodes(
+    nodes: FloatArray, cells: Mapping[CellType, IntArray], links: IntArray, names: _Names
+) -> None:
     used = np.zeros(len(nodes), dtype=bool)
+    used[links] = True
     for array in cells.values():
         used[array] = True
     bad = np.flatnonzero(~used)
@@ -210,36 +223,44 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names)
 
 
 def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, names: _Names) -> None:
-    """The Jacobian det dx/dxi must be positive at the cell's own nodes."""
+    """The Jacobian det dx/dxi of the cell's own map must be positive where its strain is taken.
+
+    Elsewhere, at nodes above all, a coarse cell with curved sides may well have a negative one: its mass and
+    stiffness are sound all the same.
+    """
     corners, ids = nodes[array], names.cell_ids[kind]
     extent = np.ptp(corners, axis=1).max(axis=1)
-    gradients = shape_gradients(kind, reference_nodes(kind))
+    gradients = shape_gradients(kind, strain_rule(kind).points)
     smallest = np.full(len(array), np.inf)
-    for gradient in gradients:  # one node of the reference cell at a time keeps the memory small
+    for gradient in gradients:  # one point at a time keeps the memory small
         np.minimum(smallest, np.linalg.det(np.einsum("eai,aj->eij", corners, gradient)), out=smallest)
     bad = np.flatnonzero(smallest < -FLATTEST_SOLID * extent**3)
     if bad.size:
         raise CellError(
-            f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at a node; "
+            f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at an integration "
+            "point; "
             f"{_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as CellType.{kind.name} says, "
-            "or remesh there",
+            "straighten its sides, or remesh there",
             kind.name,
             int(bad[0]),
         )
     bad = np.flatnonzero(smallest <= FLATTEST_SOLID * extent**3)
     if bad.size:
         raise CellError(
-            f"{_some(f'degenerate {kind.name} cell', ids[bad])}, with (almost) no volume at a node; "
+            f"{_some(f'degenerate {kind.name} cell', ids[bad])}, with (almost) no volume at an "
+            "integration point; "
             f"{_cell(nodes, kind, array, bad[0], names)}; move its nodes, or remesh there",
             kind.name,
             int(bad[0]),
         )
 
 
-def _check_connected(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
+def _check_connected(
+    nodes: FloatArray, cells: Mapping[CellType, IntArray], links: IntArray, names: _Names
+) -> None:
     # Linking each node of a cell to the next is enough to connect them all.
-    start = np.concatenate([array[:, :-1].ravel() for array in cells.values()])
-    end = np.concatenate([array[:, 1:].ravel() for array in cells.values()])
+    start = np.concatenate([links[:, 0], *(array[:, :-1].ravel() for array in cells.values())])
+    end = np.concatenate([links[:, 1], *(array[:, 1:].ravel() for array in cells.values())])
     graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(nodes), len(nodes)))
     n_parts, part = connected_components(graph, directed=False)
     if n_parts > 1:

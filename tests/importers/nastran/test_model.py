@@ -53,7 +53,7 @@ def read(tmp_path):
 # --- what is read
 
 
-@pytest.mark.parametrize("kind", [kind for kind in CellType if kind.dimension == 3])
+@pytest.mark.parametrize("kind", [kind for kind in CellType if kind.n_corners in (4, 8)])
 def test_solids_in_all_their_node_orders(read, bulk, kind):
     """A wrong order of middle nodes would be an inverted cell, or another one."""
     mesh = block(2.0, 1.0, 1.0, 2, 1, 1, kind)
@@ -64,7 +64,9 @@ def test_solids_in_all_their_node_orders(read, bulk, kind):
     np.testing.assert_array_equal(model.node_ids, 1 + np.arange(mesh.n_nodes))
 
 
-@pytest.mark.parametrize("kind", [CellType.TRIANGLE3, *(kind for kind in CellType if kind.dimension == 3)])
+@pytest.mark.parametrize(
+    "kind", [CellType.TRIANGLE3, *(kind for kind in CellType if kind.n_corners in (4, 8))]
+)
 def test_meshes_written_by_another_program(tmp_path, kind):
     """meshio writes in its own fields and node orders; property cards are added for it."""
     mesh = strip(2.0, 1.0, 2, 2) if kind is CellType.TRIANGLE3 else block(2.0, 1.0, 1.0, 2, 1, 1, kind)

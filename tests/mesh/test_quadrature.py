@@ -4,12 +4,15 @@ from math import factorial
 import numpy as np
 import pytest
 
-from supple.fem.quadrature import (
+from supple.mesh.quadrature import (
     centroid_tetrahedron,
+    conical_pyramid,
     conical_tetrahedron,
+    conical_wedge,
     four_point_tetrahedron,
     gauss_cube,
     irons_cube,
+    three_point_wedge,
 )
 
 
@@ -21,12 +24,25 @@ def over_cube(*powers):
     return np.prod([2 / (p + 1) if p % 2 == 0 else 0 for p in powers])
 
 
+def over_wedge(i, j, k):
+    return factorial(i) * factorial(j) / factorial(i + j + 2) * over_cube(k)
+
+
+def over_pyramid(i, j, k):
+    """Over the square of half side 1 - z: int (1 - z)^(i + j + 2) z^k dz."""
+    n = i + j + 2
+    return over_cube(i, j) * factorial(n) * factorial(k) / factorial(n + k + 1)
+
+
 @pytest.mark.parametrize(
     ("rule", "degree", "exact"),
     [
         (centroid_tetrahedron(), 1, over_tetrahedron),
         (four_point_tetrahedron(), 2, over_tetrahedron),
         (conical_tetrahedron(4), 7, over_tetrahedron),
+        (conical_wedge(4), 7, over_wedge),
+        (three_point_wedge(2), 2, over_wedge),
+        (conical_pyramid(4), 7, over_pyramid),
         (gauss_cube(2), 3, over_cube),
         (gauss_cube(5), 9, over_cube),
         (irons_cube(), 5, over_cube),
