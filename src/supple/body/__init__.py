@@ -18,4 +18,5 @@ from supple.body.model_check import *
 from supple.body.nastran_body import *
 from supple.body.point_motion import *
 from supple.body.rigid_body import *
+from supple.body.section_beams import *
 from supple.body.superelement import *
