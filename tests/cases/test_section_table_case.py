@@ -58,7 +58,7 @@ animation = false
 @pytest.fixture
 def blade(tmp_path):
     def write(*changes):
-        write_section_csv(prismatic(n=3), tmp_path / "blade.csv")
+        write_section_csv(prismatic(n=9), tmp_path / "blade.csv")
         text = CASE
         for old, new in changes:
             assert old in text
@@ -93,6 +93,28 @@ def test_it_comes_to_rest_where_its_flexibility_says(blade, tmp_path):
 
 
 @pytest.mark.slow
+def test_without_condense_it_is_a_chain_of_beams(blade, tmp_path):
+    """In a floating frame; at rest where the line is."""
+    path = blade(
+        (CASE[CASE.index("condense") : CASE.index("damping")], 'frame = {kind = "mean-axis"}\n'),
+        (
+            "frame",
+            'reduction = {basis = "craig-bampton", modes = 8, derivatives = {kind = "compressed", '
+            "number = 4}}\nframe",
+        ),
+        ('name = "flange"', 'name = "flange"\nnodes = "root"'),
+        ('name = "end"', 'name = "end"\nnodes = "tip"'),
+        ("step = 0.01", 'step = 0.01\nstart = "equilibrium"'),
+    )
+    result = run_case(read_case(path), tmp_path / "out", errors=False)
+    line = section_line("blade", prismatic(), 9)
+    rest = np.linalg.solve(line.stiffness[6:, 6:], np.eye(48)[43] * 2.0).reshape(8, 6)
+    for place, station in (("blade.end", 8), ("blade.middle", 4)):
+        found = result.tracked[place].deflection[-1]
+        assert found == pytest.approx(rest[station - 1, :3], abs=1e-2 * np.abs(rest).max())
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("command", "said"), [("check", "9 stations, mass 12;"), ("info", "section_table"), ("static", "Stable")]
 )
@@ -106,11 +128,8 @@ def test_commands_take_it(blade, command, said, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        (
-            "condense = {",
-            "# condense = {",
-            "a section_table body needs condense; for example condense = {root",
-        ),
+        ("condense = {", "# condense = {", "a section_table body needs frame"),
+        ("condense = {", "frame = { kind = 'mean-axis' } #", "an interface needs one of nodes"),
         ('"blade.csv"', '"case.toml"', "'case.toml' is no section table: it is one of .csv, .yaml"),
         ("stations = 9, ", "", "a body of a section table needs stations here"),
         ("stations = 9", "paths = [[1, 2]], stations = 9", "a body of a section table takes no paths"),

@@ -76,7 +76,7 @@ def test_what_is_no_section_is_refused(stiffness, mass, message):
 
 
 def test_digits_of_a_table_are_no_mistake():
-    """Of seven digits; of moments of inertia of a thin plate; of a section without rotary inertia in bending."""
+    """Of seven digits; of moments of inertia of a thin plate; of a section without it in bending."""
     rounded = np.vectorize(lambda x: float(f"{x:.7g}"))
     prismatic(stiffness=rounded(COUPLED), mass=rounded(OFFSET / 3))
     prismatic(mass=inertia(3.0, 0, 0, 0.0, 0.05))

@@ -105,7 +105,7 @@ class Body(CheckedTable):
     section_table: FileName | None = Field(
         None,
         description="6 x 6 stiffness and inertia along a curve, beside the case file: .csv, windIO .yaml, or "
-        "the primary file of BeamDyn, .dat; with condense",
+        "the primary file of BeamDyn, .dat",
     )
     interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
     frame: Frame | None = None
@@ -141,15 +141,17 @@ class Body(CheckedTable):
 
         None also of what is a line already: it makes no body but one in intrinsic modes.
         """
-        made_of = getattr(self, self.kind)
         if self.is_line:
             return None
+        if self.section_table is not None:
+            return SectionTableFile(file=self.section_table)
+        made_of = getattr(self, self.kind)
         return made_of if isinstance(made_of, ElasticKind) else None
 
     @property
     def is_line(self) -> bool:
         """True of a section table, and of matrices that another program condensed on a load path."""
-        return self.section_table is not None or (self.condense is not None and self.matrices is not None)
+        return self.condense is not None and (self.section_table is not None or self.matrices is not None)
 
     @property
     def is_explicit(self) -> bool:
@@ -298,8 +300,7 @@ def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
         yield path, f'a {key} body needs a mesh; add mesh = "FILE{kind.mesh_suffixes[0]}"'
     if not kind.mesh_suffixes and "mesh" in body:
         yield (*path, "mesh"), f"a {key} body takes no mesh; remove the key"
-    framed = kind.is_elastic and kind is not SectionTableFile
-    if framed and "frame" not in body and not is_condensed(body) and not is_explicit(body):
+    if kind.is_elastic and "frame" not in body and not is_condensed(body) and not is_explicit(body):
         yield path, f'a {key} body needs frame; for example frame = {{kind = "mean-axis"}}'
     if "cells" in body and kind not in _MADE_OF_CELLS:
         yield (*path, "cells"), f"a {key} body is all of its file; remove the key, or give shell or solid"

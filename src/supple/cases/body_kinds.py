@@ -18,6 +18,7 @@ from supple.body import (
     labelled_matrices_source,
     matrices_source,
     nastran_source,
+    section_beams_source,
 )
 from supple.cases.shared_rules import FileName
 from supple.fem import (
@@ -217,10 +218,16 @@ class ReducedFile(BodyKind):
     """The file of a reduced body: its key holds a name instead of a table."""
 
 
-class SectionTableFile(BodyKind):
-    """The file of a section table, of which a line is made: its key holds a name instead of a table."""
+class SectionTableFile(ElasticKind):
+    """The file of a section table: beams, or with condense a line. Its key holds a name, no table."""
 
-    is_elastic = True
+    has_elements = True
+
+    file: FileName
+
+    def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
+        """Beams between the sections."""
+        return section_beams_source(folder / self.file)
 
 
 KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(

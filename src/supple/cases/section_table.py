@@ -30,17 +30,12 @@ def line_of_sections(
 def _is_a_line(path: KeyPath, body: Raw) -> Mistakes:
     if kind_of(body) is not SectionTableFile:
         return
-    if not is_condensed(body):
-        message = (
-            "a section_table body needs condense; for example condense = {root = "
-            '"root", tip = "tip", stations = 41}'
-        )
-        yield path, message
     name = body.get("section_table")
     if isinstance(name, str) and Path(name).suffix.lower() not in SECTION_SUFFIXES:
         message = f"{name!r} is no section table: it is one of {', '.join(SECTION_SUFFIXES)}"
         yield (*path, "section_table"), message
-    yield from _interfaces_are_stations(path, body)
+    if is_condensed(body):
+        yield from _interfaces_are_stations(path, body)
 
 
 def _interfaces_are_stations(path: KeyPath, body: Raw) -> Iterator[tuple[KeyPath, str]]:

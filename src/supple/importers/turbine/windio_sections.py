@@ -104,7 +104,8 @@ def _second(file: WindioFile) -> tuple[tuple[FloatArray, FloatArray], tuple[Floa
         for key in file.entry(*SECOND, name):
             if key not in known:
                 raise ImportFormatError(
-                    f"{file.path}: unknown entry {'.'.join((*SECOND, name))}.{key}; it takes {', '.join(known)}"
+                    f"{file.path}: unknown entry {'.'.join((*SECOND, name))}.{key}; it takes "
+                    f"{', '.join(known)}"
                 )
 
     def values(which: int, name: str) -> FloatArray:
