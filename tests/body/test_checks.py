@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.linalg import eigh
 
 from supple.body import superelement
 from supple.errors import ModelError
@@ -65,16 +66,26 @@ def test_nodes_of_the_wrong_shape_or_not_finite(matrices):
         build(broken, K, M)
 
 
-def test_a_freedom_without_mass_is_named(matrices):
+def test_a_freedom_without_mass_follows_statically(matrices):
+    """Its equilibrium without inertia: the pencil's finite eigenvalues stay, and it is no coordinate."""
     nodes, K, M = matrices
     M[4] = M[:, 4] = 0
-    with pytest.raises(ModelError, match=r"node 1 uy has the mass 0.000e\+00 \(and 1 freedoms in all"):
+    body = build(nodes, K, M)
+    assert body.n == len(M) - 1
+    inverse = np.sort(eigh(M, K + 1e3 * M, eigvals_only=True))[::-1][6:20]
+    np.testing.assert_allclose(body.lowest_modes(20).values[6:], 1 / inverse - 1e3, rtol=1e-7)
+
+
+def test_a_freedom_with_neither_mass_nor_stiffness_is_refused(matrices):
+    nodes, K, M = matrices
+    M[4] = M[:, 4] = K[4] = K[:, 4] = 0
+    with pytest.raises(ModelError, match="among its 1 freedoms without mass are some without stiffness"):
         build(nodes, K, M)
 
 
 def test_a_negative_density_is_named(matrices):
     nodes, K, M = matrices
-    with pytest.raises(ModelError, match=r"has the mass -.* 135 freedoms in all have none or less"):
+    with pytest.raises(ModelError, match=r"node \d+ ux has the mass -.* \(one of 135\).*cannot be negative"):
         build(nodes, K, -M)
 
 

@@ -167,6 +167,9 @@ def test_a_shell_stiffened_by_a_beam_is_the_sum_of_both():
     [
         ({"area": 0.0}, "beam section: area is 0.0; it must be positive"),
         ({"J": float("nan")}, "beam section: J is nan"),
+        ({"I12": 1.0}, "beam section: I12 is 1.0; its square must be below"),
+        ({"neutral": (0.0, float("inf"))}, "beam section: neutral is"),
+        ({"rotary": (1.0, -1.0, 0.0)}, "beam section: rotary is"),
         ({"K1": -1.0}, "the shear factor K1 is -1.0; give a positive one, or 0"),
         ({"orientation": (0, 0, 0)}, r"orientation is \(0, 0, 0\); give three finite numbers, not all zero"),
     ],

@@ -31,6 +31,30 @@ def test_homogeneous_wall_is_the_integral_through_the_thickness(material):
     assert wall.rotary_inertia_per_area == pytest.approx((w @ z**2) * material.density)
 
 
+def test_an_offset_wall_is_the_integral_about_the_nodes(material):
+    wall = HomogeneousSection(material, 0.2, offset=0.3, added_mass=7.0)
+    z, w = np.polynomial.legendre.leggauss(3)
+    z, w = 0.3 + 0.1 * z, 0.1 * w
+    C = material.plane_stress
+    np.testing.assert_allclose(wall.coupling, (w @ z) * C, rtol=1e-14)
+    np.testing.assert_allclose(wall.bending, (w @ z**2) * C, rtol=1e-14)
+    assert wall.mass_per_area == pytest.approx(w.sum() * material.density + 7.0)
+    assert wall.rotary_inertia_per_area == pytest.approx((w @ z**2) * material.density + 7.0 * 0.3**2)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"offset": np.nan}, "offset of a wall is nan"),
+        ({"added_mass": -1.0}, "added_mass of a wall is -1.0"),
+        ({"shear_factor": -1.0}, "shear_factor of a wall is -1.0"),
+    ],
+)
+def test_impossible_walls_are_refused(material, changes, message):
+    with pytest.raises(ModelError, match=message):
+        HomogeneousSection(material, 0.2, **changes)
+
+
 @pytest.mark.parametrize("thickness", [0.0, -1.0, np.nan, np.inf])
 def test_impossible_thickness_is_refused(material, thickness):
     with pytest.raises(ModelError, match="wall thickness is"):
@@ -58,7 +82,10 @@ def test_positive_definiteness_does_not_depend_on_units():
         ({"coupling": np.triu(np.ones((3, 3)))}, "coupling stiffness is not symmetric"),
         ({"membrane": -A}, "diagonal entry -4"),
         ({"coupling": 5 * B}, "A-B-D matrix is not positive definite"),
-        ({"mass_per_area": 0.0}, "mass_per_area is 0.0"),
+        ({"mass_per_area": -1.0}, "mass_per_area is -1.0"),
+        ({"shear": -np.eye(2)}, "shear stiffness is not positive definite"),
+        ({"thickness": 0.0}, "laminate thickness is 0.0"),
+        ({"mass_offset": np.inf}, "mass_offset is inf"),
         ({"rotary_inertia_per_area": np.nan}, "rotary_inertia_per_area is nan"),
         ({"reference_direction": (0.0, 0.0, 0.0)}, "reference_direction is"),
     ],

@@ -24,8 +24,8 @@ __all__ = ["FlexibleBody"]
 class FlexibleBody:
     """A free elastic body; build it with `flexible_body` or `superelement`, which check it.
 
-    Its n coordinates q are the nodal freedoms left after rigid interfaces are eliminated, then six for each
-    rigid interface: u_nodal = expansion @ q.
+    Its n coordinates q are the nodal freedoms left after rigid pieces, constraints and freedoms without mass
+    or stiffness are eliminated (`coordinates`), then six for each rigid piece: u_nodal = expansion @ q.
 
     nodes         : (N, 3) m, in the mesh axes
     dofs_per_node : 3 (ux uy uz) or 6 (.. rx ry rz)
@@ -39,6 +39,8 @@ class FlexibleBody:
     force         : how its internal force is evaluated, linear or from quadratic strains
     rotation_operator : csc (3 P, n_nodal), rotation vectors at P points; None where rotations are unknown
     rotation_limit    : rad against the body's frame up to which its kinematics hold
+    threes : where more than rigid interfaces tie the nodes: coordinates q0 that come in threes, of free nodes
+        and rigid pieces, as q0 = rest @ q, and their mass (n0, n0); None where q0 = q
     """
 
     name: str
@@ -54,6 +56,7 @@ class FlexibleBody:
     force: LinearForce | QuadraticStrainForce = field(repr=False)
     rotation_operator: sparse.csc_array | None = field(repr=False)
     rotation_limit: float
+    threes: tuple[sparse.csc_array, sparse.csc_array] | None = field(default=None, repr=False)
 
     @property
     def n(self) -> int:

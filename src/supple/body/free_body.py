@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,18 +12,16 @@ from supple.algebra import read_only
 from supple.body.checks import (
     check_moves_rigidly,
     check_nodes,
-    check_positive_mass,
     checked_nodal_matrix,
 )
+from supple.body.coordinates import Coordinates, congruent, coordinates, rigid_sets
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
-from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically
-from supple.body.rigid_elimination import rigid_elimination
-from supple.body.rigid_motion import nodal_rigid_modes
-from supple.body.second_order_tie import RigidSet, with_virtual_nodes
+from supple.body.second_order_tie import with_virtual_nodes
 from supple.body.virtual_node import interface_motions, virtual_nodes
 from supple.errors import ModelError
+from supple.fem import Attached
 
 if TYPE_CHECKING:
     from supple.fem import FiniteElementModel
@@ -45,36 +42,25 @@ def free_body(
     rotation_limit: float = np.inf,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """Eliminate rigid interfaces, M = T^T M_nodal T and K likewise, and check what every free body obeys."""
+    """Coordinates that ties leave, M = T^T M_nodal T and K likewise, and what every free body obeys."""
     node_ids = None if model is None else model.mesh.node_ids
+    attached = Attached() if model is None else model.attached
     check_nodes(name, nodes, node_ids)
     M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node)
     K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node)
     virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces, node_ids)
-    rigid = [node for node in virtual if node.is_rigid]
-
-    rigid_sets = [(node.node_ids, node.position) for node in rigid]
-    T = rigid_elimination(nodes, dofs_per_node, rigid_sets)
-    if sum(node.node_ids.size for node in rigid) == len(nodes):
+    rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
+    sets = rigid_sets(name, len(nodes), rigid, attached)
+    if sum(len(members) for members, _ in sets) == len(nodes):
         raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
-    check_positive_mass(name, M_nodal, dofs_per_node)
-    M, K = _congruent(T, M_nodal), _congruent(T, K_nodal)
-
-    free = np.ones(len(nodes), dtype=bool)
-    for node in rigid:
-        free[node.node_ids] = False
-    R = np.vstack(
-        [
-            nodal_rigid_modes(nodes[free], dofs_per_node),
-            nodal_rigid_modes(np.array([node.position for node in rigid]).reshape(-1, 3), 6),
-        ]
+    made = coordinates(
+        *(name, nodes, dofs_per_node, K_nodal, M_nodal, sets, attached),
+        n_interfaces=len(rigid),
+        tolerance=rigid_tolerance,
     )
-    check_moves_rigidly(name, K, R, rigid_tolerance)
-    tied = _massless_tied(name, K, M, 6 * len(rigid), rigid_tolerance)
-    if tied is not None:
-        T, R = sparse.csc_array(T @ tied.expansion), R[tied.kept]
-        M, K = _congruent(tied.expansion, M), _congruent(tied.expansion, K)
-
+    M, K = made.of(M_nodal), made.of(K_nodal)
+    check_moves_rigidly(name, K, made.rigid_modes, rigid_tolerance)
+    T = made.expansion
     body = FlexibleBody(
         name=name,
         nodes=read_only(nodes),
@@ -88,44 +74,26 @@ def free_body(
             dofs_per_node,
             T,
             virtual,
+            rigid_motions=made.last_coordinates(6 * len(rigid)),
+            pieces=[members for members, _ in sets[len(sets) - len(rigid) :]],
             turns_finitely=model is not None and model.strains_vanish_when_turned,
         ),
-        rigid_modes=read_only(R),
+        rigid_modes=read_only(made.rigid_modes),
         model=model,
-        force=LinearForce(K) if model is None else _quadratic_force(model, T, rigid_sets),
+        force=LinearForce(K) if model is None else _quadratic_force(model, made),
         rotation_operator=rotation_operator,
         rotation_limit=rotation_limit,
+        threes=None if made.rest is None else (made.rest, congruent(made.whole, M_nodal)),
     )
     _ = body.grounded_stiffness  # made now, so that a mechanism is named where the body is built
     return body
 
 
-def _massless_tied(
-    name: str, K: sparse.csc_array, M: sparse.csc_array, n_rigid: int, tolerance: float
-) -> StaticallyTied | None:
-    """How motions without mass follow the others; None where every motion carries mass."""
-    try:
-        motions = massless_motions(M, tolerance)
-        if not motions.shape[1]:
-            return None
-        return tie_statically(K, motions, np.arange(len(motions)) < len(motions) - n_rigid)
-    except ModelError as error:
-        raise ModelError(
-            f"body '{name}': the mass matrix is not positive definite: {error}; is the density positive "
-            "everywhere?"
-        ) from None
-
-
-def _quadratic_force(
-    model: FiniteElementModel, T: sparse.csc_array, rigid_sets: Sequence[RigidSet]
-) -> QuadraticStrainForce:
+def _quadratic_force(model: FiniteElementModel, made: Coordinates) -> QuadraticStrainForce:
     """Ties of second order, unless the elements' strains see less of a rotation than they would."""
-    if not rigid_sets or not model.strains_vanish_when_turned:
-        return QuadraticStrainForce(model, T)
-    expansion = with_virtual_nodes(T, model.dofs_per_node, len(rigid_sets))
-    return QuadraticStrainForce(model, expansion, rigid_sets)
-
-
-def _congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
-    product = T.T @ matrix @ T
-    return sparse.csc_array(0.5 * (product + product.T))
+    if not made.sets or not model.strains_vanish_when_turned:
+        return QuadraticStrainForce(model, made.expansion)
+    expansion = with_virtual_nodes(made.whole, model.dofs_per_node, len(made.sets))
+    if made.rest is not None:
+        expansion = sparse.csc_array(expansion @ made.rest)
+    return QuadraticStrainForce(model, expansion, made.sets)

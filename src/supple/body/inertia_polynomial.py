@@ -55,10 +55,35 @@ class InertiaPolynomial:
 
     body: FlexibleBody
 
+    @property
+    def _rest(self) -> Any:
+        """Coordinates in threes from the body's; None where these are in threes themselves."""
+        return None if self.body.threes is None else self.body.threes[0]
+
+    @property
+    def _mass(self) -> Any:
+        return self.body.mass if self.body.threes is None else self.body.threes[1]
+
+    @property
+    def _rigid_modes(self) -> NDArray[np.float64]:
+        return self.body.rigid_modes if self._rest is None else self._rest @ self.body.rigid_modes
+
+    def _reduced(self, matrix: csr_array) -> csr_array:
+        """A matrix of coordinates in threes as one of the body's."""
+        return matrix if self._rest is None else csr_array(self._rest.T @ matrix @ self._rest)
+
+    def _gathered(self, fields: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+        """Forces on coordinates in threes, along one axis, as forces on the body's."""
+        if self._rest is None:
+            return fields
+        ahead = np.moveaxis(fields, axis, 0)
+        gathered = self._rest.T @ ahead.reshape(len(ahead), -1)
+        return np.moveaxis(gathered.reshape(-1, *ahead.shape[1:]), 0, axis)
+
     @cached_property
     def _blocks(self) -> _Blocks:
-        mass = bsr_array(self.body.mass.tocsr(), blocksize=(3, 3))
-        turns = ~np.any(self.body.rigid_modes.reshape(-1, 3, 6)[:, :, :3], axis=(1, 2))
+        mass = bsr_array(self._mass.tocsr(), blocksize=(3, 3))
+        turns = ~np.any(self._rigid_modes.reshape(-1, 3, 6)[:, :, :3], axis=(1, 2))
         row, column = np.repeat(turns, np.diff(mass.indptr)), turns[mass.indices]
         off = abs(mass.data - mass.data[:, :1, :1] * _AXES).max(axis=(1, 2), initial=0.0)
         alike = off <= _ROUNDING * abs(mass.data).max(initial=0.0)
@@ -72,12 +97,13 @@ class InertiaPolynomial:
     @cached_property
     def by_rate(self) -> tuple[csr_array, ...]:
         """`B_i`, 3 of (n, n)."""
-        return tuple(self._blocks.matrix(self._rate_blocks(i)) for i in range(3))
+        return tuple(self._reduced(self._blocks.matrix(self._rate_blocks(i))) for i in range(3))
 
     @cached_property
     def by_spin(self) -> tuple[csr_array, ...]:
         """`Z_ij` of `SPIN_PAIRS`, 6 of (n, n); Z_ji is its transpose."""
-        return tuple(self._by_spin(i, j, np.ones_like(self._blocks.points)) for i, j in SPIN_PAIRS)
+        every = np.ones_like(self._blocks.points)
+        return tuple(self._reduced(self._by_spin(i, j, every)) for i, j in SPIN_PAIRS)
 
     @cached_property
     def _rates_beside_points(self) -> tuple[csr_array, ...]:
@@ -115,21 +141,23 @@ class InertiaPolynomial:
 
     def rate_products(self, fields: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`B_i^T q` and `B_i q`, (3, n, ...) each, of fields (n, ...)."""
+        fields = fields if self._rest is None else self._rest @ fields
         turned = self._over_blocks("iab,nb...->ina...", _CROSS, fields)
         transposed, plain = turned, -turned
         for i, matrix in enumerate(self._rates_beside_points):
             transposed[i] += matrix.T @ fields
             plain[i] += matrix @ fields
-        return transposed, plain
+        return self._gathered(transposed, 1), self._gathered(plain, 1)
 
     def spin_products(self, fields: NDArray[np.float64]) -> NDArray[np.float64]:
         """`Z_ij q`, (3, 3, n, ...), of fields (n, ...)."""
+        fields = fields if self._rest is None else self._rest @ fields
         result = self._over_blocks("ijab,nb...->ijna...", _TWICE, fields)
         for (i, j), matrix in zip(SPIN_PAIRS, self._spins_beside_points, strict=False):
             result[i, j] += matrix @ fields
             if i != j:
                 result[j, i] += matrix.T @ fields
-        return result
+        return self._gathered(result, 2)
 
     def _over_blocks(self, sums: str, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
         """Turned momenta of the points."""
@@ -145,19 +173,19 @@ class InertiaPolynomial:
         Coriolis, J' w + w x (P . q'), as of points e_i x x and e_j x q.
         """
         blocks, mass = self._blocks, self._blocks.mass.data
-        rotations = self.body.rigid_modes[:, 3:]
-        angular = self.body.mass @ rotations
+        rotations = self._rigid_modes[:, 3:]
+        angular = self._mass @ rotations
         momenta = angular.reshape(-1, 3, 3)
         beside, rotary = (blocks.matrix(mass, chosen) for chosen in (blocks.by_rotation, blocks.rotary))
         own = (rotary @ rotations).reshape(-1, 3, 3)
-        turns, result = blocks.turns[:, None, None], np.zeros((3, 3, self.body.n))
+        turns, result = blocks.turns[:, None, None], np.zeros((3, 3, len(rotations)))
         for j, cross in enumerate(_CROSS):
             # (e_j x u) . p = u . (p x e_j); of a rotation, J e_i alone is turned: the rest is of places.
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)
             result[:, j] = np.where(turns, cross.T @ own + through, cross.T @ momenta).reshape(-1, 3).T
         skew = np.einsum("aij,na->ijn", _CROSS, angular)
-        return (result + result.swapaxes(0, 1) - skew) / 2
+        return self._gathered((result + result.swapaxes(0, 1) - skew) / 2, 2)
 
 
 class _Blocks(NamedTuple):

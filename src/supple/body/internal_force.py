@@ -82,8 +82,8 @@ class QuadraticStrainForce:
         """Of the elements, in nodal freedoms and those of virtual nodes; made when first asked for."""
         model = self.model
         if not self.rigid_sets:
-            return model.blocks
-        return second_order_strains(model.blocks, model.mesh.nodes, self.dofs_per_node, self.rigid_sets)
+            return model.strains
+        return second_order_strains(model.strains, model.mesh.nodes, self.dofs_per_node, self.rigid_sets)
 
     @property
     def is_linear(self) -> bool:

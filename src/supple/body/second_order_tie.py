@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from supple.fem import QuadraticStrain
+from supple.fem.node_sparsity import cell_nodes
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -87,7 +88,7 @@ def _parts(
     block: QuadraticStrain, dofs_per_node: int, set_of: IntArray, arms: FloatArray
 ) -> Iterator[tuple[IntArray, QuadraticStrain]]:
     """The elements of a block by the number of sets that they touch."""
-    element_nodes = block.dofs[:, ::dofs_per_node] // dofs_per_node
+    element_nodes = cell_nodes(block.dofs, dofs_per_node)
     sets = np.sort(set_of[element_nodes], axis=1)
     first = np.concatenate([sets[:, :1] >= 0, (np.diff(sets) > 0) & (sets[:, 1:] >= 0)], axis=1)
     counts = first.sum(axis=1)
@@ -100,11 +101,16 @@ def _parts(
         own = sets[chosen][first[chosen]].reshape(-1, count)
         held = set_of[element_nodes[chosen]][:, None] == own[..., None]
         own_arms = np.where(held[..., None], arms[element_nodes[chosen]][:, None], 0.0)
-        yield np.flatnonzero(chosen), _tied(part, len(set_of) + own, own_arms)
+        yield np.flatnonzero(chosen), _tied(part, len(set_of) + own, own_arms, dofs_per_node)
 
 
-def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray) -> QuadraticStrain:
-    """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not held."""
+def _tied(
+    block: QuadraticStrain, virtual: IntArray, arms: FloatArray, dofs_per_node: int
+) -> QuadraticStrain:
+    """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not held.
+
+    Solids beside shells have 3 of the 6 freedoms of their nodes, and the rotations of virtual nodes.
+    """
     n_elements, n_points, n_strains, n = block.B.shape
     d, (c, k) = block.G.shape[2], arms.shape[1:3]
     per_node = n // k
@@ -124,7 +130,13 @@ def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray) -> Quadra
         strains = by_displacement.reshape(n_elements, -1, 3 * k) @ second
         N[:, :, :, rows[:, None], rows] = strains.reshape(n_elements, n_points, n_strains, 3, 3)
     dofs = np.concatenate(
-        [block.dofs, (virtual[..., None] * per_node + np.arange(per_node)).reshape(-1, c * per_node)], 1
+        [
+            block.dofs,
+            (virtual[..., None] * dofs_per_node + np.arange(dofs_per_node - per_node, dofs_per_node)).reshape(
+                -1, c * per_node
+            ),
+        ],
+        1,
     )
     return replace(block, dofs=dofs, B=B, G=G, N=N)
 

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, QuadraticStrain
+from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_forces
 from supple.integrate.motion import FloatingMotion
 
@@ -112,7 +113,7 @@ def section_loads(body: Any, model: FiniteElementModel, motion: FloatingMotion, 
 
 def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
     d, nodes = model.dofs_per_node, model.mesh.nodes
-    cells = [block.dofs[:, ::d] // d for block in model.blocks]
+    cells = [cell_nodes(block.dofs, d) for block in model.strains]
     beyond = [plane.heights(nodes[each].mean(axis=1)) >= 0 for each in cells]
     inner, outer = np.zeros(len(nodes), dtype=bool), np.zeros(len(nodes), dtype=bool)
     for each, outside in zip(cells, beyond, strict=True):
@@ -133,7 +134,7 @@ def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
         freedoms,
         tuple(
             _renumbered(block.of(some), freedoms, linear=body.is_linear)
-            for block, some in zip(model.blocks, chosen, strict=True)
+            for block, some in zip(model.strains, chosen, strict=True)
         ),
         tuple(np.where(outside[some], -0.5, 0.5) for outside, some in zip(beyond, chosen, strict=True)),
         cut[:, None] * d + np.arange(d),

@@ -21,6 +21,7 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import BodyInterface
 from supple.errors import ModelError
 from supple.fem import QuadraticStrain
+from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_force
 
 __all__ = ["turned_force"]
@@ -40,11 +41,11 @@ def turned_force(body: FlexibleBody, q: Array) -> Array:
     for interface in rigid:
         _place(nodal, body.nodes, interface, q)
     forces = np.zeros_like(nodal)
-    for block in body.model.blocks:
-        element_nodes = block.dofs[:, :: body.dofs_per_node] // body.dofs_per_node
-        own = nodal[element_nodes]
+    for block in body.model.strains:
+        element_nodes = cell_nodes(block.dofs, body.dofs_per_node)
+        own = nodal[element_nodes][..., : block.dofs.shape[1] // element_nodes.shape[1]]
         turned = _element_forces(block, body.nodes[element_nodes], own)
-        np.add.at(forces, element_nodes, turned)
+        np.add.at(forces[..., : own.shape[-1]], element_nodes, turned)
     gathered = body.expansion.T @ forces.ravel()
     for interface in rigid:
         gathered[interface.motion.indices] = _on_virtual_node(forces, body.nodes, interface, q)

@@ -82,20 +82,27 @@ def interface_motions(
     expansion: sparse.csc_array,
     virtual: Sequence[VirtualNode],
     *,
+    rigid_motions: sparse.csr_array | None = None,
+    pieces: Sequence[NDArray[np.int64]] = (),
     turns_finitely: bool = False,
 ) -> tuple[BodyInterface, ...]:
-    """The motion (6, n) of each virtual node; the coordinates of rigid ones stand last, in order.
+    """The motion (6, n) of each virtual node.
 
+    rigid_motions : (6 k, n) of the k rigid ones, in order;  pieces : the nodes that move with each
     turns_finitely : whether the body's strains let its parts turn against the frame
     """
-    n_nodal, n = dofs_per_node * len(nodes), expansion.indptr.size - 1
-    first = n - 6 * sum(node.is_rigid for node in virtual)
+    n_nodal = dofs_per_node * len(nodes)
+    number = 0
     result = []
     for node in virtual:
+        tied = np.empty(0, dtype=np.int64)
         if node.weights is None:
-            motion = sparse.csr_array((np.ones(6), (np.arange(6), first + np.arange(6))), shape=(6, n))
-            first += 6
+            assert rigid_motions is not None
+            motion = sparse.csr_array(rigid_motions[6 * number : 6 * number + 6])
+            tied = pieces[number] if turns_finitely else tied
+            number += 1
         else:
+            _check_turns(node, nodes, dofs_per_node, expansion)
             averages = averaged_motion(nodes[node.node_ids], node.weights, node.position, dofs_per_node)
             dofs = (node.node_ids[:, None] * dofs_per_node + np.arange(dofs_per_node)).ravel()
             columns = np.broadcast_to(dofs, (6, dofs.size)).ravel()
@@ -105,9 +112,23 @@ def interface_motions(
         # On a line or point, rotations are those of the nodes themselves.
         by_displacement = turns_finitely and not are_collinear(nodes[node.node_ids])
         cubic_turn = (ARCTAN if node.is_rigid else ARCSIN) if by_displacement else 0.0
-        tied = node.node_ids if node.is_rigid and turns_finitely else np.empty(0, dtype=np.int64)
         result.append(BodyInterface(node.name, node.position, motion, node.node_ids, cubic_turn, tied))
     return tuple(result)
+
+
+def _check_turns(
+    node: VirtualNode, nodes: NDArray[np.float64], dofs_per_node: int, expansion: sparse.csc_array
+) -> None:
+    """About a line that all nodes lie on, the mean rotation is that of the nodes: they must have one."""
+    if dofs_per_node == 3 or not are_collinear(nodes[node.node_ids]):
+        return
+    rotations = (node.node_ids[:, None] * 6 + np.arange(3, 6)).ravel()
+    if (np.diff(sparse.csr_array(expansion.tocsr()[rotations]).indptr) == 0).any():
+        raise ModelError(
+            f"interface '{node.name}': its {len(node.node_ids)} nodes lie on one line or point, and some are of "
+            "solids, which have no rotations, so it cannot carry a rotation; give at least three nodes that "
+            "are not on a line"
+        )
 
 
 def _node_ids(

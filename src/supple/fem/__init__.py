@@ -1,6 +1,7 @@
 """Finite elements as quadratic-strain arrays: materials, one element per module, mass, assembly, stress."""
 
 from supple.fem.assembly import *
+from supple.fem.attached import *
 from supple.fem.beam_section import *
 from supple.fem.mass import *
 from supple.fem.material import *

@@ -15,7 +15,13 @@ from scipy.sparse import csc_array, csr_array, eye_array
 from supple.errors import ModelError
 from supple.fem import quadratic_strain
 from supple.fem.model import FiniteElementModel
-from supple.fem.node_sparsity import NodeSparsity, compressed_columns, node_sparsity
+from supple.fem.node_sparsity import (
+    NodeSparsity,
+    cell_nodes,
+    compressed_columns,
+    full_cells,
+    node_sparsity,
+)
 from supple.fem.quadratic_strain import QuadraticStrain
 
 __all__ = ["Assembly", "StrainWorks", "assemble", "assemble_strains"]
@@ -249,7 +255,9 @@ class Assembly:
         return values
 
     def _matrix(self, cell_matrices: list[Array]) -> csc_array:
-        data = self.nodal.data(cell_matrices)
+        d = self.nodal.dofs_per_node
+        pairs = zip(cell_matrices, self.blocks, strict=True)
+        data = self.nodal.data([full_cells(matrices, block.dofs, d) for matrices, block in pairs])
         if self.transform is not None:
             data = self.transform @ data
         return compressed_columns(data, self.indices, self.indptr)
@@ -273,7 +281,7 @@ def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) ->
         raise ModelError(
             f"expansion has {expansion.shape[0]} rows; the model has {model.n_dofs} nodal freedoms"
         )
-    return assemble_strains(model.blocks, model.mesh.n_nodes, model.dofs_per_node, expansion)
+    return assemble_strains(model.strains, model.mesh.n_nodes, model.dofs_per_node, expansion)
 
 
 def assemble_strains(
@@ -286,7 +294,7 @@ def assemble_strains(
 
     expansion : as for `assemble`, of n_nodes * dofs_per_node rows
     """
-    cells = [block.dofs[:, ::dofs_per_node] // dofs_per_node for block in blocks]
+    cells = [cell_nodes(block.dofs, dofs_per_node) for block in blocks]
     nodal = node_sparsity(cells, n_nodes, dofs_per_node)
     if expansion is None:
         T = csr_array(eye_array(n_nodes * dofs_per_node))

@@ -1,36 +1,53 @@
-"""Beam sections: what a beam is made of across its axis, as stiffness and inertia per length."""
+"""Beam sections: what a beam is made of across its axis, as flexibility and inertia per length.
+
+Every section answers with matrices (6, 6) at places along the beam, in its axes x (along), y and z: forces
+N, V_y, V_z and moments M_x, M_y, M_z; velocities of x, y, z and rotations about them.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from supple.algebra.cross import cross_matrix
 from supple.errors import ModelError
-from supple.fem.material import Isotropic
+from supple.fem.material import Isotropic, lowest_scaled_eigenvalue, stiffness_matrix
 
-__all__ = ["BeamSection"]
+__all__ = ["BeamSection", "CoupledBeamSection", "LineSection", "RodSection"]
+
+FloatArray = NDArray[np.float64]
+
+N, VY, VZ, MX, MY, MZ = range(6)
 
 
 @dataclass(frozen=True, eq=False)
 class BeamSection:
-    """A constant section with its principal axes y and z; y is `orientation` without its part along the beam.
+    """A section about its shear centre; y is `orientation` without its part along the beam.
 
     Parameters
     ----------
     material : Isotropic
     area : float                        m^2
     I1, I2 : float                      second moments for bending in the x-y and in the x-z plane, m^4
-    J : float                           torsion constant, m^4
+    J : float                           torsion constant, m^4; a second moment or J of 0 carries no moment
     K1, K2 : float                      shear factors of the two planes; 0 for no shear deformation
-    orientation : float array (3,)      a direction in the x-y plane, in the mesh axes
+    orientation : float array (3,)      a direction in the x-y plane, in the mesh axes; `Section.directions`
+                                        takes its place
     mass_per_length : float or None     kg/m; density times area when None
+    I12 : float                         int y z dA, m^4; 0 in principal axes
+    neutral : (y, z)                    of the neutral axis from the shear centre, m
+    mass_centre : (y, z)                of the mass from the shear centre, m
+    rotary : float array (3,) or None   inertia per length about x, y, z through the mass centre, kg m;
+                                        density times I1 + I2, I2, I1 (and -I12 between y and z) when None
+    second : BeamSection or None        the section at the second end of a tapered beam; values between are
+                                        linear (inertia: its matrix)
 
     Raises
     ------
-    ModelError   values that are not finite or not positive; a direction of length zero
+    ModelError   values that are not finite or not positive; I12^2 beyond I1 I2; a direction of length zero
     """
 
     material: Isotropic
@@ -42,29 +59,201 @@ class BeamSection:
     K2: float = 0.0
     orientation: ArrayLike = (0.0, 0.0, 1.0)
     mass_per_length: float | None = None
+    I12: float = 0.0
+    neutral: tuple[float, float] = (0.0, 0.0)
+    mass_centre: tuple[float, float] = (0.0, 0.0)
+    rotary: ArrayLike | None = None
+    second: BeamSection | None = None
 
     def __post_init__(self) -> None:
         if self.mass_per_length is None:
             object.__setattr__(self, "mass_per_length", self.material.density * self.area)
-        for name in ("area", "I1", "I2", "J", "mass_per_length"):
+        if not (isfinite(self.area) and self.area > 0):
+            raise ModelError(f"beam section: area is {self.area}; it must be positive and finite")
+        for name in ("I1", "I2", "J", "mass_per_length"):
             value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise ModelError(f"beam section: {name} is {value}; it must be positive and finite")
+            if not (isfinite(value) and value >= 0):
+                raise ModelError(f"beam section: {name} is {value}; it must be finite and not negative")
         for name in ("K1", "K2"):
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0):
                 raise ModelError(
                     f"beam section: the shear factor {name} is {value}; give a positive one, or 0 for none"
                 )
-        direction = np.array(self.orientation, dtype=np.float64)
-        if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
+        if self.I12 and not self.I12**2 < self.I1 * self.I2:
             raise ModelError(
-                f"beam section: orientation is {self.orientation}; give three finite numbers, not all zero"
+                f"beam section: I12 is {self.I12}; its square must be below I1 I2 = {self.I1 * self.I2:.6g}"
             )
-        direction.setflags(write=False)
-        object.__setattr__(self, "orientation", direction)
+        for name in ("neutral", "mass_centre"):
+            if np.shape(getattr(self, name)) != (2,) or not np.isfinite(getattr(self, name)).all():
+                raise ModelError(f"beam section: {name} is {getattr(self, name)}; give two finite lengths")
+        if self.rotary is not None:
+            rotary = np.array(self.rotary, dtype=np.float64)
+            if rotary.shape != (3,) or not (np.isfinite(rotary).all() and rotary.min() >= 0):
+                raise ModelError(
+                    f"beam section: rotary is {self.rotary}; give three finite numbers, none negative"
+                )
+            rotary.setflags(write=False)
+            object.__setattr__(self, "rotary", rotary)
+        object.__setattr__(self, "orientation", _direction(self.orientation))
 
     @property
-    def rotary_inertia_per_length(self) -> NDArray[np.float64]:
+    def rotary_inertia_per_length(self) -> FloatArray:
         """Inertia about the section's axes x, y, z (3,), kg m."""
         return self.material.density * np.array([self.I1 + self.I2, self.I2, self.I1])
+
+    @property
+    def carried(self) -> NDArray[np.bool_]:
+        """Which of N, V_y, V_z, M_x, M_y, M_z the section carries; the others are zero."""
+        ends = (self, self.second or self)
+        Mx, My, Mz = (all(getattr(end, name) > 0 for end in ends) for name in ("J", "I2", "I1"))
+        return np.array([True, Mz, My, Mx, My, Mz])
+
+    def flexibility(self, places: FloatArray) -> FloatArray:
+        """Strains and curvatures (p, 6, 6) by forces and moments, at fractions (p,) of the length.
+
+        About the neutral axis 1/EA, the inverse of E [I2 -I12; -I12 I1], 1/(K G A) and 1/GJ; a force N at
+        the shear centre bends by its lever to the neutral axis. Rows that are not carried are zero.
+        """
+        return np.array([_flexibility(self._at(s)) for s in places])
+
+    def inertia(self, places: FloatArray) -> FloatArray:
+        """Mass per length (p, 6, 6) of the motion of the shear centre, at fractions (p,) of the length."""
+        return _between(_inertia(self), _inertia(self.second or self), places)
+
+    def _at(self, s: float) -> BeamSection:
+        if self.second is None:
+            return self
+        names = ("area", "I1", "I2", "J", "K1", "K2", "I12", "neutral")
+        between = {
+            name: (1 - s) * np.asarray(getattr(self, name)) + s * np.asarray(getattr(self.second, name))
+            for name in names
+        }
+        return replace(self, **between, second=None)
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledBeamSection:
+    """A beam's section by its matrices, as section tools and blade tables give them; fully coupled.
+
+    Parameters
+    ----------
+    stiffness : float array (6, 6)      forces N V_y V_z and moments M_x M_y M_z by strains and curvatures,
+                                        about the beam's axis; N, N m, N m^2
+    mass : float array (6, 6)           per length, of the motion of the axis; kg/m, kg, kg m
+    orientation : float array (3,)      a direction in the x-y plane; `Section.directions` takes its place
+    second : CoupledBeamSection or None     the section at the second end; matrices between are linear
+
+    Raises
+    ------
+    ModelError   matrices of another shape, not finite, not symmetric; a stiffness that is not positive
+                 definite, a mass with a negative eigenvalue; a direction of length zero
+    """
+
+    stiffness: FloatArray
+    mass: FloatArray
+    orientation: ArrayLike = (0.0, 0.0, 1.0)
+    second: CoupledBeamSection | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "mass"):
+            matrix = stiffness_matrix(f"beam section: {name}", getattr(self, name), 6)
+            object.__setattr__(self, name, matrix)
+        if lowest_scaled_eigenvalue(self.stiffness) < 1e-12:
+            raise ModelError(
+                "beam section: the stiffness is not positive definite; check units and order of its rows "
+                "(N, V_y, V_z, M_x, M_y, M_z)"
+            )
+        if np.linalg.eigvalsh(self.mass)[0] < -1e-9 * np.abs(self.mass).max():
+            raise ModelError("beam section: the mass matrix has a negative eigenvalue; check its mass centre")
+        object.__setattr__(self, "orientation", _direction(self.orientation))
+
+    @property
+    def carried(self) -> NDArray[np.bool_]:
+        """Which of N, V_y, V_z, M_x, M_y, M_z the section carries: all."""
+        return np.ones(6, dtype=bool)
+
+    def flexibility(self, places: FloatArray) -> FloatArray:
+        """Strains and curvatures (p, 6, 6) by forces and moments, at fractions (p,) of the length."""
+        return np.linalg.inv(_between(self.stiffness, (self.second or self).stiffness, places))
+
+    def inertia(self, places: FloatArray) -> FloatArray:
+        """Mass per length (p, 6, 6) of the motion of the axis, at fractions (p,) of the length."""
+        return _between(self.mass, (self.second or self).mass, places)
+
+
+LineSection = BeamSection | CoupledBeamSection
+"""What a beam is made of."""
+
+
+@dataclass(frozen=True)
+class RodSection:
+    """A bar that carries tension and torsion alone.
+
+    Parameters
+    ----------
+    material : Isotropic
+    area : float                        m^2
+    J : float                           torsion constant, m^4; 0 for none
+    mass_per_length : float or None     kg/m; density times area when None
+
+    Raises
+    ------
+    ModelError   values that are not finite or negative; an area that is not positive
+    """
+
+    material: Isotropic
+    area: float
+    J: float = 0.0
+    mass_per_length: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.mass_per_length is None:
+            object.__setattr__(self, "mass_per_length", self.material.density * self.area)
+        if not (isfinite(self.area) and self.area > 0):
+            raise ModelError(f"rod: area is {self.area}; it must be positive and finite")
+        for name in ("J", "mass_per_length"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0):
+                raise ModelError(f"rod: {name} is {value}; it must be finite and not negative")
+
+
+def _flexibility(section: BeamSection) -> FloatArray:
+    E, G = section.material.youngs_modulus, section.material.shear_modulus
+    flexibility = np.zeros((6, 6))
+    flexibility[N, N] = 1 / (E * section.area)
+    for row, factor in ((VY, section.K1), (VZ, section.K2)):
+        flexibility[row, row] = 1 / (factor * G * section.area) if factor else 0.0
+    flexibility[MX, MX] = 1 / (G * section.J) if section.J else 0.0
+    if section.I1 and section.I2:
+        moments = np.array([[section.I2, -section.I12], [-section.I12, section.I1]])
+        flexibility[MY:, MY:] = np.linalg.inv(E * moments)
+    else:
+        flexibility[MY, MY] = 1 / (E * section.I2) if section.I2 else 0.0
+        flexibility[MZ, MZ] = 1 / (E * section.I1) if section.I1 else 0.0
+    about_neutral = np.eye(6)
+    about_neutral[MZ, N], about_neutral[MY, N] = section.neutral[0], -section.neutral[1]
+    return about_neutral.T @ flexibility @ about_neutral
+
+
+def _inertia(section: BeamSection) -> FloatArray:
+    mass, I1, I2 = section.mass_per_length, section.I1, section.I2
+    arm = cross_matrix(np.array([0.0, *section.mass_centre]))
+    if section.rotary is None:
+        moments = np.array([[I1 + I2, 0, 0], [0, I2, -section.I12], [0, -section.I12, I1]])
+        about_centre = section.material.density * moments
+    else:
+        about_centre = np.diag(section.rotary)
+    return np.block([[mass * np.eye(3), -mass * arm], [mass * arm, about_centre - mass * arm @ arm]])
+
+
+def _between(first: FloatArray, second: FloatArray, places: FloatArray) -> FloatArray:
+    return first + np.asarray(places)[:, None, None] * (second - first)
+
+
+def _direction(given: ArrayLike) -> FloatArray:
+    direction = np.array(given, dtype=np.float64)
+    if direction.shape != (3,) or not np.isfinite(direction).all() or not direction.any():
+        raise ModelError(f"beam section: orientation is {given}; give three finite numbers, not all zero")
+    direction.setflags(write=False)
+    return direction

@@ -62,6 +62,8 @@ def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSect
 def mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) -> csc_array:
     """Mass matrix of all nodal freedoms (n, n), kg and kg m^2; translations and rotations do not couple."""
     translations = np.diag(np.arange(dofs_per_node) < 3).astype(float)
+    if not masses:
+        return csc_array((n_nodes * dofs_per_node,) * 2)
     matrix = kron(_between_nodes([(m.nodes, m.translational) for m in masses], n_nodes), translations)
     rotary = [(m.nodes, m.rotary) for m in masses if m.rotary is not None and m.rotary_inertia is None]
     if rotary:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cached_property, partial
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,14 @@ from scipy.sparse import csc_array
 
 from supple.arguments import check_instance
 from supple.errors import ModelError, SuppleWarning
+from supple.fem.attached import Attached
 from supple.fem.beam2 import beam_mass, beam_strain
 from supple.fem.beam_section import BeamSection
 from supple.fem.hexa8 import HEXA8_ELEMENT
 from supple.fem.hexa20 import HEXA20_ELEMENT
 from supple.fem.mass import CellMass, mass_matrix, shell_mass
 from supple.fem.material import Isotropic
-from supple.fem.node_sparsity import node_sparsity
+from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
 from supple.fem.section import Section, sections
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
@@ -30,7 +32,15 @@ from supple.fem.tetra4 import TETRA4_ELEMENT
 from supple.fem.tetra10 import TETRA10_ELEMENT
 from supple.mesh import CellType, Mesh, MeshPart
 
-__all__ = ["FiniteElementModel", "cell_masses", "lumped_mass", "part_of_model", "shell_model", "solid_model"]
+__all__ = [
+    "FiniteElementModel",
+    "cell_masses",
+    "finite_element_model",
+    "lumped_mass",
+    "part_of_model",
+    "shell_model",
+    "solid_model",
+]
 
 SOLID_ELEMENTS = {
     element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
@@ -47,12 +57,13 @@ class FiniteElementModel:
     Parameters
     ----------
     mesh : Mesh
-    dofs_per_node : int                     3 (solids: ux uy uz) or 6 (shells: and rx ry rz), node by node
+    dofs_per_node : int                     3 (ux uy uz) or, as soon as anything turns nodes, 6 (and rx ry rz)
     sections : tuple of Section             which cells have which property
     mass : csc_array (n, n)                 consistent mass, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
     kinematics : ShellKinematics            of shells; solids and beams have one kind only
+    attached : Attached                     springs, masses and ties of nodes, beside the elements
     """
 
     mesh: Mesh
@@ -62,6 +73,7 @@ class FiniteElementModel:
     stiffness: csc_array
     rotation_limit: float
     kinematics: ShellKinematics = GREEN_LAGRANGE
+    attached: Attached = Attached()
 
     @property
     def n_dofs(self) -> int:
@@ -71,7 +83,15 @@ class FiniteElementModel:
     @cached_property
     def blocks(self) -> tuple[QuadraticStrain, ...]:
         """The elements of each section, made when first asked for: a linear body never does."""
-        return tuple(_block(self.mesh, section, self.kinematics) for section in self.sections)
+        return tuple(
+            _block(self.mesh, section, self.kinematics, self.dofs_per_node) for section in self.sections
+        )
+
+    @property
+    def strains(self) -> tuple[QuadraticStrain, ...]:
+        """Of all that has stiffness: the elements, then the springs."""
+        springs = self.attached.springs
+        return (*self.blocks, *springs) if springs else self.blocks
 
     @property
     def strains_vanish_when_turned(self) -> bool:
@@ -125,42 +145,88 @@ def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> Fi
     return _solid_model(mesh, given)
 
 
+def finite_element_model(
+    mesh: Mesh,
+    given: tuple[Section, ...],
+    *,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
+    attached: Attached | None = None,
+    dofs_per_node: int | None = None,
+) -> FiniteElementModel:
+    """Model of a mesh of solids, shells and beams together, and of what stands beside them.
+
+    Parameters
+    ----------
+    given : the sections of all cells
+    kinematics : of shells
+    attached : in the freedoms of nodes that have `dofs_per_node`
+    dofs_per_node : 3 or 6; when omitted 3 where there are solids alone
+
+    Raises
+    ------
+    ModelError   as for `shell_model` and `solid_model`
+    """
+    for section in given:
+        (_check_solid if section.cell_type.dimension == 3 else partial(_check_shell, mesh))(section)
+    turns = any(section.cell_type.dimension < 3 for section in given)
+    limit = kinematics.rotation_limit if turns else float("inf")
+    return _model(
+        mesh, dofs_per_node or (6 if turns else 3), given, limit, kinematics, attached or Attached()
+    )
+
+
 def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementModel:
     """The elements of a part of the model's mesh, with its own mass and stiffness.
 
     part : of `model.mesh`; each of its cells keeps its property
     """
-    given = tuple(
-        Section(section.cell_type, own, section.property)
-        for section in model.sections
-        if len(own := np.flatnonzero(np.isin(part.cells.get(section.cell_type, []), section.cells)))
-    )
+    refuse_attached(model, "a part of a model")
+    given = tuple(_in_part(section, part) for section in model.sections)
+    given = tuple(section for section in given if len(section.cells))
     if model.dofs_per_node == 3:
         return _solid_model(part.mesh, given)
     return _shell_model(part.mesh, given, model.kinematics)
 
 
+def _in_part(section: Section, part: MeshPart) -> Section:
+    whole = part.cells.get(section.cell_type, np.empty(0, dtype=np.int64))
+    own = np.flatnonzero(np.isin(whole, section.cells))
+    order = np.argsort(section.cells)
+    return section.of(order[np.searchsorted(section.cells, whole[own], sorter=order)], own)
+
+
 def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
-    """Consistent mass of the cells of each section, before it is assembled."""
+    """Consistent mass of the cells of each section, before it is assembled; ModelError of other masses."""
+    refuse_attached(model, "the mass of cells")
     return _cell_masses(model.mesh, model.sections)
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
+    refuse_attached(model, "a lumped mass")
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
     return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+
+
+def refuse_attached(model: FiniteElementModel, what: str) -> None:
+    """ModelError where more than elements makes the model, of which `what` knows nothing."""
+    if model.attached.what:
+        raise ModelError(
+            f"{what} has elements alone, and this model has {model.attached.what} as well; leave them out of "
+            "the model, or use a body in a floating frame"
+        )
 
 
 def _shell_model(mesh: Mesh, given: tuple[Section, ...], kinematics: ShellKinematics) -> FiniteElementModel:
     for section in given:
         _check_shell(mesh, section)
-    return _model(mesh, 6, given, kinematics.rotation_limit, kinematics)
+    return _model(mesh, 6, given, kinematics.rotation_limit, kinematics, Attached())
 
 
 def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
     for section in given:
         _check_solid(section)
-    return _model(mesh, 3, given, float("inf"), GREEN_LAGRANGE)
+    return _model(mesh, 3, given, float("inf"), GREEN_LAGRANGE, Attached())
 
 
 def _check_shell(mesh: Mesh, section: Section) -> None:
@@ -192,7 +258,9 @@ def _check_solid(section: Section) -> None:
         raise ModelError(f"a solid needs an Isotropic material, not {type(section.property).__name__}")
 
 
-def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> QuadraticStrain:
+def _block(
+    mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_node: int
+) -> QuadraticStrain:
     """The elements of a section that was checked."""
     given, corners, nodes = section.property, section.corners(mesh), section.nodes(mesh)
     if isinstance(given, BeamSection):
@@ -200,7 +268,7 @@ def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics) -> Quadrat
     if isinstance(given, Isotropic):
         ids = mesh.cell_ids[section.cell_type][section.cells]
         element = SOLID_ELEMENTS[section.cell_type]
-        return solid_strain(element, corners, nodal_freedoms(nodes, 3), given, ids)
+        return solid_strain(element, corners, nodal_freedoms(nodes, dofs_per_node, 3), given, ids)
     return shell_triangle(corners, nodal_freedoms(nodes, 6), given, kinematics)
 
 
@@ -208,7 +276,7 @@ def _portions(given: tuple[Section, ...]) -> Iterator[Section]:
     """The cells of the sections, so many at once that their arrays stay small."""
     for section in given:
         for first in range(0, len(section.cells), CELLS_AT_ONCE):
-            yield replace(section, cells=section.cells[first : first + CELLS_AT_ONCE])
+            yield section.of(slice(first, first + CELLS_AT_ONCE))
 
 
 def _model(
@@ -217,17 +285,25 @@ def _model(
     given: tuple[Section, ...],
     rotation_limit: float,
     kinematics: ShellKinematics,
+    attached: Attached,
 ) -> FiniteElementModel:
-    sparsity = node_sparsity([section.nodes(mesh) for section in given], mesh.n_nodes, dofs_per_node)
-    matrices = (stiffness(_block(mesh, portion, kinematics)) for portion in _portions(given))
+    d = dofs_per_node
+    cells = [section.nodes(mesh) for section in given]
+    sparsity = node_sparsity(
+        [*cells, *(cell_nodes(spring.dofs, d) for spring in attached.springs)], mesh.n_nodes, d
+    )
+    elements = (_block(mesh, portion, kinematics, d) for portion in _portions(given))
+    matrices = (full_cells(stiffness(block), block.dofs, d) for block in chain(elements, attached.springs))
+    mass = mass_matrix(_cell_masses(mesh, given), mesh.n_nodes, d)
     return FiniteElementModel(
         mesh=mesh,
-        dofs_per_node=dofs_per_node,
+        dofs_per_node=d,
         sections=given,
-        mass=mass_matrix(_cell_masses(mesh, given), mesh.n_nodes, dofs_per_node),
+        mass=mass if attached.mass is None else csc_array(mass + attached.mass),
         stiffness=sparsity.matrix(sparsity.data_of_portions(matrices)),
         rotation_limit=rotation_limit,
         kinematics=kinematics,
+        attached=attached,
     )
 
 
@@ -245,9 +321,12 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     return shell_mass(corners, nodes, section.property)
 
 
-def nodal_freedoms(nodes: NDArray[np.int64], dofs_per_node: int) -> NDArray[np.int64]:
-    """Numbers (E, k d) of the freedoms of cells' nodes (E, k), node by node."""
-    return (nodes[:, :, None] * dofs_per_node + np.arange(dofs_per_node)).reshape(len(nodes), -1)
+def nodal_freedoms(
+    nodes: NDArray[np.int64], dofs_per_node: int, first: int | None = None
+) -> NDArray[np.int64]:
+    """Numbers (E, k d) of the freedoms of cells' nodes (E, k), node by node; of each node the first ones."""
+    own = np.arange(dofs_per_node if first is None else first)
+    return (nodes[:, :, None] * dofs_per_node + own).reshape(len(nodes), -1)
 
 
 def _check_thickness(mesh: Mesh, section: Section, thickness: float) -> None:

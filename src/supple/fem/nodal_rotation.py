@@ -14,18 +14,23 @@ __all__ = ["nodal_rotation_operator"]
 def nodal_rotation_operator(model: FiniteElementModel) -> csc_array:
     """Operator (3 P, n) that gives the rotation vector at P points from the nodal freedoms.
 
-    Shells: the rotational freedoms of all nodes, P = N. Solids: half the curl of u at the centre of each
-    cell.
+    Shells and beams: the rotational freedoms of their nodes. Solids: half the curl of u at the
+    centre of each cell.
     """
-    if model.dofs_per_node == 6:
-        columns = (6 * np.arange(model.mesh.n_nodes)[:, None] + np.arange(3, 6)).ravel()
-        entries = (np.ones(len(columns)), (np.arange(len(columns)), columns))
-        return coo_array(entries, shape=(len(columns), model.n_dofs)).tocsc()
+    d = model.dofs_per_node
     rotation, row, column = [], [], []
     n_rows = 0
+    if d == 6:
+        sheets = [section.nodes(model.mesh) for section in model.sections if section.cell_type.dimension < 3]
+        turning = np.unique(np.concatenate([nodes.ravel() for nodes in sheets])) if sheets else np.empty(0, int)
+        n_rows = 3 * len(turning)
+        rotation, row = [np.ones(n_rows)], [np.arange(n_rows)]
+        column = [(6 * turning[:, None] + np.arange(3, 6)).ravel()]
     for section in model.sections:
+        if section.cell_type not in SOLID_ELEMENTS:
+            continue
         values = solid_rotation(SOLID_ELEMENTS[section.cell_type], section.corners(model.mesh))
-        dofs = nodal_freedoms(section.nodes(model.mesh), 3)
+        dofs = nodal_freedoms(section.nodes(model.mesh), d, 3)
         rows = n_rows + np.arange(values.shape[0] * 3).reshape(-1, 3)
         rotation.append(values.ravel())
         row.append(np.broadcast_to(rows[:, :, None], values.shape).ravel())

@@ -70,6 +70,8 @@ class NodeSparsity:
 
 def node_sparsity(cells: list[NDArray[np.int64]], n_nodes: int, dofs_per_node: int) -> NodeSparsity:
     """Pattern of the node pairs in the cells, a list of node arrays (E, k)."""
+    if not cells:
+        cells = [np.empty((0, 1), dtype=np.int64)]
     keys = np.concatenate([(nodes[:, :, None] * n_nodes + nodes[:, None, :]).ravel() for nodes in cells])
     unique, block = np.unique(keys, return_inverse=True)
     ones = csc_array(
@@ -88,6 +90,25 @@ def node_sparsity(cells: list[NDArray[np.int64]], n_nodes: int, dofs_per_node: i
         order=pattern.data.astype(np.int32),
         dofs_per_node=d,
     )
+
+
+def cell_nodes(dofs: IntArray, dofs_per_node: int) -> IntArray:
+    """Nodes (E, k) of elements' freedoms (E, n), node by node: all of each node, or 3 of its 6."""
+    nodes = dofs // dofs_per_node
+    return nodes[:, np.flatnonzero(np.append(True, np.diff(nodes[0]) != 0))]
+
+
+def full_cells(matrices: Array, dofs: IntArray, dofs_per_node: int) -> Array:
+    """Element matrices (E, n, n) of freedoms (E, n) as those of all freedoms of their nodes."""
+    own = dofs[0] // dofs_per_node
+    node = np.cumsum(np.append(0, np.diff(own) != 0))
+    n = (node[-1] + 1) * dofs_per_node
+    if n == len(own):
+        return matrices
+    places = node * dofs_per_node + dofs[0] % dofs_per_node
+    full = np.zeros((len(matrices), n, n), dtype=matrices.dtype)
+    full[:, places[:, None], places] = matrices
+    return full
 
 
 def compressed_columns(data: Array, indices: IntArray, indptr: IntArray) -> csc_array:

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import check_instance
 from supple.errors import ModelError
-from supple.fem.beam_section import BeamSection
-from supple.fem.material import Isotropic
+from supple.fem.beam_section import LineSection, RodSection
+from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.shell_section import ShellSection
 from supple.mesh import CellType, Mesh
 
 __all__ = ["Section"]
 
 IntArray = NDArray[np.int64]
-Property = ShellSection | BeamSection | Isotropic
+FloatArray = NDArray[np.float64]
+Property = ShellSection | LineSection | RodSection | Isotropic | Anisotropic
+PER_CELL = ("directions", "offsets", "released")
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +32,51 @@ class Section:
     ----------
     cell_type : CellType
     cells : int array (E,)                      numbers of the cells within their type
-    property : ShellSection (shells), BeamSection (beams) or Isotropic (solids)
+    property : ShellSection (shells), BeamSection, CoupledBeamSection or RodSection (lines), Isotropic or
+               Anisotropic (solids)
+    directions : float array or None
+        (E, 3) of beams a vector in the x-y plane of the section, of shells one whose projection is the x axis
+        of the wall, both in place of the property's own; (E, 3, 3) of solids the axes of the material, as
+        columns
+    offsets : float array (E, 2, 3) or None     of the ends of beams from their nodes, by rigid arms, m
+    released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
+                                                carry no force or moment
+
+    Raises
+    ------
+    ModelError   per-cell arrays of another shape, or not finite
     """
 
     cell_type: CellType
     cells: IntArray
     property: Property
+    directions: FloatArray | None = None
+    offsets: FloatArray | None = None
+    released: NDArray[np.bool_] | None = None
+
+    def __post_init__(self) -> None:
+        axes = (3, 3) if self.cell_type.dimension == 3 else (3,)
+        for name, shape in zip(PER_CELL, (axes, (2, 3), (12,)), strict=True):
+            given = getattr(self, name)
+            if given is None:
+                continue
+            array = np.array(given, dtype=bool if name == "released" else np.float64)
+            wanted = (len(self.cells), *shape)
+            if array.shape != wanted:
+                raise ModelError(
+                    f"{name} of {self.cell_type.name} cells have shape {array.shape}; expected {wanted}"
+                )
+            if not np.isfinite(array).all():
+                raise ModelError(f"{name} of {self.cell_type.name} cells are not all finite")
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    def of(self, which: slice | IntArray, cells: IntArray | None = None) -> Section:
+        """The same for some of the cells, which may have other numbers in another mesh."""
+        own: dict[str, Any] = {
+            name: None if (given := getattr(self, name)) is None else given[which] for name in PER_CELL
+        }
+        return replace(self, cells=self.cells[which] if cells is None else cells, **own)
 
     def nodes(self, mesh: Mesh) -> IntArray:
         """Node numbers (E, k) of the cells."""

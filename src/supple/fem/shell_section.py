@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.arguments import check_fields
 from supple.errors import ModelError
-from supple.fem.material import Isotropic
+from supple.fem.material import Isotropic, lowest_scaled_eigenvalue, stiffness_matrix
 
 __all__ = ["HomogeneousSection", "LaminateSection", "ShellSection"]
 
@@ -21,25 +21,38 @@ FloatArray = NDArray[np.float64]
 class HomogeneousSection:
     """A shell of one isotropic material.
 
-        A = t C,  B = 0,  D = t^3/12 C,   C the plane-stress stiffness
+        A = t C,  B = z A,  D = t^3/12 C + z^2 A,   C the plane-stress stiffness, z the offset
 
     Parameters
     ----------
     material : Isotropic
     thickness : float       t > 0, m
+    offset : float          of the middle of the wall from the nodes, along the normal, m
+    added_mass : float      non-structural, at the middle, kg/m^2
+    shear_factor : float    k of the transverse shear stiffness k G t (5/6 of a solid wall); 0: rigid in shear
 
     Raises
     ------
-    ModelError   thickness not finite or not positive
+    ModelError   thickness not finite or not positive; a negative or infinite added mass or shear factor; an
+                 infinite offset
     """
 
     material: Isotropic
     thickness: float
+    offset: float = 0.0
+    added_mass: float = 0.0
+    shear_factor: float = 0.0
 
     def __post_init__(self) -> None:
         check_fields(self)
         if not (isfinite(self.thickness) and self.thickness > 0):
             raise ModelError(f"wall thickness is {self.thickness}; it must be a positive finite length")
+        if not isfinite(self.offset):
+            raise ModelError(f"the offset of a wall is {self.offset}; give a finite length")
+        for name in ("added_mass", "shear_factor"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0):
+                raise ModelError(f"{name} of a wall is {value}; it must be finite and not negative")
 
     @property
     def membrane(self) -> FloatArray:
@@ -48,23 +61,35 @@ class HomogeneousSection:
 
     @property
     def coupling(self) -> FloatArray:
-        """B (3, 3), N: none, as the section is symmetric about its middle."""
-        return np.zeros((3, 3))
+        """B (3, 3), N: none of a wall whose middle holds the nodes."""
+        return self.offset * self.membrane
 
     @property
     def bending(self) -> FloatArray:
         """D (3, 3), N m."""
-        return self.thickness**3 / 12 * self.material.plane_stress
+        return (self.thickness**3 / 12 + self.offset**2 * self.thickness) * self.material.plane_stress
+
+    @property
+    def shear(self) -> FloatArray | None:
+        """Transverse shear stiffness (2, 2), order xz, yz, N/m; None where it is rigid."""
+        if self.shear_factor == 0.0:
+            return None
+        return self.shear_factor * self.material.shear_modulus * self.thickness * np.eye(2)
 
     @property
     def mass_per_area(self) -> float:
-        """Density times thickness, kg/m^2."""
-        return self.material.density * self.thickness
+        """Density times thickness and the added mass, kg/m^2."""
+        return self.material.density * self.thickness + self.added_mass
+
+    @property
+    def mass_offset(self) -> float:
+        """Of the mass centre from the nodes, along the normal, m."""
+        return self.offset
 
     @property
     def rotary_inertia_per_area(self) -> float:
-        """Density times t^3/12, kg."""
-        return self.material.density * self.thickness**3 / 12
+        """About the nodes: density times t^3/12, and the mass at its offset, kg."""
+        return self.material.density * self.thickness**3 / 12 + self.mass_per_area * self.offset**2
 
     @property
     def reference_direction(self) -> None:
@@ -83,14 +108,20 @@ class LaminateSection:
     Parameters
     ----------
     membrane, coupling, bending : float array (3, 3)    A (N/m), B (N), D (N m), symmetric
-    mass_per_area : float                               kg/m^2, positive
-    rotary_inertia_per_area : float                     kg, the second moment of density through the thickness
-    reference_direction : float array (3,)              direction of the laminate's x axis
+    mass_per_area : float                               kg/m^2; 0 for statics alone
+    rotary_inertia_per_area : float
+        kg, the second moment of density through the thickness about the surface of the nodes
+    reference_direction : float array (3,)
+        direction of the laminate's x axis; `Section.directions` takes its place
+    shear : float array (2, 2) or None
+        transverse shear stiffness, order xz, yz, N/m; None where it is rigid
+    thickness : float or None                           m, for pictures; None where it is not known
+    mass_offset : float                                 of the mass centre from the nodes, along the normal, m
 
     Raises
     ------
-    ModelError   wrong shape, not finite, not symmetric, A-B-D not positive definite, mass not positive,
-                 zero direction
+    ModelError   wrong shape, not finite, not symmetric, A-B-D or shear not positive definite, mass negative,
+                 zero direction, a thickness that is not positive
     Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (4.22)-(4.24).
     """
 
@@ -100,18 +131,21 @@ class LaminateSection:
     mass_per_area: float
     rotary_inertia_per_area: float
     reference_direction: ArrayLike = (1.0, 0.0, 0.0)
+    shear: FloatArray | None = None
+    thickness: float | None = None
+    mass_offset: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("membrane", "coupling", "bending"):
-            object.__setattr__(self, name, _stiffness(name, getattr(self, name)))
+            matrix = stiffness_matrix(f"laminate {name} stiffness", getattr(self, name), 3)
+            object.__setattr__(self, name, matrix)
         ABD = np.block([[self.membrane, self.coupling], [self.coupling, self.bending]])
-        # Scaled to unit diagonal, so that the test does not depend on the units of length.
         diagonal = np.diag(ABD)
         if diagonal.min() <= 0:
             raise ModelError(
                 f"the A-B-D matrix has a diagonal entry {diagonal.min():.3e}; all must be positive"
             )
-        lowest = np.linalg.eigvalsh(ABD / np.sqrt(np.outer(diagonal, diagonal)))[0]
+        lowest = lowest_scaled_eigenvalue(ABD)
         if lowest < 1e-12:
             raise ModelError(
                 f"the A-B-D matrix is not positive definite (lowest eigenvalue {lowest:.3e} when scaled to a "
@@ -119,8 +153,16 @@ class LaminateSection:
             )
         for name in ("mass_per_area", "rotary_inertia_per_area"):
             value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
-                raise ModelError(f"{name} is {value}; it must be positive and finite")
+            if not (isfinite(value) and value >= 0):
+                raise ModelError(f"{name} is {value}; it must be finite and not negative")
+        if self.shear is not None:
+            object.__setattr__(self, "shear", stiffness_matrix("laminate shear stiffness", self.shear, 2))
+            if lowest_scaled_eigenvalue(self.shear) < 1e-12:
+                raise ModelError("the laminate's shear stiffness is not positive definite; check its units")
+        if self.thickness is not None and not (isfinite(self.thickness) and self.thickness > 0):
+            raise ModelError(f"laminate thickness is {self.thickness}; it must be a positive finite length")
+        if not isfinite(self.mass_offset):
+            raise ModelError(f"mass_offset is {self.mass_offset}; give a finite length")
         direction = np.array(self.reference_direction, dtype=np.float64)
         length = np.linalg.norm(direction)
         if direction.shape != (3,) or not (isfinite(length) and length > 0):
@@ -132,16 +174,3 @@ class LaminateSection:
 
 ShellSection = HomogeneousSection | LaminateSection
 """What a shell is made of: its stiffnesses, and its mass and rotary inertia per area."""
-
-
-def _stiffness(name: str, given: ArrayLike) -> FloatArray:
-    matrix = np.array(given, dtype=np.float64)
-    if matrix.shape != (3, 3):
-        raise ModelError(f"laminate {name} stiffness has shape {matrix.shape}; expected (3, 3)")
-    if not np.isfinite(matrix).all():
-        raise ModelError(f"laminate {name} stiffness has entries that are not finite")
-    asymmetry = np.abs(matrix - matrix.T).max()
-    if asymmetry > 1e-9 * np.abs(matrix).max():
-        raise ModelError(f"laminate {name} stiffness is not symmetric (difference {asymmetry:.3e})")
-    matrix.setflags(write=False)
-    return matrix

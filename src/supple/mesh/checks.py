@@ -33,18 +33,20 @@ def check_mesh(
     cell_sets: Mapping[str, Mapping[CellType, IntArray]],
     node_ids: IntArray,
     cell_ids: Mapping[CellType, IntArray],
+    links: IntArray,
 ) -> None:
     """Raise MeshError at the first mistake, in the mesh's ids; later checks may rely on earlier ones."""
     names = _Names(node_ids, cell_ids)
     _check_node_coordinates(nodes, names)
-    _check_cell_arrays(cells)
+    _check_cell_arrays(cells, links)
+    _check_links(nodes, links)
     _check_cell_node_range(nodes, cells, names)
     _check_repeated_nodes(cells, names)
-    _check_orphan_nodes(nodes, cells, names)
+    _check_orphan_nodes(nodes, cells, links, names)
     _check_node_sets(nodes, node_sets)
     _check_cell_sets(cells, cell_sets)
     _check_cell_geometry(nodes, cells, names)
-    _check_connected(nodes, cells, names)
+    _check_connected(nodes, cells, links, names)
 
 
 def check_ids(
@@ -91,8 +93,15 @@ def _check_node_coordinates(nodes: FloatArray, names: _Names) -> None:
         )
 
 
-def _check_cell_arrays(cells: Mapping[CellType, IntArray]) -> None:
-    if not cells:
+def _check_links(nodes: FloatArray, links: IntArray) -> None:
+    if links.ndim != 2 or links.shape[1] != 2:
+        raise MeshError(f"links have shape {links.shape}; expected (L, 2)")
+    if links.size and (links.min() < 0 or links.max() >= len(nodes)):
+        raise MeshError(f"a link names a node outside 0 .. {len(nodes) - 1}; node numbers start at 0")
+
+
+def _check_cell_arrays(cells: Mapping[CellType, IntArray], links: IntArray) -> None:
+    if not cells and not len(links):
         raise MeshError("the mesh has no cells; give at least one {CellType: node numbers (E, k)}")
     for kind, array in cells.items():
         if array.ndim != 2 or array.shape[1] != kind.n_nodes:
@@ -126,8 +135,11 @@ def _check_repeated_nodes(cells: Mapping[CellType, IntArray], names: _Names) -> 
             )
 
 
-def _check_orphan_nodes(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
+def _check_orphan_nodes(
+    nodes: FloatArray, cells: Mapping[CellType, IntArray], links: IntArray, names: _Names
+) -> None:
     used = np.zeros(len(nodes), dtype=bool)
+    used[links] = True
     for array in cells.values():
         used[array] = True
     bad = np.flatnonzero(~used)
@@ -236,10 +248,12 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
         )
 
 
-def _check_connected(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
+def _check_connected(
+    nodes: FloatArray, cells: Mapping[CellType, IntArray], links: IntArray, names: _Names
+) -> None:
     # Linking each node of a cell to the next is enough to connect them all.
-    start = np.concatenate([array[:, :-1].ravel() for array in cells.values()])
-    end = np.concatenate([array[:, 1:].ravel() for array in cells.values()])
+    start = np.concatenate([links[:, 0], *(array[:, :-1].ravel() for array in cells.values())])
+    end = np.concatenate([links[:, 1], *(array[:, 1:].ravel() for array in cells.values())])
     graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(nodes), len(nodes)))
     n_parts, part = connected_components(graph, directed=False)
     if n_parts > 1:

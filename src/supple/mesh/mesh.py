@@ -20,6 +20,11 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 
+def no_links() -> IntArray:
+    """Of a mesh whose nodes all belong to cells."""
+    return np.zeros((0, 2), dtype=np.int64)
+
+
 def no_ids() -> IntArray:
     """In place of ids, where nodes are called by their numbers."""
     return np.zeros(0, dtype=np.int64)
@@ -39,6 +44,8 @@ class Mesh:
                                         their numbers when omitted
     cell_ids : {CellType: int array (E,)}   what the cells are called, likewise; cells may share an id,
                                         as the two triangles of a quadrilateral do
+    links : int array (L, 2)            pairs of nodes that springs, masses or ties connect: such nodes may
+                                        be in no cell
 
     All arrays are copied and read-only.
 
@@ -54,6 +61,7 @@ class Mesh:
     cell_sets: Mapping[str, Mapping[CellType, IntArray]] = field(default_factory=dict)
     node_ids: IntArray = field(default_factory=no_ids)
     cell_ids: Mapping[CellType, IntArray] = field(default_factory=dict)
+    links: IntArray = field(default_factory=no_links)
 
     def __post_init__(self) -> None:
         check_numbers("Mesh, nodes", self.nodes)
@@ -79,7 +87,9 @@ class Mesh:
             for kind, array in cells.items()
         }
         check_ids(nodes, cells, node_ids, cell_ids)
-        check_mesh(nodes, cells, node_sets, cell_sets, node_ids, cell_ids)
+        links = _numbers(self.links, "links")
+        check_mesh(nodes, cells, node_sets, cell_sets, node_ids, cell_ids, links)
+        object.__setattr__(self, "links", links)
         object.__setattr__(self, "node_ids", node_ids)
         object.__setattr__(self, "cell_ids", MappingProxyType(cell_ids))
         object.__setattr__(self, "nodes", nodes)
@@ -92,7 +102,7 @@ class Mesh:
         cell_sets = {name: dict(members) for name, members in self.cell_sets.items()}
         return Mesh, (
             *(self.nodes, dict(self.cells), dict(self.node_sets), cell_sets),
-            *(self.node_ids, dict(self.cell_ids)),
+            *(self.node_ids, dict(self.cell_ids), self.links),
         )
 
     def __repr__(self) -> str:

@@ -1,0 +1,140 @@
+"""Constraints between the freedoms of a body, eliminated: C q = 0 becomes q = T q_kept.
+
+Each row gives one freedom up: the one that its file names where it can, another where it cannot. Rows whose
+freedom stands in no other row are solved as they stand, so that thousands of ties of nodes to surfaces stay
+sparse; the others are solved together with those that they share freedoms with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg, sparse
+from scipy.sparse.csgraph import connected_components
+
+from supple.body.massless_motion import StaticallyTied
+from supple.errors import ModelError
+from supple.fem import Constraints
+
+__all__ = ["eliminate", "together"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Of a row's largest entry: less is rounding.
+_NOTHING = 1e-12
+# Of the largest pivot of rows scaled to one: less says the same as the rows before.
+_REDUNDANT = 1e-9
+# How much rather a freedom is eliminated: the one that the file names; none of a joint's interface.
+_NAMED, _LAST = 1e3, 1e-4
+# Of what cancels when the body moves rigidly.
+_RIGID = 1e-6
+
+
+def eliminate(
+    body: str,
+    given: Constraints,
+    expansion: sparse.csc_array,
+    rigid_modes: FloatArray,
+    last: NDArray[np.bool_],
+) -> StaticallyTied:
+    """The coordinates q that constraints leave, and how all follow them.
+
+    Parameters
+    ----------
+    given : of nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
+    last : (n,) coordinates to keep where another can be eliminated
+    Raises
+    ------
+    ModelError   constraints that hold the body against rigid motion
+    """
+    rows = sparse.csr_array(given.matrix @ expansion)
+    n = rows.shape[1]
+    largest = np.maximum(abs(rows).max(axis=1).toarray().ravel(), np.finfo(float).tiny)
+    rows = sparse.csr_array(rows.multiply(1 / largest[:, None]))
+    rows.data[np.abs(rows.data) < _NOTHING] = 0.0
+    rows.eliminate_zeros()
+    _check_free(body, given, rows, rigid_modes)
+    rows, named = rows[np.diff(rows.indptr) > 0], _named(given, expansion)[np.diff(rows.indptr) > 0]
+
+    uses = np.bincount(rows.indices, minlength=n)
+    entry = np.zeros(rows.shape[0])
+    known = np.flatnonzero(named >= 0)
+    entry[known] = np.asarray(rows[known, named[known]]).ravel()
+    alone = (named >= 0) & (np.abs(entry) > _REDUNDANT) & (uses[named] == 1)
+    first = together(rows[~alone], named[~alone], last)
+    own, dependents = rows[alone], named[alone]
+    kept = np.setdiff1d(first.kept, dependents)
+    T = sparse.csc_array(first.expansion[:, np.searchsorted(first.kept, kept)])
+    follow = -(own.multiply(1 / entry[alone][:, None]) @ T)
+    place = sparse.csc_array(
+        (np.ones(len(dependents)), (dependents, np.arange(len(dependents)))), shape=(n, len(dependents))
+    )
+    return StaticallyTied(kept, sparse.csc_array(T + place @ follow))
+
+
+def _check_free(body: str, given: Constraints, rows: sparse.csr_array, rigid_modes: FloatArray) -> None:
+    held = np.abs(rows @ rigid_modes)
+    whole = abs(rows) @ np.abs(rigid_modes)
+    ratio = np.divide(held, whole, out=np.zeros_like(held), where=whole > 0).max(axis=1, initial=0.0)
+    bad = np.flatnonzero(ratio > _RIGID)
+    if bad.size:
+        raise ModelError(
+            f"body '{body}': {given.labels[bad[0]]} (one of {bad.size}) holds the body against rigid motion, "
+            f"by {ratio[bad[0]]:.1e} of its terms; a body must be free: correct the factors, or leave the "
+            "constraint out and hold the body by joints"
+        )
+
+
+def _named(given: Constraints, expansion: sparse.csc_array) -> IntArray:
+    """The coordinate of each row's dependent freedom, or -1 where it is none of the coordinates."""
+    rows = sparse.csr_array(expansion)
+    counts, wanted = np.diff(rows.indptr), given.dependent
+    one = (wanted >= 0) & (counts[wanted] == 1)
+    found = np.full(len(wanted), -1)
+    found[one] = rows.indices[rows.indptr[wanted[one]]]
+    return found
+
+
+def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -> StaticallyTied:
+    """Rows C q = 0 solved group by group of those that share freedoms; each eliminates as its row is new.
+
+    named : (m,) coordinate that a row should eliminate, or -1;  last : (n,) those that it should not
+    """
+    n = rows.shape[1]
+    eliminated: list[IntArray] = []
+    places: list[tuple[IntArray, IntArray, FloatArray]] = []
+    for members in _groups(rows):
+        own = rows[members]
+        freedoms = np.unique(own.indices)
+        dense = own[:, freedoms].toarray()
+        liked = np.where(last[freedoms], _LAST, 1.0)
+        liked[np.isin(freedoms, named[members])] *= _NAMED
+        _, factor, order = linalg.qr(dense * liked, mode="economic", pivoting=True)
+        sizes = np.abs(np.diag(factor))
+        rank = int((sizes > _REDUNDANT * sizes[0]).sum())
+        dependent, free = order[:rank], order[rank:]
+        solved = -linalg.solve_triangular(factor[:rank, :rank], factor[:rank, rank:])
+        solved *= liked[dependent][:, None] / liked[free]
+        solved[np.abs(solved) < _NOTHING * max(np.abs(solved).max(initial=0.0), 1.0)] = 0.0
+        i, j = np.nonzero(solved)
+        eliminated.append(freedoms[dependent])
+        places.append((freedoms[dependent][i], freedoms[free][j], solved[i, j]))
+    gone = np.concatenate(eliminated) if eliminated else np.empty(0, dtype=np.int64)
+    kept = np.setdiff1d(np.arange(n), gone)
+    at = np.concatenate([kept, *(row for row, _, _ in places)])
+    column = np.searchsorted(kept, np.concatenate([kept, *(source for _, source, _ in places)]))
+    values = np.concatenate([np.ones(len(kept)), *(value for _, _, value in places)])
+    return StaticallyTied(kept, sparse.csc_array((values, (at, column)), shape=(n, len(kept))))
+
+
+def _groups(rows: sparse.csr_array) -> Iterator[IntArray]:
+    """Rows (k,) that share freedoms with each other."""
+    if not rows.shape[0]:
+        return
+    shared = sparse.csr_array(abs(rows) @ abs(rows).T)
+    _, group = connected_components(shared, directed=False)
+    order = np.argsort(group, kind="stable")
+    yield from np.split(order, np.flatnonzero(np.diff(group[order])) + 1)

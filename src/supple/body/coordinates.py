@@ -1,0 +1,293 @@
+"""The coordinates of a body whose nodes are tied: what gives way to what, from nodal freedoms to q.
+
+    u = T q,    T = T_rigid T_constraints T_fixed T_massless
+
+Rigid pieces give their nodes' freedoms to six of a virtual node; constraints eliminate one freedom each;
+rotations that nothing stiffens rest (of the nodes of solids beside shells); freedoms without mass follow
+the others statically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from supple.algebra import factorize_symmetric
+from supple.body.checks import FREEDOM_NAMES
+from supple.body.constraints import eliminate, together
+from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically
+from supple.body.rigid_elimination import rigid_elimination
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.body.second_order_tie import RigidSet
+from supple.errors import AccuracyError, ModelError
+from supple.fem import Attached
+
+__all__ = ["Coordinates", "coordinates", "rigid_sets"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Of the stiffest rotation of a node: less is rounding.
+_NO_STIFFNESS = 1e-10
+# Numbers of a tie that is dense: 160 MB.
+_LARGEST_TIE = 2e7
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """q of a body, and what its nodes do with them.
+
+    whole : csc (n_nodal, n0)   u of coordinates q0 that come in threes: of free nodes, then of rigid pieces
+    rest : csc (n0, n)          q0 of q, the identity where nothing but rigid pieces ties nodes
+    rigid_modes : (n, 6)
+    freedoms : (n,) the nodal freedom that each is, for messages
+    sets : the rigid pieces
+    n_fixed : rotations that nothing stiffens;  n_massless : freedoms that follow statically
+    """
+
+    whole: sparse.csc_array = field(repr=False)
+    rest: sparse.csc_array | None = field(repr=False)
+    rigid_modes: FloatArray = field(repr=False)
+    freedoms: IntArray = field(repr=False)
+    sets: tuple[RigidSet, ...] = field(repr=False)
+    n_fixed: int = 0
+    n_massless: int = 0
+
+    @property
+    def expansion(self) -> sparse.csc_array:
+        """T (n_nodal, n)."""
+        return self.whole if self.rest is None else sparse.csc_array(self.whole @ self.rest)
+
+    def last_coordinates(self, k: int) -> sparse.csr_array:
+        """The motion (k, n) of the last k of q0, those of rigid interfaces."""
+        n0 = self.whole.indptr.size - 1
+        rows = sparse.eye_array(n0, format="csr") if self.rest is None else self.rest.tocsr()
+        return sparse.csr_array(rows[n0 - k :])
+
+    def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
+        """T^T A T of a nodal matrix."""
+        product = congruent(self.whole, matrix)
+        return product if self.rest is None else congruent(self.rest, product)
+
+
+def rigid_sets(
+    body: str,
+    n_nodes: int,
+    interfaces: Sequence[tuple[str, IntArray, FloatArray]],
+    attached: Attached,
+) -> tuple[RigidSet, ...]:
+    """Nodes that move as one with the place of the node they follow; those of interfaces stand last, in order.
+
+    interfaces : (name, nodes, position) of rigid ones. Pieces that share a node are one piece.
+
+    Raises
+    ------
+    ModelError   two interfaces of one piece
+    """
+    given = [*interfaces, *((each.name, each.nodes, each.position) for each in attached.rigid)]
+    if not attached.rigid:
+        return tuple((nodes, position) for _, nodes, position in given)
+    member = np.repeat(np.arange(len(given)), [len(nodes) for _, nodes, _ in given])
+    node = np.concatenate([nodes for _, nodes, _ in given])
+    links = sparse.coo_array(
+        (np.ones(len(node)), (node, n_nodes + member)), shape=(n_nodes + len(given),) * 2
+    )
+    _, group = connected_components(links, directed=False)
+    of_nodes, of_given = group[:n_nodes], group[n_nodes:]
+    own, first = np.unique(of_given, return_index=True)  # interfaces come first
+    k = len(interfaces)
+    for number in range(k):
+        leader = first[np.searchsorted(own, of_given[number])]
+        if leader != number:
+            raise ModelError(
+                f"body '{body}': rigid ties make one piece of the interfaces '{given[leader][0]}' and "
+                f"'{given[number][0]}'; keep one of them, and give its joints a place on it"
+            )
+    order = [*first[first >= k], *first[first < k][np.argsort(first[first < k])]]
+    return tuple((np.flatnonzero(of_nodes == of_given[each]), given[each][2]) for each in order)
+
+
+def coordinates(
+    body: str,
+    nodes: FloatArray,
+    dofs_per_node: int,
+    stiffness: sparse.csc_array,
+    mass: sparse.csc_array,
+    sets: tuple[RigidSet, ...],
+    attached: Attached,
+    *,
+    n_interfaces: int = 0,
+    tolerance: float,
+) -> Coordinates:
+    """The coordinates that ties, constraints, rotations without stiffness and freedoms without mass leave.
+
+    n_interfaces : the last of the sets are interfaces, whose coordinates stay
+    tolerance : of what counts as no mass
+
+    Raises
+    ------
+    ModelError   constraints that hold the body; motions with neither mass nor stiffness
+    """
+    whole = rigid_elimination(nodes, dofs_per_node, sets)
+    free = np.ones(len(nodes), dtype=bool)
+    for members, _ in sets:
+        free[members] = False
+    places = np.array([position for _, position in sets]).reshape(-1, 3)
+    R = np.vstack(
+        [nodal_rigid_modes(nodes[free], dofs_per_node), nodal_rigid_modes(places, 6)]
+    )
+    d = np.arange(dofs_per_node)
+    own = [(np.flatnonzero(free)[:, None] * dofs_per_node + d).ravel()]
+    own += [members[0] * dofs_per_node + np.minimum(np.arange(6), dofs_per_node - 1) for members, _ in sets]
+    freedoms = np.concatenate(own)
+    n0 = len(R)
+    last = np.arange(n0) >= n0 - 6 * n_interfaces
+    K, M = congruent(whole, stiffness), congruent(whole, mass)
+    state = _State(K, M, R, np.arange(n0), None)
+    if attached.constraints is not None:
+        state = state.after(eliminate(body, attached.constraints, whole, R, last))
+    turns = np.repeat(~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+    still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
+    if still.shape[1]:
+        # A rigid motion of all else leaves them where they rest.
+        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still))
+    n_before = len(state.kept)
+    bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
+    if bare.any():
+        state = state.after(_follow_statically(body, state.K, bare))
+    try:
+        motions = massless_motions(state.M, tolerance)
+        if motions.shape[1]:
+            state = state.after(tie_statically(state.K, motions, ~last[state.kept]))
+    except ModelError as error:
+        raise ModelError(
+            f"body '{body}': the mass matrix is not positive definite: {error}; is the density positive "
+            "everywhere?"
+        ) from None
+    return Coordinates(
+        *(whole, state.rest, state.R, freedoms[state.kept], sets),
+        n_fixed=still.shape[1],
+        n_massless=n_before - len(state.kept),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Matrices and rigid motions of the coordinates that are left: `kept` of the first ones."""
+
+    K: sparse.csc_array
+    M: sparse.csc_array
+    R: FloatArray
+    kept: IntArray
+    rest: sparse.csc_array | None
+
+    def after(self, tied: StaticallyTied) -> _State:
+        """When some of them follow the others."""
+        T = tied.expansion
+        rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
+        return _State(congruent(T, self.K), congruent(T, self.M), self.R[tied.kept], self.kept[tied.kept], rest)
+
+
+def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
+    """T^T A T, symmetric to the last digit."""
+    product = T.T @ matrix @ T
+    return sparse.csc_array(0.5 * (product + product.T))
+
+
+def _without_stiffness(
+    stiffness: sparse.csc_array, triplet: IntArray, eligible: NDArray[np.bool_]
+) -> sparse.csc_array:
+    """Directions (n, k), orthonormal, of three freedoms each, along which nothing is stiff.
+
+    Where the energy of a motion of some freedoms is none, so is its force on all: K is positive semidefinite.
+    """
+    n = len(triplet)
+    if not eligible.any():
+        return sparse.csc_array((n, 0))
+    entries = sparse.coo_array(stiffness)
+    i, j = entries.coords
+    near = eligible[i] & eligible[j] & (triplet[i] == triplet[j])
+    there = np.flatnonzero(eligible)
+    numbers, own = np.unique(triplet[there], return_inverse=True)
+    slot = np.zeros(n, dtype=np.int64)
+    slot[there] = np.arange(len(there)) - np.searchsorted(own, own)
+    number = np.zeros(n, dtype=np.int64)
+    number[there] = own
+    blocks = np.zeros((len(numbers), 3, 3))
+    blocks[number[i[near]], slot[i[near]], slot[j[near]]] = entries.data[near]
+    exists = np.zeros((len(numbers), 3), dtype=bool)
+    exists[own, slot[there]] = True
+    # Places without a freedom are stiff, so that they are not found.
+    size = np.trace(blocks, axis1=1, axis2=2)
+    blocks[:, range(3), range(3)] += np.where(exists, 0.0, np.where(size > 0, size, 1.0)[:, None])
+    values, vectors = np.linalg.eigh(blocks)
+    none = values <= _NO_STIFFNESS * np.maximum(np.where(exists.all(axis=1), values[:, 2], size), 0.0)[:, None]
+    block, which = np.nonzero(none)
+    place = np.full((len(numbers), 3), -1)
+    place[own, slot[there]] = there
+    rows, entry = place[block], vectors[block, :, which]
+    entry[np.abs(entry) < 1e-12] = 0.0
+    column = np.repeat(np.arange(len(block)), 3)
+    used = (rows.ravel() >= 0) & (entry.ravel() != 0)
+    return sparse.csc_array(
+        (entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block))
+    )
+
+
+def _fixed(still: sparse.csc_array) -> StaticallyTied:
+    """Motion along no direction (n, k): of each three freedoms as many are eliminated as have none."""
+    n, k = still.shape
+    return together(sparse.csr_array(still.T), np.full(k, -1), np.zeros(n, dtype=bool))
+
+
+def _bare(
+    body: str, mass: sparse.csc_array, eligible: NDArray[np.bool_], freedoms: IntArray, dofs_per_node: int
+) -> NDArray[np.bool_]:
+    """Freedoms without mass."""
+    diagonal = mass.diagonal()
+    bare = diagonal <= np.finfo(float).tiny
+    wrong = np.flatnonzero((diagonal < 0) | (bare & ~eligible))
+    if wrong.size:
+        own = wrong[np.argmin(diagonal[wrong])]
+        node, component = divmod(int(freedoms[own]), dofs_per_node)
+        remedy = (
+            "mass cannot be negative"
+            if diagonal[own] < 0
+            else "a rigid interface needs mass in every motion: give its nodes a density, or average them"
+        )
+        raise ModelError(
+            f"body '{body}': node {node} {FREEDOM_NAMES[component]} has the mass {diagonal[own]:.3e} (one of "
+            f"{wrong.size}); {remedy}"
+        )
+    return bare
+
+
+def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.bool_]) -> StaticallyTied:
+    """Freedoms without mass in static equilibrium with the others:  K_ee u_e + K_ek u_k = 0."""
+    eliminated, kept = np.flatnonzero(bare), np.flatnonzero(~bare)
+    beside = sparse.csc_array(stiffness[eliminated][:, kept])
+    reached = np.flatnonzero(np.diff(beside.indptr))
+    if not len(kept) or len(eliminated) * len(reached) > _LARGEST_TIE:
+        raise ModelError(
+            f"body '{body}': {len(eliminated)} of its {len(bare)} freedoms have no mass"
+            + (", too many to follow the others" if len(kept) else "")
+            + "; give its materials a density, or its nodes masses"
+        )
+    try:
+        solved = factorize_symmetric(stiffness[eliminated][:, eliminated]).solve(beside[:, reached].toarray())
+    except AccuracyError:
+        raise ModelError(
+            f"body '{body}': among its {len(eliminated)} freedoms without mass are some without stiffness "
+            "against the others; give them mass, or tie them"
+        ) from None
+    solved = -np.asarray(solved).reshape(len(eliminated), len(reached))
+    solved[np.abs(solved) < 1e-13 * np.abs(solved).max(initial=0.0)] = 0.0
+    i, j = np.nonzero(solved)
+    places = np.concatenate([kept, eliminated[i]]), np.concatenate([np.arange(len(kept)), reached[j]])
+    values = np.concatenate([np.ones(len(kept)), solved[i, j]])
+    return StaticallyTied(kept, sparse.csc_array((values, places), shape=(len(bare), len(kept))))

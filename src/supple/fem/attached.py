@@ -1,0 +1,109 @@
+"""What stands beside the cells of a model: springs, masses and dashpots of its nodes, and ties between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array
+
+from supple.fem.quadratic_strain import QuadraticStrain
+
+__all__ = ["Attached", "Constraints", "RigidPiece", "linear_strains"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class RigidPiece:
+    """Nodes that move as one, to second order in their rotation.
+
+    nodes : (k,) with the one whose motion the others follow;  position : (3,) of that one, m
+    """
+
+    name: str
+    nodes: IntArray
+    position: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """C u = 0 of the nodal freedoms u.
+
+    matrix : csr (m, n)
+    dependent : (m,) the freedom that each row should eliminate, or -1
+    labels : what each row is called in messages
+    """
+
+    matrix: csr_array
+    dependent: IntArray
+    labels: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Attached:
+    """What a model has beside its cells, in nodal freedoms u.
+
+    springs : as strains without a quadratic part: their stiffness alone counts
+    mass, damping : csc (n, n), kg and kg m^2, N s/m; None where there is none
+    rigid : pieces; a node may be in several, which then move as one
+    constraints : of u, beside what the pieces say
+    """
+
+    springs: tuple[QuadraticStrain, ...] = field(default=(), repr=False)
+    mass: csc_array | None = field(default=None, repr=False)
+    damping: csc_array | None = field(default=None, repr=False)
+    rigid: tuple[RigidPiece, ...] = ()
+    constraints: Constraints | None = field(default=None, repr=False)
+
+    @property
+    def what(self) -> str:
+        """What there is, in words; empty where there is nothing."""
+        there = {
+            "springs": bool(self.springs),
+            "concentrated masses": self.mass is not None,
+            "dashpots": self.damping is not None,
+            "rigid ties": bool(self.rigid),
+            "constraints": self.constraints is not None,
+        }
+        return ", ".join(name for name, is_there in there.items() if is_there)
+
+
+def linear_strains(
+    terms: Sequence[tuple[IntArray, FloatArray, FloatArray]], dofs_per_node: int
+) -> tuple[QuadraticStrain, ...]:
+    """Springs as strains: energy 1/2 sum_i k_i (B_i u)^2 of each.
+
+    Parameters
+    ----------
+    terms : (freedoms (n,), B (s, n), k (s,)) each; k may be negative, as of a condensed matrix
+    Returns
+    -------
+    QuadraticStrain of all freedoms of their nodes, one for each number of nodes and of rows
+    """
+    alike: dict[tuple[int, int], list[tuple[IntArray, FloatArray, FloatArray]]] = {}
+    for freedoms, B, k in terms:
+        nodes, place = np.unique(freedoms // dofs_per_node, return_inverse=True)
+        wide = np.zeros((len(k), len(nodes) * dofs_per_node))
+        np.add.at(wide.T, place * dofs_per_node + freedoms % dofs_per_node, B.T)
+        alike.setdefault((len(nodes), len(k)), []).append((nodes, wide, k))
+    made = []
+    for own in alike.values():
+        nodes = np.array([each[0] for each in own])
+        dofs = (nodes[:, :, None] * dofs_per_node + np.arange(dofs_per_node)).reshape(len(own), -1)
+        B = np.array([each[1] for each in own])[:, None]
+        D = np.array([np.diag(each[2]) for each in own])
+        made.append(
+            QuadraticStrain(
+                dofs=dofs,
+                B=B,
+                G=np.zeros((len(own), 1, 1, dofs.shape[1])),
+                N=np.zeros((B.shape[2], 1, 1)),
+                D=D,
+                w=np.ones((len(own), 1)),
+            )
+        )
+    return tuple(made)
