@@ -17,5 +17,6 @@ from supple.body.mass_properties import *
 from supple.body.model_check import *
 from supple.body.nastran_body import *
 from supple.body.point_motion import *
+from supple.body.recovery import *
 from supple.body.rigid_body import *
 from supple.body.superelement import *

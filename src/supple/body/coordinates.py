@@ -42,11 +42,12 @@ _LARGEST_TIE = 2e7
 class Coordinates:
     """q of a body, and what its nodes do with them.
 
-    whole : csc (n_nodal, n0)   u of coordinates q0 that come in threes: of free nodes, then of rigid pieces
+    whole : csc (n_nodal, n0)   u of coordinates q0: in threes of free nodes, then of rigid pieces; modal ones
     rest : csc (n0, n)          q0 of q, the identity where nothing but rigid pieces ties nodes
     rigid_modes : (n, 6)
-    freedoms : (n,) the nodal freedom that each is, for messages
+    freedoms : (n,) the nodal freedom that each is, for messages; modal ones count on
     sets : the rigid pieces
+    n_modal : coordinates of q0 that no node has
     n_fixed : rotations that nothing stiffens;  n_massless : freedoms that follow statically
     """
 
@@ -55,6 +56,7 @@ class Coordinates:
     rigid_modes: FloatArray = field(repr=False)
     freedoms: IntArray = field(repr=False)
     sets: tuple[RigidSet, ...] = field(repr=False)
+    n_modal: int = 0
     n_fixed: int = 0
     n_massless: int = 0
 
@@ -64,10 +66,25 @@ class Coordinates:
         return self.whole if self.rest is None else sparse.csc_array(self.whole @ self.rest)
 
     def last_coordinates(self, k: int) -> sparse.csr_array:
-        """The motion (k, n) of the last k of q0, those of rigid interfaces."""
-        n0 = self.whole.indptr.size - 1
-        rows = sparse.eye_array(n0, format="csr") if self.rest is None else self.rest.tocsr()
-        return sparse.csr_array(rows[n0 - k :])
+        """The motion (k, n) of the last k of q0 in threes, those of rigid interfaces."""
+        rows = self._rows
+        end = rows.indptr.size - 1 - self.n_modal
+        return sparse.csr_array(rows[end - k : end])
+
+    @property
+    def threes(self) -> sparse.csr_array | None:
+        """The coordinates in threes of q, (n0 - n_modal, n); None where they are q."""
+        if self.rest is None and not self.n_modal:
+            return None
+        rows = self._rows
+        return sparse.csr_array(rows[: rows.indptr.size - 1 - self.n_modal])
+
+    @property
+    def _rows(self) -> sparse.csr_array:
+        """q0 of q."""
+        if self.rest is not None:
+            return sparse.csr_array(self.rest)
+        return sparse.csr_array(sparse.eye_array(self.whole.indptr.size - 1))
 
     def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
         """T^T A T of a nodal matrix."""
@@ -122,11 +139,13 @@ def coordinates(
     attached: Attached,
     *,
     n_interfaces: int = 0,
+    n_modal: int = 0,
     tolerance: float,
 ) -> Coordinates:
     """The coordinates that ties, constraints, rotations without stiffness and freedoms without mass leave.
 
     n_interfaces : the last of the sets are interfaces, whose coordinates stay
+    n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
     tolerance : of what counts as no mass
 
     Raises
@@ -134,24 +153,27 @@ def coordinates(
     ModelError   constraints that hold the body; motions with neither mass nor stiffness
     """
     whole = rigid_elimination(nodes, dofs_per_node, sets)
+    if n_modal:
+        whole = sparse.csc_array(sparse.block_diag([whole, sparse.eye_array(n_modal)], format="csc"))
     free = np.ones(len(nodes), dtype=bool)
     for members, _ in sets:
         free[members] = False
     places = np.array([position for _, position in sets]).reshape(-1, 3)
     R = np.vstack(
-        [nodal_rigid_modes(nodes[free], dofs_per_node), nodal_rigid_modes(places, 6)]
+        [nodal_rigid_modes(nodes[free], dofs_per_node), nodal_rigid_modes(places, 6), np.zeros((n_modal, 6))]
     )
     d = np.arange(dofs_per_node)
     own = [(np.flatnonzero(free)[:, None] * dofs_per_node + d).ravel()]
     own += [members[0] * dofs_per_node + np.minimum(np.arange(6), dofs_per_node - 1) for members, _ in sets]
-    freedoms = np.concatenate(own)
-    n0 = len(R)
-    last = np.arange(n0) >= n0 - 6 * n_interfaces
+    freedoms = np.concatenate([*own, len(nodes) * dofs_per_node + np.arange(n_modal)])
+    n0, n_threes = len(R), len(R) - n_modal
+    last = (np.arange(n0) >= n_threes - 6 * n_interfaces) & (np.arange(n0) < n_threes)
     K, M = congruent(whole, stiffness), congruent(whole, mass)
     state = _State(K, M, R, np.arange(n0), None)
     if attached.constraints is not None:
         state = state.after(eliminate(body, attached.constraints, whole, R, last))
-    turns = np.repeat(~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+    turns = np.repeat(~R[:n_threes].reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+    turns = np.concatenate([turns, np.zeros(n_modal, dtype=bool)])
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.shape[1]:
         # A rigid motion of all else leaves them where they rest.
@@ -170,7 +192,7 @@ def coordinates(
             "everywhere?"
         ) from None
     return Coordinates(
-        *(whole, state.rest, state.R, freedoms[state.kept], sets),
+        *(whole, state.rest, state.R, freedoms[state.kept], sets, n_modal),
         n_fixed=still.shape[1],
         n_massless=n_before - len(state.kept),
     )
@@ -190,7 +212,9 @@ class _State:
         """When some of them follow the others."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
-        return _State(congruent(T, self.K), congruent(T, self.M), self.R[tied.kept], self.kept[tied.kept], rest)
+        return _State(
+            congruent(T, self.K), congruent(T, self.M), self.R[tied.kept], self.kept[tied.kept], rest
+        )
 
 
 def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
@@ -226,7 +250,9 @@ def _without_stiffness(
     size = np.trace(blocks, axis1=1, axis2=2)
     blocks[:, range(3), range(3)] += np.where(exists, 0.0, np.where(size > 0, size, 1.0)[:, None])
     values, vectors = np.linalg.eigh(blocks)
-    none = values <= _NO_STIFFNESS * np.maximum(np.where(exists.all(axis=1), values[:, 2], size), 0.0)[:, None]
+    none = (
+        values <= _NO_STIFFNESS * np.maximum(np.where(exists.all(axis=1), values[:, 2], size), 0.0)[:, None]
+    )
     block, which = np.nonzero(none)
     place = np.full((len(numbers), 3), -1)
     place[own, slot[there]] = there
@@ -234,9 +260,7 @@ def _without_stiffness(
     entry[np.abs(entry) < 1e-12] = 0.0
     column = np.repeat(np.arange(len(block)), 3)
     used = (rows.ravel() >= 0) & (entry.ravel() != 0)
-    return sparse.csc_array(
-        (entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block))
-    )
+    return sparse.csc_array((entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block)))
 
 
 def _fixed(still: sparse.csc_array) -> StaticallyTied:

@@ -19,7 +19,8 @@ from supple.importers.nastran.connections import GridConnection, read_connection
 from supple.importers.nastran.elements import ELEMENT_CARDS, ElementCells, read_cells
 from supple.importers.nastran.grids import COORDINATE_CARDS, GridPoints, read_grids
 from supple.importers.nastran.properties import PROPERTY_CARDS, Property, read_property
-from supple.importers.nastran.sets import SET_CARDS, node_sets, retained_freedoms
+from supple.importers.nastran.retained_freedoms import modal_freedoms, retained_freedoms
+from supple.importers.nastran.sets import SET_CARDS, node_sets
 from supple.importers.node_table import NodeTable
 from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType, Mesh
@@ -168,7 +169,9 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
     sets = dict(node_sets(file, grids)) | {c.name: c.nodes for c in connections}
     axes = None if np.array_equal(grids.axes, np.broadcast_to(np.eye(3), grids.axes.shape)) else grids.axes
     return NodeTable(
-        str(file.path), grids.ids, grids.positions, axes, sets, connections, retained_freedoms(file, grids)
+        *(str(file.path), grids.ids, grids.positions, axes, sets, connections),
+        retained=retained_freedoms(file, grids.ids),
+        modal=modal_freedoms(file, grids.ids),
     )
 
 

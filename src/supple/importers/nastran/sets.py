@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 from supple.importers.nastran.grids import GridPoints
+from supple.importers.nastran.retained_freedoms import retained_freedoms
 
 IntArray = NDArray[np.int64]
 
@@ -34,32 +35,10 @@ def node_sets(file: BulkFile, grids: GridPoints) -> dict[str, IntArray]:
     for card in file.named("SPC1"):
         name = f"spc{card.integer(0, 'the set id')}_{_components(card, card.word(1))}"
         found.setdefault(name, []).extend(_listed(card, 2, grids))
-    for grid, _ in _aset(file, grids):
-        found.setdefault("aset", []).append(grid)
+    physical = retained_freedoms(file, grids.ids, modal=False)
+    if physical is not None:
+        found["aset"] = grids.lookup(np.unique(physical[physical[:, 1] > 0, 0]))[0].tolist()
     return {name: np.array(list(dict.fromkeys(members)), dtype=np.int64) for name, members in found.items()}
-
-
-def retained_freedoms(file: BulkFile, grids: GridPoints) -> IntArray | None:
-    """Freedoms of the analysis set as rows (grid id, component), in Nastran's order; None without ASET "
-    "cards."""
-    rows = [
-        (int(grids.ids[grid]), int(component))
-        for grid, components in _aset(file, grids)
-        for component in components
-    ]
-    return np.array(sorted(set(rows)), dtype=np.int64) if rows else None
-
-
-def _aset(file: BulkFile, grids: GridPoints) -> list[tuple[int, str]]:
-    """Grid number and components of every entry of the analysis set."""
-    found: list[tuple[int, str]] = []
-    for card in file.named("ASET"):
-        for grid, components, _ in _pairs(card, 0, 2):
-            found.append((int(grids.numbers(card, [grid])[0]), _components(card, components)))
-    for card in file.named("ASET1"):
-        components = _components(card, card.word(0))
-        found += [(grid, components) for grid in _listed(card, 1, grids)]
-    return found
 
 
 def _pairs(card: BulkCard, start: int, step: int) -> list[tuple[int, str, int]]:
