@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import h5py
 import numpy as np
 import pytest
 from fixtures.beam_bodies import beam_body
 from fixtures.beam_lines import beam_matrices
-from fixtures.condensed_beam import condensed_beam
+from fixtures.condensed_beam import POINTS, ROOT, TIP, condensed_beam, inside, write_condensed_hdf5
 from scipy import linalg
 from scipy.linalg import block_diag
 from scipy.sparse import csc_array
@@ -29,8 +28,6 @@ from supple.importers import LabelledMatrix, NodeTable
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
 
 MODES = 6
-ROOT, TIP = 20, 10  # whose order is not that of the nodes
-POINTS = [1001, 1004, 1006, 1007, 1008, 1009]  # scalar points
 ENDS = [RigidInterface("root", [0]), RigidInterface("tip", [1])]
 
 
@@ -40,10 +37,8 @@ def beam():
 
 
 @pytest.fixture(scope="module")
-def labels():
-    """Freedoms in the order of our own matrices."""
-    grids = [(grid, component) for grid in (ROOT, TIP) for component in range(1, 7)]
-    return np.array(grids + [(point, 0) for point in POINTS])
+def labels(beam):
+    return beam.labels
 
 
 def as_reduced(body):
@@ -82,23 +77,6 @@ def write_dmig(path, labels, **matrices):
     path.write_text("\n".join([*rows, ""]))
 
 
-def write_hdf5(path, beam, labels, K, M, recovery=None):
-    with h5py.File(path, "w") as file:
-        file["nodes"], file["node_ids"], file["freedoms"] = beam.grids, [ROOT, TIP], labels
-        for name, matrix in (("stiffness", csc_array(K)), ("mass", csc_array(M))):
-            for part in ("data", "indices", "indptr"):
-                file[f"{name}/{part}"] = getattr(matrix, part)
-        if recovery is not None:
-            file["recovery/points"], file["recovery/matrix"], file["recovery/ids"] = recovery
-
-
-def inside(beam):
-    """Points between the ends, and their displacements."""
-    number = np.setdiff1d(np.arange(len(beam.body.nodes)), beam.boundary)
-    rows = (6 * number[:, None] + np.arange(3)).ravel()
-    return beam.body.nodes[number], beam.recovery[rows], 100 + number
-
-
 MIXED = np.random.default_rng(1).permutation(12 + MODES)
 
 
@@ -111,7 +89,7 @@ def files_of(form, folder, beam, labels):
         write_dmig(folder / "arm.pch", labels[MIXED], KAAX=K, MAAX=M)
         return {"nodes": bdf, "stiffness": folder / "arm.pch", "mass": folder / "arm.pch"}
     if form == "hdf5":
-        write_hdf5(folder / "arm.h5", beam, labels[MIXED], K, M)
+        write_condensed_hdf5(folder / "arm.h5", beam, MIXED)
         return dict.fromkeys(("nodes", "stiffness", "mass"), folder / "arm.h5")
     op4 = pytest.importorskip("pyyeti.nastran.op4")
     order = np.lexsort((labels[:, 1], labels[:, 0]))  # Nastran's, by ids
@@ -319,8 +297,7 @@ def test_recovered_points_are_nodes(form, tmp_path, beam, labels, ours):
             recovery=Recovery(points, ids, T),
         )
     elif form == "hdf5":
-        K, M = (matrix[np.ix_(MIXED, MIXED)] for matrix in (beam.stiffness, beam.mass))
-        write_hdf5(tmp_path / "arm.h5", beam, labels[MIXED], K, M, (points, T[:, MIXED], ids))
+        write_condensed_hdf5(tmp_path / "arm.h5", beam, MIXED)
         path = tmp_path / "arm.h5"
         body = read_labelled_superelement(
             "arm", **dict.fromkeys(("nodes", "stiffness", "mass", "recovery"), path)

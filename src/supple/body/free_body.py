@@ -56,8 +56,16 @@ def free_body(
     check_nodes(name, nodes, node_ids)
     M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node, n_modal)
     K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node, n_modal)
-    virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces, node_ids)
+    every = nodes if recovery is None else np.concatenate([nodes, recovery.points])
+    virtual = virtual_nodes(name, every, dofs_per_node, interfaces, node_ids)
     rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
+    for interface, members, _ in rigid:
+        if members.max() >= len(nodes):
+            raise ModelError(
+                f"body '{name}', interface '{interface}': a recovered point follows the boundary and the "
+                'modes, so nothing can be tied to it; take kind = "averaging" (AveragingInterface), or a '
+                "boundary grid"
+            )
     sets = rigid_sets(name, len(nodes), rigid, attached)
     if len(sets) == 1 and len(sets[0][0]) == len(nodes) and not n_modal:
         raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
@@ -75,13 +83,11 @@ def free_body(
     of_all, T = made.expansion, made.expansion
     if n_modal:
         T = sparse.csc_array(T[:n_nodal])
-    own_mass, every = sparse.csc_array(M_nodal[:n_nodal, :n_nodal]), nodes
+    own_mass = sparse.csc_array(M_nodal[:n_nodal, :n_nodal])
     threes = _threes(made, own_mass)
-    on_nodes = T
     if recovery is not None:
         recovery.check(name, nodes, dofs_per_node, n_nodal + n_modal)
         T = sparse.csc_array(sparse.vstack([T, recovery.rows(dofs_per_node) @ of_all]))
-        every = np.concatenate([nodes, recovery.points])
         own_mass, rotation_operator = _widened(own_mass, rotation_operator, len(every) * dofs_per_node)
     body = FlexibleBody(
         name=name,
@@ -92,9 +98,9 @@ def free_body(
         mass=M,
         stiffness=K,
         interfaces=interface_motions(
-            nodes,
+            every,
             dofs_per_node,
-            on_nodes,
+            T,
             virtual,
             rigid_motions=made.last_coordinates(6 * len(rigid)),
             pieces=[members for members, _ in sets[len(sets) - len(rigid) :]],

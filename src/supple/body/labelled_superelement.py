@@ -73,6 +73,11 @@ class NodalMatrices:
     recovery: Recovery | None = field(default=None, repr=False)
 
     @property
+    def all_ids(self) -> IntArray:
+        """Labels of the nodes of a body of it, recovered points behind the others."""
+        return self.node_ids if self.recovery is None else np.concatenate([self.node_ids, self.recovery.ids])
+
+    @property
     def rigid_tolerance(self) -> float:
         """Largest |K R| that digits cut off in printing explain."""
         return max(RIGID_TOLERANCE, ROUNDED_ROWS * self.resolution)

@@ -86,24 +86,33 @@ def read_superelement(
     mass: str | Path,
     dofs_per_node: int,
     interfaces: Sequence[RigidInterface | AveragingInterface] = (),
+    recovery: str | Path | None = None,
+    points: str | Path | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """A linear body from three Matrix Market files; `nodes` holds a dense (N, 3) array.
+    """A linear body from Matrix Market files; `nodes` holds a dense (N, 3) array.
+
+    recovery, points : (3 P, n) and (P, 3), of points inside a model that was condensed elsewhere
 
     Raises
     ------
     ImportFormatError   a file that is not Matrix Market
     ModelError          as for `superelement`, naming the files
     """
-    points, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
+    places, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
+    inside = None
+    if recovery is not None and points is not None:
+        at = read_matrix(points).toarray()
+        inside = Recovery(at, len(places) + np.arange(len(at)), read_matrix(recovery).toarray())
     try:
         return superelement(
             name,
-            points,
+            places,
             K,
             M,
             dofs_per_node=dofs_per_node,
             interfaces=interfaces,
+            recovery=inside,
             rigid_tolerance=rigid_tolerance,
         )
     except ModelError as error:
