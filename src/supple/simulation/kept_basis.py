@@ -29,7 +29,8 @@ def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     if full.body.n_modal:
         raise ModelError(
             f"body '{full.name}' was condensed elsewhere, and its nodes do not show its modal "
-            'coordinates, so nothing tells which a basis kept. Keep all: CompleteBasis(), or reduction = { basis = "complete" }'
+            "coordinates, so nothing tells which a basis kept. Keep all: "
+            'CompleteBasis(), or reduction = { basis = "complete" }'
         )
     T = full.body.expansion
     normal = splu(csc_array(T.T @ T))
