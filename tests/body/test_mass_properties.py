@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.solid_blocks import solid_block
 
 from supple.body import check_elements, mesh_mass_properties, rigid_mass_properties
 from supple.fem import BeamSection, HomogeneousSection, Isotropic, shell_model, solid_model
@@ -22,7 +23,7 @@ def moved(mesh):
 @pytest.mark.parametrize("kind", [kind for kind in CellType if kind.dimension == 3])
 def test_a_block_has_the_inertia_of_the_formula(kind):
     a, b, c = 2.0, 1.0, 0.5
-    mesh, turn = moved(block(a, b, c, 2, 2, 1, kind))
+    mesh, turn = moved(solid_block(a, b, c, 2, 2, 1, kind))
     model = solid_model(mesh, MATERIAL)
     mass = 1000 * a * b * c
     inertia = turn @ np.diag([b**2 + c**2, a**2 + c**2, a**2 + b**2]) @ turn.T * mass / 12

@@ -19,9 +19,9 @@ from supple.body import (
 from supple.errors import ModelError
 from supple.fem import CellMass, Isotropic, solid_model
 from supple.fem.mass import mass_matrix
-from supple.fem.quadrature import four_point_tetrahedron
 from supple.fem.solid_element import SolidElement, solid_mass
 from supple.mesh import CellType, block
+from supple.mesh.quadrature import four_point_tetrahedron
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
@@ -87,7 +87,7 @@ def test_the_check_names_nodes_and_counts(bar):
     assert check.is_accepted
     (found,) = [each for each in check.findings if each.what == "positive mass"]
     assert found.verdict is Verdict.OK
-    assert "18 motions without mass follow the others statically, at nodes 1" in found.seen
+    assert "motions without mass, at nodes 1" in found.seen
     expected = pencil_frequencies(K.toarray(), M.toarray(), 6) / (2 * np.pi)
     np.testing.assert_allclose(check.frequencies, expected, rtol=1e-7)
 

@@ -426,7 +426,7 @@ ONE_MISTAKE = {
     "candidates of no selection": (
         'basis = "rubin"',
         'basis = "craig-bampton", candidates = 40',
-        "reduction.candidates: the lowest modes are kept unless told otherwise; remove the key, or add",
+        "reduction.candidates: the lowest modes are kept by default; remove the key, or add",
     ),
     "too few candidates": (
         'basis = "rubin"',

@@ -113,7 +113,7 @@ def test_a_correction_that_was_cut_off_goes_on_with_its_rounds(case):
     (out / "self_correction" / f"round-{len(whole)}.npz").unlink()
     output = call("run", case, "-o", out, "--resume")
     assert f"round {last['round']}, {last['size']} coordinates: simulating" in output
-    assert "round 0, 10 coordinates: what they miss" not in output
+    assert "round 0, 10 coordinates: motion outside" not in output
     again = json.loads((out / "strip.json").read_text())["self_correction"]
     assert [each["size"] for each in again] == [each["size"] for each in whole]
     assert again[-1]["estimated_error"] == pytest.approx(whole[-1]["estimated_error"], rel=1e-6)

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from fixtures.solid_blocks import solid_block
 
 from supple.body import RigidInterface, flexible_body
 from supple.errors import ModelError
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
-from supple.fem import BeamSection, HomogeneousSection, Isotropic, LaminateSection, shell_model, solid_model
+from supple.fem import (
+    Anisotropic,
+    BeamSection,
+    HomogeneousSection,
+    Isotropic,
+    LaminateSection,
+    shell_model,
+    solid_model,
+)
 from supple.importers import read_mesh
 from supple.machine import DeadForce, FollowerForce, Ramp, Scaled
 from supple.machine.laws.turning import Turning
@@ -151,6 +161,21 @@ def test_what_a_deck_cannot_hold_is_refused(box, tmp_path):
     beam = shell_model(line, BeamSection(STEEL, 1e-4, 1e-9, 1e-9, 1e-9))
     with pytest.raises(ModelError, match="beams cannot be written"):
         write_static_deck(tmp_path / "beam.inp", beam, np.ones((2, 6)), [0])
+    pyramids = solid_block(1.0, 1.0, 1.0, 1, 1, 1, CellType.PYRAMID5)
+    crystal = Anisotropic(STEEL.elasticity, 1.0)
+    own_shear = replace(STEEL, stated_shear_modulus=1e10)
+    bricks = block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8)
+    sheet = strip(1.0, 0.2, 4, 2)
+    for model, message in (
+        (solid_model(pyramids, STEEL), "PYRAMID5 cells cannot be written"),
+        (solid_model(bricks, crystal), "an anisotropic material cannot be written"),
+        (solid_model(bricks, own_shear), "a shear modulus of its own cannot be written"),
+        (shell_model(sheet, HomogeneousSection(STEEL, 0.01, offset=0.1)), "a wall with an offset"),
+    ):
+        with pytest.raises(ModelError, match=message):
+            write_static_deck(
+                tmp_path / "odd.inp", model, np.ones((model.mesh.n_nodes, model.dofs_per_node)), [0]
+            )
     A = 0.01 * STEEL.plane_stress
     laminate = LaminateSection(A, 0 * A, 1e-5 * A, 78.0, 1e-3)
     plies = shell_model(strip(1.0, 0.2, 4, 2), laminate)

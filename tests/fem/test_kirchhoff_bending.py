@@ -7,6 +7,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.fem.kirchhoff_bending import CENTRE, MIDSIDES, curvature, side_directions
 from supple.mesh import plate
 
+RIGID = np.zeros((1, 3))
 TRIANGLE = np.array([[[0.1, -0.2], [2.0, 0.3], [0.7, 1.4]]])
 
 
@@ -23,18 +24,20 @@ def test_constant_curvature_is_exact(rng):
     q = np.concatenate([np.column_stack([gradient[:, 1], -gradient[:, 0]]).ravel(), np.zeros(6)])
     points = np.concatenate([MIDSIDES, CENTRE, np.eye(3)])
     expected = np.tile([-H[0, 0], -H[1, 1], -2 * H[0, 1]], (len(points), 1))
-    np.testing.assert_allclose(curvature(TRIANGLE, points)[0] @ q, expected, rtol=1e-11)
+    np.testing.assert_allclose(curvature(TRIANGLE, points, RIGID)[0] @ q, expected, rtol=1e-11)
 
 
 def test_only_the_mismatch_along_a_side_counts(rng):
     across = np.roll(side_directions(TRIANGLE)[0], 1, axis=1) * [-1, 1]
     q = np.concatenate([np.zeros(6), (rng.normal(size=(3, 1)) * across).ravel()])
-    np.testing.assert_allclose(curvature(TRIANGLE, MIDSIDES)[0] @ q, 0, atol=1e-14)
+    np.testing.assert_allclose(curvature(TRIANGLE, MIDSIDES, RIGID)[0] @ q, 0, atol=1e-14)
 
 
 def test_curvature_is_linear_so_the_mean_of_the_midsides_is_the_centre():
     np.testing.assert_allclose(
-        curvature(TRIANGLE, MIDSIDES).mean(axis=1), curvature(TRIANGLE, CENTRE)[:, 0], atol=1e-12
+        curvature(TRIANGLE, MIDSIDES, RIGID).mean(axis=1),
+        curvature(TRIANGLE, CENTRE, RIGID)[:, 0],
+        atol=1e-12,
     )
 
 

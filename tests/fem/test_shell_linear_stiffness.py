@@ -77,11 +77,23 @@ def published_stiffness(xy, wall):
     K[np.ix_(plane, plane)] = area * basic.T @ wall.membrane @ basic
     weight = 0.75 * area * higher_order_weight(wall.membrane)
     K[np.ix_(plane, plane)] += weight * (higher.swapaxes(1, 2) @ wall.membrane @ higher).sum(axis=0)
-    K[np.ix_(bending, bending)] = area / 3 * (kappa.swapaxes(1, 2) @ wall.bending @ kappa).sum(axis=0)
-    coupled = area * basic.T @ wall.coupling @ kappa.mean(axis=0)
+    # The elements of the middle surface, at the height where the coupling is least; the nodes hold it by arms.
+    height = (wall.coupling * wall.membrane).sum() / (wall.membrane**2).sum()
+    coupling = wall.coupling - height * wall.membrane
+    about_middle = wall.bending - 2 * height * wall.coupling + height**2 * wall.membrane
+    by_coupling = coupling @ np.linalg.solve(wall.membrane, coupling)
+    by_x, by_y = np.linalg.inv(np.column_stack([xy, np.ones(3)]))[:2]
+    linear = np.zeros((3, 9))
+    linear[0, 2::3], linear[1, 1::3], linear[2, 2::3], linear[2, 1::3] = by_x, -by_y, by_y, -by_x
+    free = kappa.swapaxes(1, 2) @ (about_middle - by_coupling) @ kappa
+    K[np.ix_(bending, bending)] = area / 3 * free.sum(axis=0) + area * linear.T @ by_coupling @ linear
+    coupled = area * basic.T @ coupling @ linear
     K[np.ix_(plane, bending)] += coupled
     K[np.ix_(bending, plane)] += coupled.T
-    return K
+    arms = np.eye(18)
+    for a in range(3):
+        arms[6 * a, 6 * a + 4], arms[6 * a + 1, 6 * a + 3] = height, -height
+    return arms.T @ K @ arms
 
 
 @pytest.mark.parametrize("coupled", [False, True])

@@ -145,11 +145,15 @@ def test_a_slender_solid_is_not_degenerate(kind):
 
 
 def test_a_quadratic_cell_is_inverted_by_a_misplaced_middle_node():
-    """On an edge of length 1, dx/dxi = 4 m - 1 at the first end: negative once the middle is below 1/4."""
+    """On an edge of length 1, dx/dxi = 1 + (4 m - 2) (L0 - L1), where L0 - L1 = 1/sqrt(5) at a strain point.
+
+    Where the middle is below 1/4 the map folds at the node, which has no strain of its own.
+    """
+    limit = 0.5 - np.sqrt(5) / 4
     nodes = reference_nodes(CellType.TETRA10).copy()
-    nodes[4, 0] = 0.26
+    nodes[4, 0] = limit + 0.01
     one_cell(CellType.TETRA10, nodes)
-    nodes[4, 0] = 0.24
+    nodes[4, 0] = limit - 0.01
     with pytest.raises(MeshError, match="inverted TETRA10"):
         one_cell(CellType.TETRA10, nodes)
 

@@ -9,7 +9,7 @@ from supple.errors import MeshError
 from supple.mesh import CellType, block, box_beam, cylinder, cylinder_shell, plate, strip
 from supple.mesh.reference_cell import shape_gradients
 
-SOLIDS = [kind for kind in CellType if kind.dimension == 3]
+SOLIDS = [kind for kind in CellType if kind.n_corners in (4, 8)]
 LINEAR_SOLIDS = [CellType.TETRA4, CellType.HEXA8]
 FACES = {
     3: [[0, 1, 2]],
@@ -142,7 +142,7 @@ def test_block_has_six_tetrahedra_a_hexahedron():
 
 
 def test_block_has_no_surface_cells():
-    with pytest.raises(MeshError, match="TRIANGLE3 is not a solid cell; choose TETRA4"):
+    with pytest.raises(MeshError, match="TRIANGLE3 is no cell of this shape; choose TETRA4"):
         block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TRIANGLE3)
 
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from fixtures.solid_blocks import LINEAR, QUADRATIC, solid_block
 
 from supple.errors import ModelError
-from supple.mesh import CellType, block, box_beam, strip
+from supple.mesh import CellType, Mesh, block, box_beam, strip
+from supple.mesh.outer_faces import outer_triangles
 from supple.viz.feature_edges import feature_edges
 from supple.viz.mesh_skin import Skin, skin_of
-
-SOLIDS = [CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20]
 
 
 def area_vectors(nodes, triangles):
@@ -16,9 +16,9 @@ def area_vectors(nodes, triangles):
     return 0.5 * np.cross(b - a, c - a)
 
 
-@pytest.mark.parametrize("cell_type", SOLIDS)
+@pytest.mark.parametrize("cell_type", LINEAR + QUADRATIC)
 def test_skin_of_a_solid_is_its_closed_outward_surface(cell_type):
-    mesh = block(2.0, 1.0, 0.5, 3, 2, 2, cell_type)
+    mesh = solid_block(2.0, 1.0, 0.5, 3, 2, 2, cell_type)
     triangles = skin_of(mesh).triangles
     areas = area_vectors(mesh.nodes, triangles)
     assert np.linalg.norm(areas, axis=1).sum() == pytest.approx(2 * (2.0 * 1.0 + 2.0 * 0.5 + 1.0 * 0.5))
@@ -65,3 +65,13 @@ def test_skin_arrays_are_checked():
         Skin.of_triangles(np.empty((0, 3), dtype=int))
     with pytest.raises(ModelError, match=r"mesh lines of shape \(2, 3\) for triangles of shape \(1, 3\)"):
         Skin(np.array([[0, 1, 2]]), np.ones((2, 3), dtype=bool))
+
+
+def test_faces_between_cells_of_two_types_lie_inside():
+    """A pyramid on a hexahedron: eleven outer triangles' worth of five squares and four sides."""
+    cube = block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8)
+    top = cube.cells[CellType.HEXA8][0][list(CellType.HEXA8.faces[1])]
+    nodes = np.vstack([cube.nodes, 1.8 * cube.nodes[top].mean(axis=0) - 0.8 * cube.nodes.mean(axis=0)])
+    mesh = Mesh(nodes, {CellType.HEXA8: cube.cells[CellType.HEXA8], CellType.PYRAMID5: [[*top, 8]]})
+    assert len(skin_of(mesh).triangles) == 5 * 2 + 4
+    assert len(outer_triangles(mesh, np.arange(9))) == 5 * 2 + 4

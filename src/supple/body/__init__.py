@@ -4,6 +4,9 @@ from supple.body.body_form import *
 from supple.body.body_source import *
 from supple.body.connection_interfaces import *
 from supple.body.damping import *
+from supple.body.deck_body import *
+from supple.body.deck_modes import *
+from supple.body.deck_parts import *
 from supple.body.finite_element_body import *
 from supple.body.flexible_body import *
 from supple.body.floating_kinematics import *

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.body.deck_body import deck_connections, deck_mesh, deck_model, refuse_left_out
+from supple.body.deck_parts import named_part
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
@@ -19,10 +21,17 @@ from supple.body.nastran_body import nastran_model
 from supple.body.superelement import read_superelement
 from supple.errors import ModelError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
-from supple.importers import Connection, numbers_of, read_matrix, read_nastran
+from supple.importers import Connection, numbers_of, read_deck, read_matrix, read_nastran
 from supple.mesh import Mesh
 
-__all__ = ["BodySource", "elements_source", "labelled_matrices_source", "matrices_source", "nastran_source"]
+__all__ = [
+    "BodySource",
+    "deck_source",
+    "elements_source",
+    "labelled_matrices_source",
+    "matrices_source",
+    "nastran_source",
+]
 
 IntArray = NDArray[np.int64]
 
@@ -36,6 +45,7 @@ class BodySource:
     connections : RBE2 and RBE3 elements that may be interfaces
     numbers : node numbers of the ids of its file
     mesh, model : with elements, also of a body that is made linear; matrices have none
+    ties_itself : whether its rigid connections hold without being interfaces
     """
 
     check: Callable[[int], ModelCheck]
@@ -44,6 +54,7 @@ class BodySource:
     numbers: Callable[[IntArray], IntArray] = np.asarray
     mesh: Mesh | None = None
     model: Callable[[], FiniteElementModel] | None = None
+    ties_itself: bool = False
 
 
 def elements_source(
@@ -59,6 +70,31 @@ def elements_source(
         mesh,
         model,
     )
+
+
+def deck_source(
+    path: Path,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
+    *,
+    part: str | None = None,
+    leave_out: Sequence[str] = (),
+) -> BodySource:
+    """What a deck describes; its rigid ties hold whether or not interfaces take them.
+
+    part : as for `named_part`;  leave_out : as for `refuse_left_out`
+
+    Raises
+    ------
+    ImportFormatError   a file that cannot be read
+    ModelError          several parts; what is left out and not allowed to be
+    """
+    deck = read_deck(path)
+    refuse_left_out(deck, leave_out)
+    own = named_part(deck, part)
+    made = elements_source(
+        deck_mesh(own), lambda: deck_model(own, kinematics=kinematics), deck_connections(own)
+    )
+    return replace(made, ties_itself=True)
 
 
 def nastran_source(path: Path, kinematics: ShellKinematics = GREEN_LAGRANGE) -> BodySource:

@@ -39,6 +39,8 @@ def eliminate(
     expansion: sparse.csc_array,
     rigid_modes: FloatArray,
     last: NDArray[np.bool_],
+    *,
+    held: bool = False,
 ) -> StaticallyTied:
     """The coordinates q that constraints leave, and how all follow them.
 
@@ -46,6 +48,7 @@ def eliminate(
     ----------
     given : of nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
     last : (n,) coordinates to keep where another can be eliminated
+    held : whether they may hold the body
     Raises
     ------
     ModelError   constraints that hold the body against rigid motion
@@ -56,7 +59,8 @@ def eliminate(
     rows = sparse.csr_array(rows.multiply(1 / largest[:, None]))
     rows.data[np.abs(rows.data) < _NOTHING] = 0.0
     rows.eliminate_zeros()
-    _check_free(body, given, rows, rigid_modes)
+    if not held:
+        _check_free(body, given, rows, rigid_modes)
     rows, named = rows[np.diff(rows.indptr) > 0], _named(given, expansion)[np.diff(rows.indptr) > 0]
 
     uses = np.bincount(rows.indices, minlength=n)

@@ -48,7 +48,8 @@ class Coordinates:
     freedoms : (n,) the nodal freedom that each is, for messages; modal ones count on
     sets : the rigid pieces
     n_modal : coordinates of q0 that no node has
-    n_fixed : rotations that nothing stiffens;  n_massless : freedoms that follow statically
+    bare : nodal freedoms that have no mass and follow statically
+    n_fixed : rotations that nothing stiffens
     """
 
     whole: sparse.csc_array = field(repr=False)
@@ -57,8 +58,13 @@ class Coordinates:
     freedoms: IntArray = field(repr=False)
     sets: tuple[RigidSet, ...] = field(repr=False)
     n_modal: int = 0
+    bare: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64), repr=False)
     n_fixed: int = 0
-    n_massless: int = 0
+
+    @property
+    def n_massless(self) -> int:
+        """How many freedoms follow statically."""
+        return len(self.bare)
 
     @property
     def expansion(self) -> sparse.csc_array:
@@ -98,7 +104,7 @@ def rigid_sets(
     interfaces: Sequence[tuple[str, IntArray, FloatArray]],
     attached: Attached,
 ) -> tuple[RigidSet, ...]:
-    """Nodes that move as one with the place of the node they follow; those of interfaces stand last, in order.
+    """Nodes that move as one, and the place of the node they follow; those of interfaces last, in order.
 
     interfaces : (name, nodes, position) of rigid ones. Pieces that share a node are one piece.
 
@@ -141,12 +147,14 @@ def coordinates(
     n_interfaces: int = 0,
     n_modal: int = 0,
     tolerance: float,
+    held: bool = False,
 ) -> Coordinates:
     """The coordinates that ties, constraints, rotations without stiffness and freedoms without mass leave.
 
     n_interfaces : the last of the sets are interfaces, whose coordinates stay
     n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
     tolerance : of what counts as no mass
+    held : whether constraints may hold the body; displacements that nothing stiffens then rest as well
 
     Raises
     ------
@@ -171,19 +179,19 @@ def coordinates(
     K, M = congruent(whole, stiffness), congruent(whole, mass)
     state = _State(K, M, R, np.arange(n0), None)
     if attached.constraints is not None:
-        state = state.after(eliminate(body, attached.constraints, whole, R, last))
-    turns = np.repeat(~R[:n_threes].reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+        state = state.after(eliminate(body, attached.constraints, whole, R, last, held=held))
+    turns = np.repeat(held | ~R[:n_threes].reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
     turns = np.concatenate([turns, np.zeros(n_modal, dtype=bool)])
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.shape[1]:
         # A rigid motion of all else leaves them where they rest.
         state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still))
-    n_before = len(state.kept)
+    before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
         state = state.after(_follow_statically(body, state.K, bare))
     try:
-        motions = massless_motions(state.M, tolerance)
+        motions = massless_motions(state.M, tolerance) if len(state.kept) else np.zeros((0, 0))
         if motions.shape[1]:
             state = state.after(tie_statically(state.K, motions, ~last[state.kept]))
     except ModelError as error:
@@ -193,8 +201,8 @@ def coordinates(
         ) from None
     return Coordinates(
         *(whole, state.rest, state.R, freedoms[state.kept], sets, n_modal),
+        bare=freedoms[np.setdiff1d(before, state.kept)],
         n_fixed=still.shape[1],
-        n_massless=n_before - len(state.kept),
     )
 
 

@@ -57,7 +57,9 @@ def free_body(
     M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node, n_modal)
     K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node, n_modal)
     every = nodes if recovery is None else np.concatenate([nodes, recovery.points])
-    virtual = virtual_nodes(name, every, dofs_per_node, interfaces, node_ids)
+    pieces = [each.nodes for each in attached.rigid]
+    tied = np.concatenate(pieces) if pieces else None
+    virtual = virtual_nodes(name, every, dofs_per_node, interfaces, node_ids, tied)
     rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
     for interface, members, _ in rigid:
         if members.max() >= len(nodes):

@@ -9,18 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body.rigid_motion import nodal_rigid_modes
-from supple.fem import BeamSection, FiniteElementModel, Isotropic, ShellSection
-from supple.fem.beam2 import beam_axes
-from supple.fem.quadrature import conical_tetrahedron, gauss_cube
-from supple.mesh import CellType
+from supple.fem import (
+    Anisotropic,
+    FiniteElementModel,
+    HomogeneousSection,
+    Isotropic,
+    LaminateSection,
+    LineSection,
+    RodSection,
+    Section,
+)
+from supple.fem.beam2 import BeamLine, beam_line
+from supple.mesh import CellType, Mesh
+from supple.mesh.quadrature import product_rule
 from supple.mesh.reference_cell import shape_functions, shape_gradients
 
 __all__ = ["MassProperties", "mesh_mass_properties", "rigid_mass_properties"]
 
 FloatArray = NDArray[np.float64]
 
-# Exact for x x^T det J: degree 4 + 5 in one direction of a HEXA20, 4 + 3 in all of a TETRA10.
-_CUBE, _TETRAHEDRON = gauss_cube(5), conical_tetrahedron(4)
 _CELLS_AT_ONCE = 4096
 
 
@@ -70,26 +77,80 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
     A simplex of k corners x_a and size V has
         int 1 = V,   int x = V s / k,   int x x^T = V / (k (k + 1)) (sum_a x_a x_a^T + s s^T),   s = sum_a x_a
     Solid cells are integrated over their own map, which curves with their middle nodes. Shells count as
-    sheets and beams as lines, with the rotary inertia of their sections.
+    sheets and beams as lines through their mass centres, with the rotary inertia of their sections.
     """
     middle = model.mesh.nodes.mean(axis=0)
     total, first, second, rotary = 0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
     for section in model.sections:
-        x = section.corners(model.mesh) - middle
-        moments = _simplex_moments(x) if section.cell_type.dimension < 3 else _moments(section.cell_type, x)
-        density = _density(section.property)
-        total += density * moments[0]
-        first += density * moments[1]
-        second += density * moments[2]
-        rotary += _rotary_inertia(section.property, x)
-    arm = first / total
+        mass, about, squared, own = _moments(model.mesh, section, middle)
+        total += mass
+        first += about
+        second += squared
+        rotary += own
+    beside = model.attached.mass
+    if beside is not None:
+        added = rigid_mass_properties(beside, model.mesh.nodes, model.dofs_per_node)
+        place = added.centre - middle
+        total += added.mass
+        first += added.mass * place
+        second += added.mass * np.outer(place, place)
+        rotary += added.inertia
+    arm = first / total if total else first
     central = second - total * np.outer(arm, arm)
     return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central + rotary)
 
 
-def _moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+def _moments(
+    mesh: Mesh, section: Section, middle: FloatArray
+) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+    """Mass, int x dm, int x x^T dm and the rotary inertia (3, 3) of sections, x from `middle`."""
+    x, given = section.corners(mesh) - middle, section.property
+    match given:
+        case Isotropic() | Anisotropic():
+            volume, first, second = _solid_moments(section.cell_type, x)
+            return given.density * volume, given.density * first, given.density * second, np.zeros((3, 3))
+        case HomogeneousSection() | LaminateSection():
+            normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+            normal /= np.linalg.norm(normal, axis=1)[:, None]
+            m, offset = given.mass_per_area, given.mass_offset
+            area, first, second = _simplex_moments(x + offset * normal[:, None])
+            own = (given.rotary_inertia_per_area - m * offset**2) * area * np.eye(3)
+            return m * area, m * first, m * second, own
+        case RodSection():
+            assert given.mass_per_length is not None  # set when left out
+            length, first, second = _simplex_moments(x)
+            m = given.mass_per_length
+            return m * length, m * first, m * second, np.zeros((3, 3))
+        case _:
+            return _beam_moments(beam_line(x, given, section.directions, section.offsets), x, given)
+
+
+def _beam_moments(
+    line: BeamLine, x: FloatArray, section: LineSection
+) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+    """The same over beams between nodes x (E, 2, 3), from the inertia of the section at three places."""
+    s, weights = np.polynomial.legendre.leggauss(3)
+    s = (1 + s) / 2
+    ends = x + line.arms @ line.axes
+    total, first, second, rotary = 0.0, np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
+    for at, weight, inertia in zip(s, weights / 2, section.inertia(s), strict=True):
+        m, arm = inertia[0, 0], inertia[3:, :3]
+        centre = np.array([arm[2, 1], arm[0, 2], arm[1, 0]]) / (m or 1.0)
+        place = (1 - at) * ends[:, 0] + at * ends[:, 1] + centre @ line.axes
+        mass = weight * m * line.length
+        about_centre = inertia[3:, 3:] - m * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+        total += float(mass.sum())
+        first += mass @ place
+        second += place.T @ (mass[:, None] * place)
+        turned = line.axes.swapaxes(1, 2) @ about_centre @ line.axes
+        rotary += weight * np.einsum("e,eij->ij", line.length, turned)
+    return total, first, second, rotary
+
+
+def _solid_moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     """Volume, int x and int x x^T over solid cells (E, k, 3), by quadrature on their parent."""
-    rule = _CUBE if kind in (CellType.HEXA8, CellType.HEXA20) else _TETRAHEDRON
+    # Exact for x x^T det J: degree 4 + 5 in one direction of a HEXA20, 4 + 3 in all of a TETRA10.
+    rule = product_rule(kind, 4 if kind.n_corners == 4 else 6 if kind.n_corners == 5 else 5)
     shape, gradients = shape_functions(kind, rule.points), shape_gradients(kind, rule.points)
     volume, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
     for start in range(0, len(x), _CELLS_AT_ONCE):
@@ -109,26 +170,6 @@ def _simplex_moments(x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
     second = np.einsum("e,eai,eaj->ij", sizes, x, x, optimize=True)
     second += np.einsum("e,ei,ej->ij", sizes, s, s, optimize=True)
     return float(sizes.sum()), sizes @ s / k, second / (k * (k + 1))
-
-
-def _density(made_of: Isotropic | ShellSection | BeamSection) -> float:
-    """Mass per volume, area or length."""
-    if isinstance(made_of, Isotropic):
-        return made_of.density
-    if isinstance(made_of, BeamSection):
-        assert made_of.mass_per_length is not None  # set when left out
-        return made_of.mass_per_length
-    return made_of.mass_per_area
-
-
-def _rotary_inertia(made_of: Isotropic | ShellSection | BeamSection, x: FloatArray) -> FloatArray:
-    """Inertia (3, 3) of sections about their own middle, summed over simplices x."""
-    if isinstance(made_of, Isotropic):
-        return np.zeros((3, 3))
-    if isinstance(made_of, BeamSection):
-        axes = beam_axes(x, made_of)
-        return np.einsum("e,eki,k,ekj->ij", _sizes(x), axes, made_of.rotary_inertia_per_length, axes)
-    return made_of.rotary_inertia_per_area * _sizes(x).sum() * np.eye(3)
 
 
 def _sizes(x: FloatArray) -> FloatArray:

@@ -15,7 +15,7 @@ from scipy.spatial import KDTree
 
 from supple.algebra import lowest_modes
 from supple.body.checks import FREEDOM_NAMES, RIGID_NAMES, SYMMETRY, rigid_force_ratios
-from supple.body.coordinates import Coordinates, coordinates
+from supple.body.coordinates import Coordinates, coordinates, rigid_sets
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
@@ -103,6 +103,7 @@ def check_model(
     node_ids: NDArray[np.int64] | None = None,
     mesh_mass: MassProperties | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
+    attached: Attached | None = None,
 ) -> ModelCheck:
     """Everything to say about the nodal matrices of a body: what is wrong is a finding, not an exception.
 
@@ -114,6 +115,7 @@ def check_model(
     node_ids        : (N,) labels for messages; node numbers from 0 when omitted
     mesh_mass       : what the mass should be, from the mesh
     rigid_tolerance : largest |K R| against the forces that cancel in it
+    attached        : what ties nodes
     Returns
     -------
     ModelCheck
@@ -133,25 +135,22 @@ def check_model(
     n_modal = K.indptr.size - 1 - len(R)
     R = np.vstack([R, np.zeros((n_modal, 6))])
     properties = rigid_mass_properties(M, nodes, dofs_per_node)
-    mass_found, made = _positive_mass(nodes, M, K, labels, dofs_per_node, n_modal, rigid_tolerance)
-    of_mass = [
+    made, tied_found = _coordinates(nodes, dofs_per_node, K, M, attached, labels, rigid_tolerance)
+    findings = [
         _symmetry("stiffness", K),
         _symmetry("mass", M),
         *_mass(M, R, properties, mesh_mass, n_modal),
-        mass_found,
-    ]
-    findings = [
-        *of_mass,
+        *tied_found,
+        *_modal(K, M, n_modal),
         _grounding(K, R, labels, dofs_per_node, rigid_tolerance),
         _units(nodes, K, M, dofs_per_node, n_modal),
-        *_modal(K, M, n_modal),
     ]
     energy = _rigid_energy(K, R)
     check = ModelCheck(tuple(findings), properties, energy)
-    positive = all(f.verdict is not Verdict.REFUSED for f in of_mass)
+    positive = all(f.verdict is not Verdict.REFUSED for f in findings[:-2])
     if n_frequencies == 0 or not positive or made is None:
         return check
-    modes, n_zero, frequencies = _modes(K, M, made, n_frequencies, labels, dofs_per_node)
+    modes, n_zero, frequencies = _modes(K, M, R, n_frequencies, labels, dofs_per_node, made)
     return ModelCheck((*findings, *modes), properties, energy, n_zero, frequencies)
 
 
@@ -165,6 +164,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         n_frequencies=n_frequencies,
         node_ids=model.mesh.node_ids,
         mesh_mass=mesh_mass_properties(model),
+        attached=model.attached,
     )
     return replace(check, findings=(*check.findings, _cells_twice(model.mesh), *_middle_nodes(model.mesh)))
 
@@ -303,38 +303,53 @@ def _against_mesh(found: MassProperties, expected: MassProperties) -> Finding:
     )
 
 
-def _positive_mass(
+def _coordinates(
     nodes: FloatArray,
-    M: sparse.csc_array,
-    K: sparse.csc_array,
-    labels: NDArray[np.int64],
     dofs_per_node: int,
-    n_modal: int,
+    K: sparse.csc_array,
+    M: sparse.csc_array,
+    attached: Attached | None,
+    labels: NDArray[np.int64],
     tolerance: float,
-) -> tuple[Finding, Coordinates | None]:
-    """What is found, and the coordinates that motions without mass, or rotations without stiffness, leave."""
-    what, n = "positive mass", K.indptr.size - 1
+) -> tuple[Coordinates | None, list[Finding]]:
+    """The coordinates that ties leave, and what was found on the way."""
+    beside = Attached() if attached is None else attached
     try:
+        sets = rigid_sets("model", len(nodes), (), beside)
         made = coordinates(
-            *("model", nodes, dofs_per_node, K, M, (), Attached()), n_modal=n_modal, tolerance=tolerance
+            *("model", nodes, dofs_per_node, K, M, sets, beside),
+            n_modal=K.indptr.size - 1 - len(nodes) * dofs_per_node,
+            tolerance=tolerance,
         )
     except ModelError as error:
         remedy = (
-            "motions without mass follow the others only where they are stiff; reduce massless rotations "
-            "away (Nastran: ASET1,123), or import the mesh instead"
+            "every freedom needs mass, or stiffness by which it follows the others; give materials a density, "
+            "or reduce massless rotations away (Nastran: ASET1,123)"
         )
-        return Finding(what, str(error).removeprefix("body 'model': "), Verdict.REFUSED, remedy), None
-    gone = np.setdiff1d(np.arange(n), made.freedoms)
-    if not gone.size:
-        return Finding(what, f"all {n} eigenvalues"), made
-    of_nodes = np.unique(labels[gone[gone < n - n_modal] // dofs_per_node])
-    listed = ", ".join(str(node) for node in of_nodes[:8]) + (", ..." if len(of_nodes) > 8 else "")
-    parts = []
-    if made.n_massless:
-        parts.append(f"{made.n_massless} motions without mass follow the others statically")
+        seen = str(error).removeprefix("body 'model': ")
+        return None, [Finding("positive mass", seen, Verdict.REFUSED, remedy)]
+    found = [_positive_mass(made, M, labels, dofs_per_node)]
     if made.n_fixed:
-        parts.append(f"{made.n_fixed} rotations that nothing stiffens rest")
-    return Finding(what, f"of {n} freedoms {', '.join(parts)}, at nodes {listed}"), made
+        seen = f"{made.n_fixed} of nodes, which rest against the body"
+        found.append(Finding("rotations that nothing stiffens", seen))
+    if beside.rigid or beside.constraints is not None:
+        rows = 0 if beside.constraints is None else len(beside.constraints.labels)
+        found.append(Finding("ties within the body", f"{len(sets)} rigid pieces, {rows} constraints"))
+    return made, found
+
+
+def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np.int64], d: int) -> Finding:
+    """What carries no mass and follows the others, where anything does."""
+    n, bare = mass.indptr.size - 1, made.bare
+    if not made.n_massless:
+        return Finding("positive mass", f"all {len(made.freedoms)} eigenvalues")
+    nodes = np.unique(labels[bare[bare < len(labels) * d] // d])
+    listed = ", ".join(str(node) for node in nodes[:8]) + (", ..." if len(nodes) > 8 else "")
+    return Finding(
+        "positive mass",
+        f"all but {made.n_massless} of {n} eigenvalues; the motions without mass, at nodes {listed}, follow "
+        "the others statically",
+    )
 
 
 def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
@@ -449,10 +464,11 @@ def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[F
 def _modes(
     K: sparse.csc_array,
     M: sparse.csc_array,
-    made: Coordinates,
+    R: FloatArray,
     n_frequencies: int,
     labels: NDArray[np.int64],
     dofs_per_node: int,
+    made: Coordinates,
 ) -> tuple[list[Finding], int | None, tuple[float, ...]]:
     stiffness, mass = made.of(K), made.of(M)
     wanted = min(6 + n_frequencies, len(made.freedoms))
@@ -467,7 +483,8 @@ def _modes(
     if zero == wanted or pairs.values[-1] <= 0:
         zero = wanted
     frequencies = tuple((np.sqrt(np.maximum(pairs.values[zero:], 0)) / (2 * np.pi)).tolist())
-    found = [_zero_modes(pairs.vectors[:, :zero], mass, made, labels, dofs_per_node)]
+    rigid = made.expansion @ pairs.vectors[:, :zero]
+    found = [_zero_modes(zero, rigid, M, R, labels, dofs_per_node)]
     if frequencies:
         listed = ", ".join(f"{value:.4g}" for value in frequencies)
         found.append(Finding(LOWEST_FREQUENCIES, listed))
@@ -475,20 +492,21 @@ def _modes(
 
 
 def _zero_modes(
+    zero: int,
     vectors: FloatArray,
     M: sparse.csc_array,
-    made: Coordinates,
+    R: FloatArray,
     labels: NDArray[np.int64],
     dofs_per_node: int,
 ) -> Finding:
-    what, zero, R = "modes without energy", vectors.shape[1], made.rigid_modes
+    what = "modes without energy"
     if zero == 6:
         return Finding(what, "6, as many as a free body has")
     if zero < 6:
         return Finding(what, f"{zero} of 6", Verdict.REFUSED, "the model is held: leave its supports out")
     loads = M @ R
     rest = vectors - R @ np.linalg.solve(R.T @ loads, loads.T @ vectors)
-    row = int(made.freedoms[int(np.argmax(np.abs(rest).max(axis=1)))])
+    row = int(np.argmax(np.abs(rest).max(axis=1)))
     return Finding(
         what,
         f"{zero} of 6; the further ones move most at {_freedom(row, labels, dofs_per_node)}",

@@ -104,9 +104,7 @@ def _parts(
         yield np.flatnonzero(chosen), _tied(part, len(set_of) + own, own_arms, dofs_per_node)
 
 
-def _tied(
-    block: QuadraticStrain, virtual: IntArray, arms: FloatArray, dofs_per_node: int
-) -> QuadraticStrain:
+def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray, dofs_per_node: int) -> QuadraticStrain:
     """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not held.
 
     Solids beside shells have 3 of the 6 freedoms of their nodes, and the rotations of virtual nodes.

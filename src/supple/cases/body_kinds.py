@@ -14,6 +14,7 @@ from pydantic import Field
 from supple.body import (
     BodySource,
     RigidBody,
+    deck_source,
     elements_source,
     labelled_matrices_source,
     matrices_source,
@@ -50,7 +51,7 @@ _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 class BodyKind(CheckedTable):
-    """What a body is made of. The class says what a body of this kind has, and what its table must hold."""
+    """What a body is made of. The class states what a body of this kind has, and what its table must hold."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
     """Of its mesh file; none if it takes no mesh."""
@@ -139,6 +140,31 @@ class Nastran(ElasticKind):
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
         """The bulk data file."""
         return nastran_source(folder / mesh, _KINEMATICS[self.kinematics])
+
+
+class Abaqus(ElasticKind):
+    """The elements, materials, sections, masses and ties of an Abaqus or CalculiX input file."""
+
+    mesh_suffixes = (".inp",)
+    has_elements = True
+    has_connections = True
+
+    kinematics: Kinematics = Field(
+        "green-lagrange",
+        description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
+    )
+    part: str | None = Field(
+        None, description="the part of the deck that is this body, where it falls into several: part_1 .."
+    )
+    leave_out: tuple[str, ...] = Field(
+        (), strict=False, description="keywords of the deck that would change the body and are left out"
+    )
+
+    def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
+        """The deck."""
+        return deck_source(
+            folder / mesh, _KINEMATICS[self.kinematics], part=self.part, leave_out=self.leave_out
+        )
 
 
 class Matrices(ElasticKind):
@@ -235,6 +261,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "shell": Shell,
         "solid": Solid,
         "nastran": Nastran,
+        "abaqus": Abaqus,
         "matrices": Matrices,
         "superelement": Superelement,
         "rigid": Rigid,
@@ -245,12 +272,12 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
 
 
 def kind_of(body: Raw) -> type[BodyKind] | None:
-    """The kind of a body; None where no key tells."""
+    """The kind of a body; None without such a key."""
     return next((kind for key, kind in KINDS.items() if key in body), None)
 
 
 def is_elastic(body: Raw) -> bool:
-    """True of a body that the case builds, and may reduce; also where it does not say what it is made of."""
+    """True of a body that the case builds, and may reduce; also where no key states what it is made of."""
     kind = kind_of(body)
     return (kind is None or kind.is_elastic) and not is_explicit(body)
 

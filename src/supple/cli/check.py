@@ -45,7 +45,7 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
 
 
 def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Table:
-    """The findings of a check as a table, frequencies in Hz where the unit of time is said."""
+    """The findings of a check as a table, frequencies in Hz where the unit of time is stated."""
     hertz, factor = units.frequency_shown
     table = Table("", "what", "seen", title=words(f"Check of {name}"))
     for finding in check.findings:
@@ -66,12 +66,12 @@ def _print_lines(case: Case) -> None:
         body: Any = table.build(None, case.folder, silent).body
         lowest = body.modes.frequencies[:6] / (2 * np.pi)
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
-        told = (
+        line = (
             f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid motion "
             f"meets {body.line.rigid_force:.0e} of the forces that cancel; lowest frequencies on its support "
             f"{measured(listed, hertz)}"
         )
-        console.print(words(told))
+        console.print(words(line))
 
 
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:

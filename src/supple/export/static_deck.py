@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
-from supple.fem import FiniteElementModel, HomogeneousSection, Isotropic
+from supple.fem import Anisotropic, FiniteElementModel, HomogeneousSection, Isotropic
 from supple.fem.section import Section
 from supple.mesh import CellType, Mesh
 from supple.storage.atomic_write import replacing
@@ -30,6 +30,8 @@ CLAMPED, LOADED, EVERY_NODE = "SUPPLE_CLAMPED", "SUPPLE_LOADED", "SUPPLE_ALL"
 _SOLID_TYPES = {
     CellType.TETRA4: "C3D4",
     CellType.TETRA10: "C3D10",
+    CellType.WEDGE6: "C3D6",
+    CellType.WEDGE15: "C3D15",
     CellType.HEXA8: "C3D8",
     CellType.HEXA20: "C3D20",
 }
@@ -127,6 +129,15 @@ def _check(model: FiniteElementModel, loads: NDArray[np.float64], held: IntArray
                 "beams cannot be written: their section is known by its stiffness, not by the shape that "
                 "CalculiX needs"
             )
+        if section.cell_type.dimension == 3 and section.cell_type not in _SOLID_TYPES:
+            raise ModelError(f"{section.cell_type.name} cells cannot be written: CalculiX has none")
+        if isinstance(section.property, Anisotropic):
+            raise ModelError("an anisotropic material cannot be written; write the body's matrices instead")
+        given = section.property
+        if isinstance(given, HomogeneousSection) and (given.offset or given.added_mass):
+            raise ModelError("a wall with an offset or an added mass cannot be written; leave it out")
+        if isinstance(given, HomogeneousSection | Isotropic) and _material(section).stated_shear_modulus:
+            raise ModelError("a material with a shear modulus of its own cannot be written; leave it out")
         if not isinstance(section.property, HomogeneousSection | Isotropic):
             raise ModelError(
                 "a laminate cannot be written: its A-B-D matrix does not say the plies of a "

@@ -2,15 +2,21 @@
 
 Local axes: x along the chord, y and z those of the section. Nothing of the energy stays linear, so bending
 and torsion couple and a rigid rotation costs energy of the eighth order in its angle only.
+
+Whatever the section (coupled, tapered, its neutral axis or mass beside the chord), the stiffness of the six
+strains is the inverse of the flexibility, integrated over the forces that end loads cause: exact at rest.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.algebra.cross import cross_matrices
 from supple.errors import ModelError
-from supple.fem.beam_section import BeamSection
+from supple.fem.beam_section import MX, MY, MZ, VY, VZ, LineSection, N
 from supple.fem.mass import CellMass
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
@@ -20,102 +26,231 @@ FloatArray = NDArray[np.float64]
 # An orientation within this angle of the beam, rad, gives no axes.
 NEARLY_PARALLEL = 1e-6
 
+# Of the stiffness of released freedoms, scaled to a unit diagonal: below, they are free without a release.
+UNHELD = 1e-10
+
 # The displacement gradients of a membrane that lie in its plane (see ShellKinematics).
 IN_PLANE = (0, 1, 2, 3)
 
-# Rows of the beam's gradients: g, t, theta_1, theta_2.
-CHORD, MEAN, START, END = (slice(first, first + 3) for first in range(0, 12, 3))
+# Rows of the beam's gradients: g, t, theta_1, theta_2; with offsets also the rotations of the nodes.
+CHORD, MEAN, START, END, START_NODE, END_NODE = (slice(first, first + 3) for first in range(0, 18, 3))
 
 # The permutation symbol: (a x b)_i = EPSILON_ijk a_j b_k.
 EPSILON = np.cross(np.eye(3)[None, :], np.eye(3)[:, None]).transpose(2, 1, 0)
 
 
-def beam_axes(ends: FloatArray, section: BeamSection) -> FloatArray:
-    """Unit vectors x, y, z (E, 3, 3) of beams as rows, from their ends (E, 2, 3).
+class BeamLine(NamedTuple):
+    """Where beams run: from end to end, which rigid arms hold at the nodes.
+
+    axes : (E, 3, 3) unit vectors x, y, z as rows;  length : (E,), m
+    arms : (E, 2, 3) from the nodes to the ends in these axes, m
+    """
+
+    axes: FloatArray
+    length: FloatArray
+    arms: FloatArray
+
+    @property
+    def of_ends(self) -> FloatArray:
+        """Freedoms of the ends in the axes of the beam from those of the nodes, (E, 12, 12)."""
+        of_ends = np.zeros((len(self.axes), 12, 12))
+        for end in range(2):
+            u, theta = slice(6 * end, 6 * end + 3), slice(6 * end + 3, 6 * end + 6)
+            of_ends[:, u, u] = of_ends[:, theta, theta] = self.axes
+            of_ends[:, u, theta] = -cross_matrices(self.arms[:, end]) @ self.axes
+        return of_ends
+
+
+def beam_line(
+    nodes: FloatArray,
+    section: LineSection,
+    directions: FloatArray | None = None,
+    offsets: FloatArray | None = None,
+) -> BeamLine:
+    """Axes of beams between nodes (E, 2, 3); `directions` and `offsets` as in `Section`.
 
     Raises
     ------
-    ModelError   an orientation along the beam
+    ModelError   an orientation along the beam; ends on one point
     """
+    ends = nodes if offsets is None else nodes + offsets
     chord = ends[:, 1] - ends[:, 0]
-    x = chord / np.linalg.norm(chord, axis=1)[:, None]
-    towards = np.asarray(section.orientation) / np.linalg.norm(section.orientation)
+    length = np.linalg.norm(chord, axis=1)
+    bad = np.flatnonzero(length <= NEARLY_PARALLEL * np.linalg.norm(nodes[:, 1] - nodes[:, 0], axis=1))
+    if bad.size:
+        raise ModelError(f"the offsets of beam {bad[0]} of its section bring its ends together; correct them")
+    x = chord / length[:, None]
+    towards = np.broadcast_to(np.asarray(section.orientation) if directions is None else directions, x.shape)
     z = np.cross(x, towards)
-    sine = np.linalg.norm(z, axis=1)
+    sine = np.linalg.norm(z, axis=1) / np.maximum(np.linalg.norm(towards, axis=1), np.finfo(float).tiny)
     bad = np.flatnonzero(sine < NEARLY_PARALLEL)
     if bad.size:
         raise ModelError(
-            f"beam {bad[0]} of its section lies along the section's orientation {section.orientation}; "
+            f"beam {bad[0]} of its section lies along the section's orientation {towards[bad[0]]}; "
             "give a direction across the beam"
         )
-    z = z / sine[:, None]
-    return np.stack([x, np.cross(z, x), z], axis=1)
+    z = z / np.linalg.norm(z, axis=1)[:, None]
+    axes = np.stack([x, np.cross(z, x), z], axis=1)
+    arms = np.zeros_like(nodes) if offsets is None else offsets @ axes.swapaxes(1, 2)
+    return BeamLine(axes, length, arms)
 
 
 def beam_strain(
-    ends: FloatArray,
+    line: BeamLine,
     dofs: NDArray[np.int64],
-    section: BeamSection,
+    section: LineSection,
     kinematics: ShellKinematics = GREEN_LAGRANGE,
+    released: NDArray[np.bool_] | None = None,
 ) -> QuadraticStrain:
     """Strain arrays of beams between nodes with six freedoms.
 
-    With g = (u_2 - u_1) / L, t = (theta_1 + theta_2) / 2 and phi the shear flexibility, in local axes:
+    With g = (u_2 - u_1) / L, t = (theta_1 + theta_2) / 2 of the ends, in local axes:
 
-        eps = g_x + 1/2 g.g                                                  E A L
-        k   = theta_2 - theta_1 - 1/2 theta_1 x theta_2                      (G J, E I2, E I1) / L
-        m_y = t_y + g_z + 1/3 (g_x t_y - t_x g_y) - 1/6 t_x t_z              12 E I2 / (L (1 + phi))
-        m_z = t_z - g_y + 1/3 (g_x t_z - t_x g_z) + 1/6 t_x t_y              12 E I1 / (L (1 + phi))
+        eps = g_x + 1/2 g.g
+        k   = theta_2 - theta_1 - 1/2 theta_1 x theta_2
+        m_y = t_y + g_z + 1/3 (g_x t_y - t_x g_y) - 1/6 t_x t_z
+        m_z = t_z - g_y + 1/3 (g_x t_z - t_x g_z) + 1/6 t_x t_y
 
     k is the rotation of one end against the other, log(R_1^T R_2); m_y and m_z are the rotation of the
     sections against the chord. All to second order; 1/3 and 1/6 are the factors that leave a rigid rotation
-    no third order either. The stiffness at rest is exact for end loads (cubic deflection, constant shear).
+    no third order either. Their stiffness: `chord_stiffness`; of a section with its axes in their middle it
+    is E A L of eps, (G J, E I2, E I1) / L of k, 12 E I / (L (1 + phi)) of m, phi the shear flexibility.
+
+    An end on an arm o moves by u + theta x o + 1/2 theta x (theta x o); a rigid rotation then keeps strains
+    of third order, as beside a rigid interface. Released freedoms follow the others as the linear stiffness
+    says, which makes the energy right up to its third order and the force to its second.
 
     Parameters
     ----------
-    ends : float array (E, 2, 3)    positions of the nodes
-    dofs : int array (E, 12)        ux uy uz rx ry rz of either node
+    dofs : int array (E, 12)    ux uy uz rx ry rz of either node
     kinematics : ShellKinematics
         one without gradients in the plane (VON_KARMAN) is for small rotations: only the slopes of the chord
         enter, in eps, and k and m stay linear
+    released : bool array (E, 12) or None       as in `Section`
     Source: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), eq. (5.116), the stiffness at
     rest; the quadratic terms: docs/theory/quadratic_strain.md.
     """
-    axes = beam_axes(ends, section)
-    L = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    gradient = _gradients(axes, L)
+    L = line.length
+    gradient = _gradients(L)
     linear = np.zeros((len(L), 6, 12))
     linear[:, 0] = gradient[:, 0]
     linear[:, 1:4] = gradient[:, END] - gradient[:, START]
     linear[:, 4] = gradient[:, 4] + gradient[:, 2]
     linear[:, 5] = gradient[:, 5] - gradient[:, 1]
+    D = chord_stiffness(L, section)
+    of_ends = line.of_ends
+    ends = of_ends
+    if released is not None and released.any():
+        D, following = _condensed(D, linear, released)
+        ends = following @ of_ends
+    large = set(IN_PLANE) <= set(kinematics.gradients)
+    form = _large_rotation_form() if large else _chord_slope_form()
+    gradient = gradient @ ends
+    if large and line.arms.any():
+        gradient = np.concatenate([gradient, of_ends[:, 3:6], of_ends[:, 9:]], axis=1)
+        form = _with_arms(form, line)[:, None]
     return QuadraticStrain(
         dofs=dofs,
-        B=linear[:, None],
+        B=(linear @ ends)[:, None],
         G=gradient[:, None],
-        N=_large_rotation_form() if set(IN_PLANE) <= set(kinematics.gradients) else _chord_slope_form(),
-        D=_section_stiffness(L, section),
+        N=form,
+        D=D,
         w=np.ones((len(L), 1)),
     )
 
 
-def beam_mass(ends: FloatArray, nodes: NDArray[np.int64], section: BeamSection) -> CellMass:
-    """Consistent mass of beams with linear shape functions: m L/6 (1 + delta_ab), rotary inertia likewise."""
-    axes = beam_axes(ends, section)
-    L = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    pattern = L[:, None, None] / 6 * (1 + np.eye(2))
-    inertia = axes.swapaxes(1, 2) @ (section.rotary_inertia_per_length[:, None] * axes)
-    return CellMass(nodes, section.mass_per_length * pattern, pattern, inertia)
+def chord_stiffness(L: FloatArray, section: LineSection) -> FloatArray:
+    """Stiffness (E, 6, 6) of eps, k, m_y, m_z: inverse of the flexibility of the forces Q on them.
+
+        N = Q_1 / L,  M_x = Q_2,  M_y = Q_3 + xi Q_5,  M_z = Q_4 + xi Q_6,  V_z = Q_5 / L,  V_y = -Q_6 / L
+
+    with xi from -1/2 to 1/2 along the beam: what equilibrium leaves of a beam that is loaded at its ends.
+    What the section does not carry has no stiffness.
+    """
+    # Exact for a constant section; the flexibility of a tapered one is a smooth, not a polynomial.
+    xi, weights = np.polynomial.legendre.leggauss(2 if section.second is None else 12)
+    xi, weights = xi / 2, weights / 2
+    even, by_length = np.zeros((len(xi), 6, 6)), np.zeros((6, 6))
+    even[:, MX, 1] = even[:, MY, 2] = even[:, MZ, 3] = 1.0
+    even[:, MY, 4] = even[:, MZ, 5] = xi
+    by_length[N, 0] = by_length[VZ, 4] = 1.0
+    by_length[VY, 5] = -1.0
+    weighted = weights[:, None, None] * section.flexibility(xi + 0.5)
+    moments = (even.swapaxes(1, 2) @ weighted @ even).sum(axis=0)
+    mixed = (even.swapaxes(1, 2) @ weighted @ by_length).sum(axis=0)
+    forces = by_length.T @ weighted.sum(axis=0) @ by_length
+    length = L[:, None, None]
+    flexibility = length * moments + (mixed + mixed.T) + forces / length
+    carried = section.carried[[N, MX, MY, MZ, MY, MZ]]
+    D = np.zeros((len(L), 6, 6))
+    D[:, np.flatnonzero(carried)[:, None], carried] = np.linalg.inv(flexibility[:, carried][:, :, carried])
+    return D
 
 
-def _gradients(axes: FloatArray, L: FloatArray) -> FloatArray:
-    """g, t, theta_1, theta_2 in local axes by element freedoms, (E, 12, 12)."""
+def beam_mass(line: BeamLine, nodes: NDArray[np.int64], section: LineSection) -> CellMass:
+    """Consistent mass of beams with linear shape functions: m L/6 (1 + delta_ab), rotary inertia likewise.
+
+    The mass of released freedoms stays with their nodes.
+    """
+    s, weights = np.polynomial.legendre.leggauss(2)
+    s, weights = (1 + s) / 2, weights / 2
+    shape = np.stack([1 - s, s], axis=1)
+    inertia = section.inertia(s)
+    of_length = np.einsum("p,pa,pb,pij->aibj", weights, shape, shape, inertia).reshape(12, 12)
+    of_ends = line.of_ends
+    mass = line.length[:, None, None] * (of_ends.swapaxes(1, 2) @ of_length @ of_ends)
+    translational = line.length[:, None, None] * of_length[::6, ::6]
+    mass.reshape(-1, 2, 6, 2, 6)[:, :, np.arange(3), :, np.arange(3)] -= translational
+    return CellMass(nodes, translational, coupled=mass)
+
+
+def _gradients(L: FloatArray) -> FloatArray:
+    """g, t, theta_1, theta_2 from the freedoms of the ends, all in local axes, (E, 12, 12)."""
     gradient = np.zeros((len(L), 12, 12))
-    by_length = axes / L[:, None, None]
+    eye = np.eye(3)
+    by_length = eye / L[:, None, None]
     gradient[:, CHORD, :3], gradient[:, CHORD, 6:9] = -by_length, by_length
-    gradient[:, MEAN, 3:6] = gradient[:, MEAN, 9:] = axes / 2
-    gradient[:, START, 3:6] = gradient[:, END, 9:] = axes
+    gradient[:, MEAN, 3:6] = gradient[:, MEAN, 9:] = eye / 2
+    gradient[:, START, 3:6] = gradient[:, END, 9:] = eye
     return gradient
+
+
+def _condensed(
+    D: FloatArray, linear: FloatArray, released: NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
+    """Stiffness (E, 6, 6) without the released freedoms, and how all freedoms of the ends follow (E, 12, 12).
+
+    With C the linear strains of the released freedoms, which take the value of least energy:
+        D - D C (C^T D C)^+ C^T D,   1 - (C^T D C)^+ C^T D B
+    """
+    free = linear * released[:, None]
+    stress = D @ free
+    K = free.swapaxes(1, 2) @ stress
+    diagonal = np.einsum("eii->ei", K)
+    scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
+    scaled = scale[:, :, None] * K * scale[:, None]
+    inverse = scale[:, :, None] * np.linalg.pinv(scaled, rcond=UNHELD, hermitian=True) * scale[:, None]
+    gain = inverse @ stress.swapaxes(1, 2)
+    return D - stress @ gain, np.eye(12) - gain @ linear
+
+
+def _with_arms(form: FloatArray, line: BeamLine) -> FloatArray:
+    """N (E, 6, 18, 18) with the second order of the arms, 1/2 theta x (theta x o) / L, in the chord's g.
+
+    theta x (theta x o) = theta (theta . o) - o (theta . theta)
+    """
+    full = np.zeros((len(line.length), 6, 18, 18))
+    full[:, :, :12, :12] = form
+    eye = np.eye(3)
+    for end, sign, of_node in ((0, -1.0, START_NODE), (1, 1.0, END_NODE)):
+        o = sign * line.arms[:, end] / line.length[:, None]
+        # Twice 1/2 theta x (theta x o), as a symmetric form of theta: (E, component, 3, 3).
+        turned = 0.5 * (np.einsum("ij,ek->eijk", eye, o) + np.einsum("ik,ej->eijk", eye, o))
+        turned -= np.einsum("ei,jk->eijk", o, eye)
+        full[:, 0, of_node, of_node] += turned[:, 0]
+        full[:, 4, of_node, of_node] += turned[:, 2]
+        full[:, 5, of_node, of_node] -= turned[:, 1]
+    return full
 
 
 def _large_rotation_form() -> FloatArray:
@@ -135,17 +270,3 @@ def _chord_slope_form() -> FloatArray:
     form = np.zeros((6, 12, 12))
     form[0, [1, 2], [1, 2]] = 1
     return form
-
-
-def _section_stiffness(L: FloatArray, section: BeamSection) -> FloatArray:
-    """Stiffness (E, 6, 6) of eps, k, m_y, m_z, diagonal in the section's axes."""
-    E, G = section.material.youngs_modulus, section.material.shear_modulus
-    D = np.zeros((len(L), 6, 6))
-    D[:, 0, 0] = E * section.area * L
-    D[:, 1, 1] = G * section.J / L
-    # I2 bends about y, I1 about z.
-    for moment, factor, bent, mismatch in ((section.I2, section.K2, 2, 4), (section.I1, section.K1, 3, 5)):
-        phi = 12 * E * moment / (factor * G * section.area * L**2) if factor else np.zeros_like(L)
-        D[:, bent, bent] = E * moment / L
-        D[:, mismatch, mismatch] = 12 * E * moment / (L * (1 + phi))
-    return D

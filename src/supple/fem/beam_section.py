@@ -98,11 +98,6 @@ class BeamSection:
         object.__setattr__(self, "orientation", _direction(self.orientation))
 
     @property
-    def rotary_inertia_per_length(self) -> FloatArray:
-        """Inertia about the section's axes x, y, z (3,), kg m."""
-        return self.material.density * np.array([self.I1 + self.I2, self.I2, self.I1])
-
-    @property
     def carried(self) -> NDArray[np.bool_]:
         """Which of N, V_y, V_z, M_x, M_y, M_z the section carries; the others are zero."""
         ends = (self, self.second or self)
@@ -175,7 +170,8 @@ class CoupledBeamSection:
 
     def flexibility(self, places: FloatArray) -> FloatArray:
         """Strains and curvatures (p, 6, 6) by forces and moments, at fractions (p,) of the length."""
-        return np.linalg.inv(_between(self.stiffness, (self.second or self).stiffness, places))
+        stiffness = _between(self.stiffness, (self.second or self).stiffness, places)
+        return np.linalg.inv(stiffness).astype(np.float64)
 
     def inertia(self, places: FloatArray) -> FloatArray:
         """Mass per length (p, 6, 6) of the motion of the axis, at fractions (p,) of the length."""
@@ -238,6 +234,7 @@ def _flexibility(section: BeamSection) -> FloatArray:
 
 def _inertia(section: BeamSection) -> FloatArray:
     mass, I1, I2 = section.mass_per_length, section.I1, section.I2
+    assert mass is not None  # set when left out
     arm = cross_matrix(np.array([0.0, *section.mass_centre]))
     if section.rotary is None:
         moments = np.array([[I1 + I2, 0, 0], [0, I2, -section.I12], [0, -section.I12, I1]])
@@ -248,7 +245,7 @@ def _inertia(section: BeamSection) -> FloatArray:
 
 
 def _between(first: FloatArray, second: FloatArray, places: FloatArray) -> FloatArray:
-    return first + np.asarray(places)[:, None, None] * (second - first)
+    return first + places[:, None, None] * (second - first)
 
 
 def _direction(given: ArrayLike) -> FloatArray:

@@ -33,5 +33,8 @@ def green_lagrange_form(n_components: int, strains: tuple[tuple[int, int], ...])
     return form
 
 
-SOLID_FORM = green_lagrange_form(3, ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)))
+VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+"""Order of the components of a symmetric tensor: xx, yy, zz, yz, xz, xy."""
+
+SOLID_FORM = green_lagrange_form(3, VOIGT)
 """N (6, 9, 9) of a solid: strains xx, yy, zz, yz, xz, xy; gradients u,x u,y u,z v,x ... w,z."""

@@ -8,8 +8,14 @@ Right-handed rotations: beta_x = ry, beta_y = -rx. Along a side of direction s t
 the slope at the middle mean(beta) - 3/2 s m, with the mismatch m = dw/l + s.mean(beta) of Kirchhoff's
 condition.
 
-Source: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, "A study of three-node triangular plate bending elements",
-Int. J. Numer. Methods Eng. 15 (1980) 1771-1812.
+A wall that shears (discrete Kirchhoff-Mindlin triangle, DKMT) divides the mismatch of a side as a beam along
+it does: with phi = 12 D / (H l^2) its bending takes m / (1 + phi), its transverse shear m phi / (1 + phi).
+With a rigid wall, phi = 0, it is the DKT; so nothing locks, however thin.
+
+Sources: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, "A study of three-node triangular plate bending elements",
+Int. J. Numer. Methods Eng. 15 (1980) 1771-1812; I. Katili, "A new discrete Kirchhoff-Mindlin element based on
+Mindlin-Reissner plate theory and assumed shear strain fields, part I: an extended DKT element for thick-plate
+bending analysis", Int. J. Numer. Methods Eng. 36 (1993) 1859-1883.
 """
 
 from __future__ import annotations
@@ -25,14 +31,18 @@ FloatArray = NDArray[np.float64]
 MIDSIDES = 0.5 * np.array([[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]])
 CENTRE = np.full((1, 3), 1 / 3)
 
+# Sides that meet at each corner.
+AT_CORNER = [0, 1, 2], [2, 0, 1]
 
-def curvature(xy: FloatArray, points: FloatArray) -> FloatArray:
+
+def curvature(xy: FloatArray, points: FloatArray, phi: FloatArray) -> FloatArray:
     """Curvatures beta_x,x  beta_y,y  beta_x,y + beta_y,x, linear over each triangle.
 
     Parameters
     ----------
     xy : float array (E, 3, 2)      corners, counter-clockwise
     points : float array (p, 3)     area coordinates
+    phi : float array (E, 3)        shear flexibility of the sides, zero where shear is rigid
     Returns
     -------
     float array (E, p, 3, 12)       curvature xx, yy, xy (twice the twist) from rx ry of the three corners,
@@ -40,10 +50,51 @@ def curvature(xy: FloatArray, points: FloatArray) -> FloatArray:
                                     the side is its mismatch
     """
     gradients = _quadratic_gradients(xy, points)
-    slopes = _slopes(xy)
+    slopes = _slopes(xy, phi)
     by_x = np.einsum("epm,emcn->epcn", gradients[..., 0], slopes)
     by_y = np.einsum("epm,emcn->epcn", gradients[..., 1], slopes)
     return np.stack([by_x[:, :, 0], by_y[:, :, 1], by_y[:, :, 0] + by_x[:, :, 1]], axis=2)
+
+
+def linear_curvature(xy: FloatArray) -> FloatArray:
+    """Curvature (E, 3, 12) of slopes that are linear between the corners; columns as of `curvature`."""
+    by_x, by_y = np.moveaxis(linear_gradients(xy), 2, 0)
+    found = np.zeros((len(xy), 3, 12))
+    rx, ry = slice(0, 6, 2), slice(1, 6, 2)
+    found[:, 0, ry], found[:, 1, rx] = by_x, -by_y
+    found[:, 2, ry], found[:, 2, rx] = by_y, -by_x
+    return found
+
+
+def side_shear_flexibility(xy: FloatArray, bending: FloatArray, shear: FloatArray | None) -> FloatArray:
+    """Phi (E, 3) = 12 D_s / (H_s l^2) of the sides 12, 23, 31, stiffnesses in their directions.
+
+    bending : (3, 3) of a wall that is free to stretch, N m;  shear : (2, 2), N/m; None where it is rigid
+    """
+    if shear is None:
+        return np.zeros((len(xy), 3))
+    side = xy[:, NEXT] - xy
+    squared_length = (side**2).sum(axis=2)
+    s = side_directions(xy)
+    bent = np.stack([s[..., 0] ** 2, s[..., 1] ** 2, 2 * s[..., 0] * s[..., 1]], axis=-1)
+    D = np.einsum("eki,ij,ekj->ek", bent, bending, bent)
+    return 12 * D / (np.einsum("eki,ij,ekj->ek", s, shear, s) * squared_length)
+
+
+def transverse_shear(xy: FloatArray, points: FloatArray, phi: FloatArray) -> FloatArray:
+    """Transverse shear strains xz, yz (E, p, 2, 12), linear over each triangle; columns as of `curvature`.
+
+    Along a side its tangential part is phi / (1 + phi) times the mismatch; at a corner both sides give it.
+    """
+    s = side_directions(xy)
+    share = (phi / (1 + phi))[..., None] * s
+    at_corners = np.zeros((len(xy), 3, 2, 12))
+    for corner, (one, other) in enumerate(zip(*AT_CORNER, strict=True)):
+        from_sides = np.linalg.inv(s[:, [one, other]])
+        for place, side in enumerate((one, other)):
+            columns = slice(6 + 2 * side, 8 + 2 * side)
+            at_corners[:, corner, :, columns] = from_sides[:, :, place, None] * share[:, side, None]
+    return np.einsum("pc,ecin->epin", points, at_corners)
 
 
 def side_directions(xy: FloatArray) -> FloatArray:
@@ -61,7 +112,7 @@ def _quadratic_gradients(xy: FloatArray, points: FloatArray) -> FloatArray:
     return np.concatenate([corners, midsides], axis=2)
 
 
-def _slopes(xy: FloatArray) -> FloatArray:
+def _slopes(xy: FloatArray, phi: FloatArray) -> FloatArray:
     """Slopes beta (E, 6, 2, 12) at the six points of the quadratic interpolation; columns of `curvature`."""
     slopes = np.zeros((len(xy), 6, 2, 12))
     corner = np.arange(3)
@@ -69,7 +120,7 @@ def _slopes(xy: FloatArray) -> FloatArray:
     slopes[:, corner, 1, 2 * corner] = -1
     slopes[:, 3:] = 0.5 * (slopes[:, :3] + slopes[:, NEXT])
     s = side_directions(xy)
-    along = -1.5 * s[..., :, None] * s[..., None, :]
+    along = (-1.5 / (1 + phi))[..., None, None] * s[..., :, None] * s[..., None, :]
     for side in range(3):
         slopes[:, 3 + side, :, 6 + 2 * side : 8 + 2 * side] = along[:, side]
     return slopes

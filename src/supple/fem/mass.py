@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, kron
 
+from supple.algebra.cross import cross_matrices
 from supple.algebra.narrow_indices import narrow_indices
 from supple.fem.shell_section import ShellSection
 
@@ -24,25 +25,26 @@ class CellMass:
     ----------
     nodes : int array (E, k)
     translational : float array (E, k, k)       kg
-    rotary : float array (E, k, k) or None      kg m^2, on the rotations of shells; m, on those of beams
-    rotary_inertia : float array (E, 3, 3) or None
-        kg m, of beams: the rotary part couples rotations of nodes a and b by rotary_ab * rotary_inertia; the
-        identity (shells) when None
+    rotary : float array (E, k, k) or None      kg m^2, the same on all rotations, as of shells
+    coupled : float array (E, 6 k, 6 k) or None
+        what else there is, of all freedoms of the nodes: rotary inertia of beams, mass beside the nodes
     """
 
     nodes: NDArray[np.int64]
     translational: FloatArray
     rotary: FloatArray | None = None
-    rotary_inertia: FloatArray | None = None
+    coupled: FloatArray | None = None
 
     def lumped(self) -> CellMass:
         """Diagonal mass with the same total: the consistent diagonal, scaled.
 
         Source: E. Hinton, T. Rock, O. C. Zienkiewicz, "A note on mass lumping", Earthq. Eng. Struct. Dyn. 4
-        (1976) 245-249. Unlike row sums it stays positive on quadratic cells.
+        (1976) 245-249. Unlike row sums it stays positive on quadratic cells. Of what is coupled each node
+        keeps the row sums of its rotations.
         """
         rotary = None if self.rotary is None else _scaled_diagonal(self.rotary)
-        return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, self.rotary_inertia)
+        coupled = None if self.coupled is None else _rotations_alone(self.coupled)
+        return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, coupled)
 
 
 def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSection) -> CellMass:
@@ -50,37 +52,47 @@ def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSect
 
         m_ab = (mass per area) A/12 (1 + delta_ab),   and the same with the rotary inertia on all rotations
 
-    The rotary inertia acts on all three rotations: drilling has none physically, but M must be positive
-    definite and independent of the element's axes.
+    The rotary inertia about the mass centre acts on all three rotations: drilling has none physically, but M
+    must be positive definite and independent of the element's axes. A mass centre beside the nodes couples
+    translations and rotations.
     """
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normal, axis=1)
     pattern = area[:, None, None] / 12 * (1 + np.eye(3))
-    return CellMass(nodes, section.mass_per_area * pattern, section.rotary_inertia_per_area * pattern)
+    mass, offset = section.mass_per_area, section.mass_offset
+    about_centre = section.rotary_inertia_per_area - mass * offset**2
+    coupled = None
+    if mass and offset:
+        arm = cross_matrices(normal * (offset / (2 * area))[:, None])
+        block = np.zeros((len(nodes), 6, 6))
+        block[:, :3, 3:], block[:, 3:, :3], block[:, 3:, 3:] = -arm, arm, -arm @ arm
+        coupled = (mass * pattern[:, :, None, :, None] * block[:, None, :, None]).reshape(-1, 18, 18)
+    return CellMass(nodes, mass * pattern, about_centre * pattern, coupled)
 
 
 def mass_matrix(masses: tuple[CellMass, ...], n_nodes: int, dofs_per_node: int) -> csc_array:
-    """Mass matrix of all nodal freedoms (n, n), kg and kg m^2; translations and rotations do not couple."""
+    """Mass matrix of all nodal freedoms (n, n), kg, kg m and kg m^2."""
     translations = np.diag(np.arange(dofs_per_node) < 3).astype(float)
     if not masses:
         return csc_array((n_nodes * dofs_per_node,) * 2)
     matrix = kron(_between_nodes([(m.nodes, m.translational) for m in masses], n_nodes), translations)
-    rotary = [(m.nodes, m.rotary) for m in masses if m.rotary is not None and m.rotary_inertia is None]
+    rotary = [(m.nodes, m.rotary) for m in masses if m.rotary is not None]
     if rotary:
         matrix = matrix + kron(_between_nodes(rotary, n_nodes), np.eye(dofs_per_node) - translations)
-    beams = [
-        (m.nodes, m.rotary, m.rotary_inertia)
+    coupled = [
+        ((6 * m.nodes[:, :, None] + np.arange(6)).reshape(len(m.nodes), -1), m.coupled)
         for m in masses
-        if m.rotary is not None and m.rotary_inertia is not None
+        if m.coupled is not None
     ]
-    for i, j in np.ndindex(3, 3) if beams else ():
-        parts = [(nodes, values * inertia[:, i, j, None, None]) for nodes, values, inertia in beams]
-        place = coo_array(([1.0], ([3 + i], [3 + j])), shape=(6, 6))
-        matrix = matrix + kron(_between_nodes(parts, n_nodes), place)
+    if coupled:
+        more = _between_nodes(coupled, 6 * n_nodes)
+        more.eliminate_zeros()
+        matrix = matrix + more
     return narrow_indices(csc_array(matrix))
 
 
 def _between_nodes(parts: list[tuple[NDArray[np.int64], FloatArray]], n_nodes: int) -> csc_array:
+    """Sums of matrices (E, k, k) between nodes (E, k)."""
     rows = np.concatenate([np.repeat(nodes, nodes.shape[1], axis=1).ravel() for nodes, _ in parts])
     columns = np.concatenate([np.tile(nodes, nodes.shape[1]).ravel() for nodes, _ in parts])
     data = np.concatenate([values.ravel() for _, values in parts])
@@ -91,3 +103,13 @@ def _scaled_diagonal(mass: FloatArray) -> FloatArray:
     diagonal = np.einsum("ekk->ek", mass)
     scaled = diagonal * (mass.sum(axis=(1, 2)) / diagonal.sum(axis=1))[:, None]
     return scaled[:, :, None] * np.eye(mass.shape[1])
+
+
+def _rotations_alone(coupled: FloatArray) -> FloatArray:
+    """Row sums of the rotations (3, 3) of each node, in matrices (E, 6 k, 6 k)."""
+    k = coupled.shape[1] // 6
+    sums = coupled.reshape(-1, k, 6, k, 6)[:, :, 3:, :, 3:].sum(axis=3)
+    alone = np.zeros((len(coupled), k, 6, k, 6))
+    each = np.arange(k)
+    alone[:, each, 3:, each, 3:] = sums.swapaxes(0, 1)
+    return alone.reshape(coupled.shape)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import chain
 
@@ -15,21 +15,18 @@ from scipy.sparse import csc_array
 from supple.arguments import check_instance
 from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
-from supple.fem.beam2 import beam_mass, beam_strain
-from supple.fem.beam_section import BeamSection
-from supple.fem.hexa8 import HEXA8_ELEMENT
-from supple.fem.hexa20 import HEXA20_ELEMENT
+from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
+from supple.fem.beam_section import LineSection, RodSection
 from supple.fem.mass import CellMass, mass_matrix, shell_mass
-from supple.fem.material import Isotropic
+from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
+from supple.fem.rod2 import rod_mass, rod_strain
 from supple.fem.section import Section, sections
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import shell_triangle
-from supple.fem.solid_element import solid_mass, solid_strain
-from supple.fem.tetra4 import TETRA4_ELEMENT
-from supple.fem.tetra10 import TETRA10_ELEMENT
+from supple.fem.solid_element import SOLID_ELEMENTS, solid_mass, solid_strain
 from supple.mesh import CellType, Mesh, MeshPart
 
 __all__ = [
@@ -41,10 +38,6 @@ __all__ = [
     "shell_model",
     "solid_model",
 ]
-
-SOLID_ELEMENTS = {
-    element.cell_type: element for element in (TETRA4_ELEMENT, TETRA10_ELEMENT, HEXA8_ELEMENT, HEXA20_ELEMENT)
-}
 
 CELLS_AT_ONCE = 4096
 """Whose stiffness is made and summed at one time: some 100 MB of quadratic solids."""
@@ -73,7 +66,7 @@ class FiniteElementModel:
     stiffness: csc_array
     rotation_limit: float
     kinematics: ShellKinematics = GREEN_LAGRANGE
-    attached: Attached = Attached()
+    attached: Attached = field(default_factory=Attached)
 
     @property
     def n_dofs(self) -> int:
@@ -101,7 +94,7 @@ class FiniteElementModel:
 
 def shell_model(
     mesh: Mesh,
-    section: ShellSection | BeamSection | Mapping[str, ShellSection | BeamSection],
+    section: ShellSection | LineSection | Mapping[str, ShellSection | LineSection],
     *,
     kinematics: ShellKinematics = GREEN_LAGRANGE,
 ) -> FiniteElementModel:
@@ -110,7 +103,7 @@ def shell_model(
     Parameters
     ----------
     mesh : Mesh                         of TRIANGLE3 and LINE2 cells
-    section : ShellSection (triangles) or BeamSection (lines), or {cell set: either}, every cell in one set
+    section : ShellSection (triangles) or LineSection (lines), or {cell set: either}, every cell in one set
     kinematics : ShellKinematics     GREEN_LAGRANGE, or VON_KARMAN for flat structures
 
     Raises
@@ -128,18 +121,20 @@ def shell_model(
     return _shell_model(mesh, given, kinematics)
 
 
-def solid_model(mesh: Mesh, material: Isotropic | Mapping[str, Isotropic]) -> FiniteElementModel:
-    """Model of a mesh of tetrahedra and hexahedra as a solid of finite (Green-Lagrange) strain.
+def solid_model(
+    mesh: Mesh, material: Isotropic | Anisotropic | Mapping[str, Isotropic | Anisotropic]
+) -> FiniteElementModel:
+    """Model of a mesh of solid cells as a solid of finite (Green-Lagrange) strain.
 
     Parameters
     ----------
-    mesh : Mesh                     of TETRA4, TETRA10, HEXA8 or HEXA20 cells, also mixed
-    material : Isotropic, or {cell set name: Isotropic} with every cell in just one set
+    mesh : Mesh                     of solid cells, linear or quadratic, also mixed
+    material : Isotropic or Anisotropic, or {cell set name: either} with every cell in just one set
 
     Raises
     ------
     ModelError   triangles; cells without a material or with two
-    MeshError    unknown cell set; a curved cell that turns over
+    MeshError    unknown cell set
     """
     given = sections(mesh, material)
     return _solid_model(mesh, given)
@@ -168,7 +163,7 @@ def finite_element_model(
     """
     for section in given:
         (_check_solid if section.cell_type.dimension == 3 else partial(_check_shell, mesh))(section)
-    turns = any(section.cell_type.dimension < 3 for section in given)
+    turns = any(section.turns_nodes() for section in given)
     limit = kinematics.rotation_limit if turns else float("inf")
     return _model(
         mesh, dofs_per_node or (6 if turns else 3), given, limit, kinematics, attached or Attached()
@@ -232,7 +227,7 @@ def _solid_model(mesh: Mesh, given: tuple[Section, ...]) -> FiniteElementModel:
 def _check_shell(mesh: Mesh, section: Section) -> None:
     given = section.property
     if section.cell_type is CellType.LINE2:
-        if not isinstance(given, BeamSection):
+        if not isinstance(given, LineSection | RodSection):
             raise ModelError(f"lines need a BeamSection, not {type(given).__name__}; give their cell set one")
         return
     if section.cell_type is not CellType.TRIANGLE3:
@@ -254,22 +249,34 @@ def _check_solid(section: Section) -> None:
             f"a solid model takes {', '.join(kind.name for kind in SOLID_ELEMENTS)} cells; the mesh has "
             f"{section.cell_type.name}. Use shell_model for triangles"
         )
-    if not isinstance(section.property, Isotropic):
+    if not isinstance(section.property, Isotropic | Anisotropic):
         raise ModelError(f"a solid needs an Isotropic material, not {type(section.property).__name__}")
 
 
-def _block(
-    mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_node: int
-) -> QuadraticStrain:
+def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_node: int) -> QuadraticStrain:
     """The elements of a section that was checked."""
     given, corners, nodes = section.property, section.corners(mesh), section.nodes(mesh)
-    if isinstance(given, BeamSection):
-        return beam_strain(corners, nodal_freedoms(nodes, 6), given, kinematics)
-    if isinstance(given, Isotropic):
-        ids = mesh.cell_ids[section.cell_type][section.cells]
-        element = SOLID_ELEMENTS[section.cell_type]
-        return solid_strain(element, corners, nodal_freedoms(nodes, dofs_per_node, 3), given, ids)
-    return shell_triangle(corners, nodal_freedoms(nodes, 6), given, kinematics)
+    if isinstance(given, LineSection):
+        line = line_of(mesh, section)
+        return beam_strain(line, nodal_freedoms(nodes, 6), given, kinematics, section.released)
+    if isinstance(given, RodSection):
+        own = None if section.turns_nodes() else 3
+        return rod_strain(corners, nodal_freedoms(nodes, dofs_per_node, own), given)
+    if isinstance(given, Isotropic | Anisotropic):
+        return solid_strain(
+            SOLID_ELEMENTS[section.cell_type],
+            corners,
+            nodal_freedoms(nodes, dofs_per_node, 3),
+            given,
+            section.directions,
+        )
+    return shell_triangle(corners, nodal_freedoms(nodes, 6), given, kinematics, section.directions)
+
+
+def line_of(mesh: Mesh, section: Section) -> BeamLine:
+    """Axes of the beams of a section."""
+    assert isinstance(section.property, LineSection)
+    return beam_line(section.corners(mesh), section.property, section.directions, section.offsets)
 
 
 def _portions(given: tuple[Section, ...]) -> Iterator[Section]:
@@ -313,9 +320,11 @@ def _cell_masses(mesh: Mesh, given: tuple[Section, ...]) -> tuple[CellMass, ...]
 
 def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     corners, nodes = section.corners(mesh), section.nodes(mesh)
-    if isinstance(section.property, BeamSection):
-        return beam_mass(corners, nodes, section.property)
-    if isinstance(section.property, Isotropic):
+    if isinstance(section.property, LineSection):
+        return beam_mass(line_of(mesh, section), nodes, section.property)
+    if isinstance(section.property, RodSection):
+        return rod_mass(corners, nodes, section.property)
+    if isinstance(section.property, Isotropic | Anisotropic):
         element = SOLID_ELEMENTS[section.cell_type]
         return CellMass(nodes, solid_mass(element, corners, section.property.density))
     return shell_mass(corners, nodes, section.property)

@@ -70,6 +70,16 @@ class Section:
                 raise ModelError(f"{name} of {self.cell_type.name} cells are not all finite")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+        if not isinstance(self.property, LineSection):
+            for name in ("offsets", "released"):
+                if getattr(self, name) is not None:
+                    raise ModelError(f"{name} belong to beams; {type(self.property).__name__} has none")
+
+    def turns_nodes(self) -> bool:
+        """Whether its cells have stiffness on the rotations of nodes."""
+        if isinstance(self.property, RodSection):
+            return self.property.J > 0
+        return self.cell_type.dimension < 3
 
     def of(self, which: slice | IntArray, cells: IntArray | None = None) -> Section:
         """The same for some of the cells, which may have other numbers in another mesh."""

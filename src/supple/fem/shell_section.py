@@ -140,6 +140,9 @@ class LaminateSection:
             matrix = stiffness_matrix(f"laminate {name} stiffness", getattr(self, name), 3)
             object.__setattr__(self, name, matrix)
         ABD = np.block([[self.membrane, self.coupling], [self.coupling, self.bending]])
+        # A wall that is a membrane alone, or bends alone, has a block of nothing.
+        carried = np.repeat([self.membrane.any(), self.bending.any()], 3) | ABD.any(axis=0)
+        ABD = ABD[np.ix_(carried, carried)] if carried.any() else ABD
         diagonal = np.diag(ABD)
         if diagonal.min() <= 0:
             raise ModelError(

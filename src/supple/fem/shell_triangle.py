@@ -4,9 +4,13 @@ Six freedoms a node, ux uy uz rx ry rz in global axes; the rotations are true ro
 has one point with 18 strains (supple.fem.shell_kinematics), from which the resultants follow linearly: with
 the strain eps_m of the middle surface and the curvature kappa, linear over the triangle,
 
-    U = A (1/2 eps_m^T A_s eps_m + eps_m^T B_s mean(kappa) + 1/2 mean(kappa^T D_s kappa)) + 1/2 d^T K_h d
+    U/A = 1/2 e^T A_s e + 1/2 mean(kappa^T D_f kappa),    e = eps_m + A_s^-1 B_s kappa_1
 
-with the section's stiffness A_s, B_s, D_s, the area A, and the drilling d. The displacement gradients are
+and 1/2 d^T K_h d of the drilling d, with the section's stiffness A_s, B_s, D_s, the area A, and kappa_1 the
+curvature of rotations that are linear over the triangle; of a wall that shears also A/2 mean(gamma^T H
+gamma). D_f = D_s - B_s A_s^-1 B_s bends a wall that is free to stretch: one beside its nodes bends about its
+own middle, as if arms held it.
+The displacement gradients are
 constant, so the membrane does not lock and the foreshortening converges at second order.
 """
 
@@ -16,7 +20,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
-from supple.fem.kirchhoff_bending import CENTRE, MIDSIDES, curvature, side_directions
+from supple.fem.kirchhoff_bending import (
+    CENTRE,
+    MIDSIDES,
+    curvature,
+    linear_curvature,
+    side_directions,
+    side_shear_flexibility,
+    transverse_shear,
+)
 from supple.fem.optimal_membrane import (
     drilling_stiffness,
     drilling_strain,
@@ -44,13 +56,17 @@ from supple.fem.shell_kinematics import (
     V,
     Y,
 )
-from supple.fem.shell_section import ShellSection
+from supple.fem.shell_section import HomogeneousSection, ShellSection
 
 FloatArray = NDArray[np.float64]
 
 
 def shell_triangle(
-    corners: FloatArray, dofs: NDArray[np.int64], section: ShellSection, kinematics: ShellKinematics
+    corners: FloatArray,
+    dofs: NDArray[np.int64],
+    section: ShellSection,
+    kinematics: ShellKinematics,
+    directions: FloatArray | None = None,
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of shell triangles with one section.
 
@@ -60,25 +76,29 @@ def shell_triangle(
     dofs : int array (E, 18)            nodal freedoms
     section : HomogeneousSection or LaminateSection
     kinematics : ShellKinematics
+    directions : float array (E, 3) or None     as in `Section`
 
     Raises
     ------
-    ModelError   an element is normal to the laminate's reference direction
+    ModelError   an element is normal to its direction
     """
-    axes = element_axes(corners, section)
+    axes = element_axes(corners, section, directions)
     xy = plane_coordinates(corners, axes)
-    gradients = _gradients(xy)
+    phi = _shear_flexibility(xy, section)
+    gradients = _gradients(xy, phi)
     return QuadraticStrain(
         dofs=dofs,
         B=_to_global(_linear_strain(gradients), axes)[:, None],
         G=_to_global(gradients[:, kinematics.gradients], axes)[:, None],
         N=kinematics.form,
-        D=_stiffness_per_area(xy, section),
+        D=_stiffness_per_area(xy, section, phi),
         w=triangle_area(xy)[:, None],
     )
 
 
-def resultant_strains(xy: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def resultant_strains(
+    xy: FloatArray, points: FloatArray, section: ShellSection
+) -> tuple[FloatArray, FloatArray]:
     """Strain of the middle surface (E, 3, 18) and curvature (E, p, 3, 18) from the strains of the element.
 
     Parameters
@@ -90,38 +110,67 @@ def resultant_strains(xy: FloatArray, points: FloatArray) -> tuple[FloatArray, F
     membrane[:, :, MEMBRANE] = np.eye(3)
     membrane[:, :, DRILLING] = drilling_strain(xy)
     bending = np.zeros((len(xy), len(points), 3, N_STRAINS))
-    bending[..., BENDING] = curvature(xy, points)
+    bending[..., BENDING] = curvature(xy, points, _shear_flexibility(xy, section))
     return membrane, bending
 
 
-def layer_strain(corners: FloatArray, section: ShellSection, heights: ArrayLike) -> FloatArray:
-    """Plane strain eps_m + z kappa at the centroid of shell triangles from their strains, (E, l, 3, 18).
+def layer_strain(
+    corners: FloatArray, axes: FloatArray, section: HomogeneousSection, heights: ArrayLike
+) -> FloatArray:
+    """Plane strain eps_m + o kappa_1 + z kappa at the centroid from the strains of triangles, (E, l, 3, 18).
 
     Parameters
     ----------
     corners : float array (E, 3, 3)
-    heights : float array (l,)      z along the normal from the middle surface, m
+    axes : float array (E, 3, 3)    of the elements
+    section : HomogeneousSection    with the offset o of its middle
+    heights : float array (l,)      z along the normal from the middle of the wall, m
     """
-    xy = plane_coordinates(corners, element_axes(corners, section))
-    membrane, bending = resultant_strains(xy, CENTRE)
+    xy = plane_coordinates(corners, axes)
+    membrane, bending = resultant_strains(xy, CENTRE, section)
+    membrane[..., BENDING] += section.offset * linear_curvature(xy)
     return membrane[:, None] + np.asarray(heights)[:, None, None] * bending
 
 
-def _stiffness_per_area(xy: FloatArray, section: ShellSection) -> FloatArray:
+def _shear_flexibility(xy: FloatArray, section: ShellSection) -> FloatArray:
+    """Phi (E, 3) of the sides."""
+    return side_shear_flexibility(xy, _free_bending(section), section.shear)
+
+
+def _free_bending(section: ShellSection) -> FloatArray:
+    """Bending stiffness (3, 3) of a wall that is free to stretch, D - B A^-1 B, N m."""
+    if not section.coupling.any():
+        return section.bending
+    return section.bending - section.coupling @ np.linalg.solve(section.membrane, section.coupling)
+
+
+def _stiffness_per_area(xy: FloatArray, section: ShellSection, phi: FloatArray) -> FloatArray:
     """The constitutive matrix (E, 18, 18) of the strains of the element."""
-    membrane, bending = resultant_strains(xy, MIDSIDES)
-    mean = bending.mean(axis=1)
+    membrane, bending = resultant_strains(xy, MIDSIDES, section)
+    drilling = np.zeros((len(xy), 3, N_STRAINS))
+    drilling[..., DRILLING] = np.eye(3)
+    if section.coupling.any():
+        # The wall stretches, and turns in its plane, where its middle is: on arms of the nodes.
+        middle = (section.coupling * section.membrane).sum() / (section.membrane**2).sum()
+        turn = np.zeros((len(xy), 1, N_STRAINS))
+        turn[..., CORNER_ROTATION] = 0.5 * middle * linear_gradients(xy)[:, None]
+        drilling += turn
+        membrane += membrane[..., DRILLING].sum(axis=2, keepdims=True) * turn
+        to_stretch = np.linalg.solve(section.membrane, section.coupling)
+        membrane[..., BENDING] += to_stretch @ linear_curvature(xy)
     D = membrane.swapaxes(1, 2) @ (section.membrane @ membrane)
     points = bending.reshape(len(xy), -1, N_STRAINS)
-    D += points.swapaxes(1, 2) @ (section.bending @ bending).reshape(points.shape) / len(MIDSIDES)
-    if section.coupling.any():
-        coupled = membrane.swapaxes(1, 2) @ (section.coupling @ mean)
-        D += coupled + coupled.swapaxes(1, 2)
-    D[:, DRILLING, DRILLING] += drilling_stiffness(xy, section.membrane) / triangle_area(xy)[:, None, None]
-    return D
+    D += points.swapaxes(1, 2) @ (_free_bending(section) @ bending).reshape(points.shape) / len(MIDSIDES)
+    if section.shear is not None:
+        shear = transverse_shear(xy, MIDSIDES, phi)
+        points = shear.reshape(len(xy), -1, shear.shape[3])
+        stress = (section.shear @ shear).reshape(points.shape)
+        D[:, BENDING, BENDING] += points.swapaxes(1, 2) @ stress / len(MIDSIDES)
+    stiffness = drilling_stiffness(xy, section.membrane) / triangle_area(xy)[:, None, None]
+    return D + drilling.swapaxes(1, 2) @ stiffness @ drilling
 
 
-def _gradients(xy: FloatArray) -> FloatArray:
+def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
     """The gradients of supple.fem.shell_kinematics from the 18 local freedoms, (E, 19, 18)."""
     G = np.zeros((len(xy), N_GRADIENTS, 3, 6))
     shape = linear_gradients(xy).swapaxes(1, 2)
@@ -134,11 +183,12 @@ def _gradients(xy: FloatArray) -> FloatArray:
     # Vectors that fit those of the sides: sum_k (s s^T)^-1 s_k s_k . (t_k, b_k).
     s = side_directions(xy)
     fit = np.linalg.inv(s.swapaxes(1, 2) @ s)[:, None] @ (s[..., :, None] * s[..., None, :])
+    # V is what bending makes of the mismatches: a sheared wall has them without any bend.
+    bent = fit / (1 + phi)[..., None, None]
     for side, ends in enumerate(SIDES):
         t = G[:, ROTATION[ends, :2]].mean(axis=1)
         G[:, Y] += fit[:, side] @ t
-        G[:, V] += fit[:, side] @ np.stack([t[:, 1], -t[:, 0]], axis=1)
-    G[:, V] += G[:, (WX, WY)]
+        G[:, V] += bent[:, side] @ (G[:, (WX, WY)] + np.stack([t[:, 1], -t[:, 0]], axis=1))
     return G
 
 
@@ -154,29 +204,33 @@ def _linear_strain(G: FloatArray) -> FloatArray:
     return B
 
 
-def element_axes(corners: FloatArray, section: ShellSection) -> FloatArray:
+def element_axes(
+    corners: FloatArray, section: ShellSection, directions: FloatArray | None = None
+) -> FloatArray:
     """Axes (E, 3, 3) of each element, rows x y z in global components; z the normal.
 
-    x is the section's reference direction projected onto the element, or the first side of an isotropic one.
+    x is the element's own direction or the section's, projected onto the element, or the first side of an
+    isotropic one.
     """
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     z = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    x = first if section.reference_direction is None else _projected(section.reference_direction, z, corners)
+    towards = section.reference_direction if directions is None else directions
+    x = first if towards is None else _projected(np.asarray(towards), z, corners)
     x = x / np.linalg.norm(x, axis=1, keepdims=True)
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def _projected(direction: ArrayLike, z: FloatArray, corners: FloatArray) -> FloatArray:
-    """A unit direction projected onto the plane of each element (E, 3)."""
-    direction = np.asarray(direction)
-    x = direction - (z @ direction)[:, None] * z
+def _projected(direction: FloatArray, z: FloatArray, corners: FloatArray) -> FloatArray:
+    """A direction (3,), or one of each element (E, 3), projected onto the plane of each element (E, 3)."""
+    direction = np.broadcast_to(direction, z.shape)
+    x = direction - (z * direction).sum(axis=1, keepdims=True) * z
     length = np.linalg.norm(x, axis=1)
-    if length.min() < 1e-3:
+    if (length < 1e-3 * np.linalg.norm(direction, axis=1)).any() or not length.all():
         worst = int(length.argmin())
         raise ModelError(
             f"triangle {worst}, centred at {corners[worst].mean(axis=0)}, is normal to the laminate's "
-            f"reference_direction {direction}; choose a direction along the shell"
+            f"reference_direction {direction[worst]}; choose a direction along the shell"
         )
     return x
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.errors import MeshError
-from supple.fem.kinematics import SOLID_FORM
-from supple.fem.material import Isotropic
+from supple.errors import ModelError
+from supple.fem.kinematics import SOLID_FORM, VOIGT
+from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.quadratic_strain import QuadraticStrain
-from supple.fem.quadrature import Quadrature
 from supple.mesh.cell_type import CellType
+from supple.mesh.quadrature import Quadrature, four_point_tetrahedron, product_rule, strain_rule
 from supple.mesh.reference_cell import reference_nodes, shape_functions, shape_gradients
 
 FloatArray = NDArray[np.float64]
@@ -43,8 +43,8 @@ def solid_strain(
     element: SolidElement,
     corners: FloatArray,
     dofs: IntArray,
-    material: Isotropic,
-    cell_ids: IntArray | None = None,
+    material: Isotropic | Anisotropic,
+    directions: FloatArray | None = None,
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of solid elements.
 
@@ -54,17 +54,12 @@ def solid_strain(
     ----------
     corners : float array (E, k, 3)     positions of all nodes of each cell, m
     dofs : int array (E, 3k)            nodal freedoms
-    cell_ids : int array (E,)           for messages; numbers from 0 when omitted
-
-    Raises
-    ------
-    MeshError   the mapping of a curved cell turns over at an integration point
+    directions : float array (E, 3, 3) or None      axes of the material, as columns; global ones when None
     """
     n_cells, k, _ = corners.shape
     rule = element.strain_rule
     reference = shape_gradients(element.cell_type, rule.points)
     jacobian = _jacobian(corners, reference)
-    volume = _positive_volume(element.cell_type, corners, jacobian, cell_ids)
     gradients = (reference @ np.linalg.inv(jacobian)).swapaxes(2, 3)
     G = np.zeros((n_cells, len(rule.points), 3, 3, k, 3))
     for component in range(3):
@@ -79,9 +74,39 @@ def solid_strain(
         B=B.reshape(n_cells, -1, 6, 3 * k),
         G=G.reshape(n_cells, -1, 9, 3 * k),
         N=SOLID_FORM,
-        D=material.elasticity,
-        w=rule.weights * volume,
+        D=material.elasticity if directions is None else turned_elasticity(material.elasticity, directions),
+        w=rule.weights * np.linalg.det(jacobian),
     )
+
+
+def turned_elasticity(elasticity: FloatArray, directions: FloatArray) -> FloatArray:
+    """Stiffness (E, 6, 6) in global axes of a material that has its own, T^T C T.
+
+        T_IJ = f/2 (R_ki R_lj + R_li R_kj),   I = ij, J = kl,   f = 1 (i = j) or 2
+
+    T takes strains (engineering shears) from global axes to those of the material, the columns of R.
+
+    Parameters
+    ----------
+    elasticity : float array (6, 6)         in the axes of the material, order of `SOLID_FORM`
+    directions : float array (E, 3, 3)      orthonormal, as columns
+
+    Raises
+    ------
+    ModelError   columns that are not orthonormal
+    """
+    square = directions.swapaxes(1, 2) @ directions
+    bad = np.flatnonzero(np.abs(square - np.eye(3)).max(axis=(1, 2)) > 1e-6)
+    if bad.size:
+        raise ModelError(
+            f"the material axes of {bad.size} solid cells, first number {bad[0]} of its section, are not "
+            "orthonormal; give unit vectors that are square to each other, as columns"
+        )
+    i, j = np.array(VOIGT).T
+    both = directions[:, i[:, None], i] * directions[:, j[:, None], j]
+    crossed = directions[:, j[:, None], i] * directions[:, i[:, None], j]
+    T = 0.5 * np.where(i == j, 1.0, 2.0)[:, None] * (both + crossed).swapaxes(1, 2)
+    return T.swapaxes(1, 2) @ elasticity @ T
 
 
 def solid_mass(element: SolidElement, corners: FloatArray, density: float) -> FloatArray:
@@ -120,16 +145,18 @@ def _jacobian(corners: FloatArray, reference: FloatArray) -> FloatArray:
     return np.einsum("eki,pkj->epij", corners, reference, optimize=True)
 
 
-def _positive_volume(
-    cell_type: CellType, corners: FloatArray, jacobian: FloatArray, cell_ids: IntArray | None
-) -> FloatArray:
-    volume = np.linalg.det(jacobian)
-    smallest = volume.min(axis=1)
-    if smallest.min() <= 0:
-        bad = int(np.flatnonzero(smallest <= 0)[0])
-        called = bad if cell_ids is None else cell_ids[bad]
-        raise MeshError(
-            f"{cell_type.name} cell {called}, centred at {corners[bad].mean(axis=0)}, turns over at an "
-            f"integration point (Jacobian {smallest[bad]:.3e}); straighten its sides or refine there"
-        )
-    return volume
+SOLID_ELEMENTS = {
+    kind: SolidElement(kind, strain_rule(kind), mass_rule)
+    for kind, mass_rule in (
+        (CellType.TETRA4, four_point_tetrahedron()),
+        (CellType.TETRA10, product_rule(CellType.TETRA10, 4)),
+        (CellType.PYRAMID5, product_rule(CellType.PYRAMID5, 4)),
+        (CellType.PYRAMID13, product_rule(CellType.PYRAMID13, 6)),
+        (CellType.WEDGE6, product_rule(CellType.WEDGE6, 3)),
+        (CellType.WEDGE15, product_rule(CellType.WEDGE15, 5)),
+        # The inertia integrand x^2 det J has degree 2 + 2 in each direction; with curved sides 4 + 5.
+        (CellType.HEXA8, product_rule(CellType.HEXA8, 3)),
+        (CellType.HEXA20, product_rule(CellType.HEXA20, 5)),
+    )
+}
+"""Linear ones are stiff in bending, the more so where they are slender: prefer quadratic ones."""

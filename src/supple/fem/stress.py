@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
-from supple.fem.beam_section import BeamSection
-from supple.fem.material import Isotropic
+from supple.fem.kinematics import VOIGT
+from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
 from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
 from supple.fem.section import Section
@@ -36,8 +36,6 @@ FloatArray = NDArray[np.float64]
 
 LAYERS = (-1.0, 0.0, 1.0)
 """Layers of a shell, bottom, middle and top: z over half the thickness, along the element normal."""
-
-VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +187,8 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
 
 def has_stress(model: FiniteElementModel) -> bool:
     """Whether every section says where its stress acts: solids and homogeneous shells do."""
-    return all(isinstance(section.property, Isotropic | HomogeneousSection) for section in model.sections)
+    states_stress = Isotropic | Anisotropic | HomogeneousSection
+    return all(isinstance(section.property, states_stress) for section in model.sections)
 
 
 def strain_recovery(model: FiniteElementModel) -> StressRecovery:
@@ -204,11 +203,7 @@ def strain_recovery(model: FiniteElementModel) -> StressRecovery:
     """
     recovery = stress_recovery(model)
     pairs = zip(model.sections, recovery.sections, strict=True)
-    compliant = (
-        replace(stress, of_strain=np.linalg.inv(_material(section).elasticity) @ stress.of_strain)
-        for section, stress in pairs
-    )
-    return replace(recovery, sections=tuple(compliant))
+    return replace(recovery, sections=tuple(_as_strain(*pair) for pair in pairs))
 
 
 def von_mises(stress: FloatArray) -> FloatArray:
@@ -228,29 +223,32 @@ def von_mises_strain(strain: FloatArray) -> FloatArray:
     return von_mises(half) / 1.5
 
 
-def _material(section: Section) -> Isotropic:
+def _as_strain(section: Section, stress: SectionStress) -> SectionStress:
     given = section.property
-    if isinstance(given, Isotropic):
-        return given
-    assert isinstance(given, HomogeneousSection)  # stress_recovery has refused the others
-    return given.material
+    if not isinstance(given, HomogeneousSection):  # a solid: stress_recovery has refused the others
+        return replace(stress, of_strain=np.broadcast_to(np.eye(6), stress.of_strain.shape))
+    return replace(stress, of_strain=np.linalg.inv(given.material.elasticity) @ stress.of_strain)
 
 
 def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
         to_nodes = extrapolation(SOLID_ELEMENTS[section.cell_type])[:, None]
-        return SectionStress(nodes, block, np.broadcast_to(block.D, (len(nodes), 1, 6, 6)), to_nodes)
+        of_strain = block.D if block.D.ndim == 3 else block.D[None]
+        return SectionStress(
+            nodes, block, np.broadcast_to(of_strain[:, None], (len(nodes), 1, 6, 6)), to_nodes
+        )
     given = section.property
-    if isinstance(given, BeamSection):
+    if section.cell_type.dimension == 1:
         raise ModelError("no stress recovery for beams: their sections do not say where the stress acts")
     if not isinstance(given, HomogeneousSection):
         raise ModelError(
             "stress needs a HomogeneousSection; an A-B-D matrix does not say the stress of each ply"
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
-    layers = layer_strain(corners, given, 0.5 * given.thickness * np.array(LAYERS))
-    to_global = _plane_to_global(element_axes(corners, given)) @ given.material.plane_stress
+    axes = element_axes(corners, given, section.directions)
+    layers = layer_strain(corners, axes, given, 0.5 * given.thickness * np.array(LAYERS))
+    to_global = _plane_to_global(axes) @ given.material.plane_stress
     return SectionStress(nodes, block, to_global[:, None] @ layers, to_nodes)
 
 

@@ -1,7 +1,8 @@
 """One file format per module; every importer of a mesh ends in a Mesh."""
 
-from supple.importers.abaqus import *
+from supple.importers.abaqus.mesh_view import *
 from supple.importers.connection import *
+from supple.importers.deck_file import *
 from supple.importers.file_mesh import *
 from supple.importers.gmsh import *
 from supple.importers.included_files import *

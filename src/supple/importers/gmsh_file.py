@@ -35,6 +35,8 @@ _TYPES = {
 # Places of a cell's nodes in Gmsh's order of the middle ones.
 _ORDER = {
     "tetra10": (0, 1, 2, 3, 4, 5, 6, 7, 9, 8),
+    "pyramid13": (0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12),
+    "wedge15": (0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11),
     "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
 }
 

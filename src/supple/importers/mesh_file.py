@@ -6,7 +6,7 @@ from pathlib import Path
 
 from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
-from supple.importers.abaqus import read_abaqus
+from supple.importers.abaqus.mesh_view import read_abaqus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
 from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_mesh

@@ -34,7 +34,7 @@ def block(
     Mesh   node sets root (x = 0), tip (x = length), y_min, y_max, z_min, z_max
     Raises
     ------
-    MeshError   sizes not positive; counts below one; a surface cell type
+    MeshError   sizes not positive; counts below one; another cell type
     """
     check_sizes(length=length, width=width, height=height)
     check_counts(n_length=n_length, n_width=n_width, n_height=n_height)

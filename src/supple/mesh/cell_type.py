@@ -14,13 +14,18 @@ _HEXA_EDGES = (
     (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7),
 )  # fmt: skip
 
+_WEDGE_EDGES = ((0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5))
+_WEDGE_FACES = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))
+_PYRAMID_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4))
+_PYRAMID_FACES = ((0, 3, 2, 1), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4))
+
 
 class CellType(Enum):
-    """A cell shape; its nodes are ordered as in meshio (VTK), which is also the order of Abaqus and CalculiX.
+    """A cell shape; its nodes are ordered as in meshio, which is also the order of Abaqus and CalculiX.
 
     Corners come first: a triangle turns about its normal; a tetrahedron's fourth node lies on the normal side
-    of the first three; a hexahedron lists its bottom, then its top, both turning about the axis from bottom
-    to top. Mid-edge nodes follow, in the order of `edges`.
+    of the first three, a pyramid's fifth on that of its base; hexahedra and wedges list their bottom, then
+    their top, both turning about the axis from bottom to top. Mid-edge nodes follow, in the order of `edges`.
 
     Attributes: meshio_name, n_nodes, n_corners, dimension (1 line, 2 surface, 3 solid), edges (of corners),
     faces (of corners, turning about the outward normal; a triangle is its own face, a line has none).
@@ -30,6 +35,10 @@ class CellType(Enum):
     TRIANGLE3 = ("triangle", 3, 3, 2, _TRIANGLE_EDGES, ((0, 1, 2),))
     TETRA4 = ("tetra", 4, 4, 3, _TETRA_EDGES, _TETRA_FACES)
     TETRA10 = ("tetra10", 10, 4, 3, _TETRA_EDGES, _TETRA_FACES)
+    PYRAMID5 = ("pyramid", 5, 5, 3, _PYRAMID_EDGES, _PYRAMID_FACES)
+    PYRAMID13 = ("pyramid13", 13, 5, 3, _PYRAMID_EDGES, _PYRAMID_FACES)
+    WEDGE6 = ("wedge", 6, 6, 3, _WEDGE_EDGES, _WEDGE_FACES)
+    WEDGE15 = ("wedge15", 15, 6, 3, _WEDGE_EDGES, _WEDGE_FACES)
     HEXA8 = ("hexahedron", 8, 8, 3, _HEXA_EDGES, _HEXA_FACES)
     HEXA20 = ("hexahedron20", 20, 8, 3, _HEXA_EDGES, _HEXA_FACES)
 

@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import connected_components
 
 from supple.errors import CellError, MeshError
 from supple.mesh.cell_type import CellType
-from supple.mesh.reference_cell import reference_nodes, shape_gradients
+from supple.mesh.quadrature import strain_rule
+from supple.mesh.reference_cell import shape_gradients
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -222,26 +223,32 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names)
 
 
 def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, names: _Names) -> None:
-    """The Jacobian det dx/dxi must be positive at the cell's own nodes."""
+    """The Jacobian det dx/dxi of the cell's own map must be positive where its strain is taken.
+
+    Elsewhere, at nodes above all, a coarse cell with curved sides may well have a negative one: its mass and
+    stiffness are sound all the same.
+    """
     corners, ids = nodes[array], names.cell_ids[kind]
     extent = np.ptp(corners, axis=1).max(axis=1)
-    gradients = shape_gradients(kind, reference_nodes(kind))
+    gradients = shape_gradients(kind, strain_rule(kind).points)
     smallest = np.full(len(array), np.inf)
-    for gradient in gradients:  # one node of the reference cell at a time keeps the memory small
+    for gradient in gradients:  # one point at a time keeps the memory small
         np.minimum(smallest, np.linalg.det(np.einsum("eai,aj->eij", corners, gradient)), out=smallest)
     bad = np.flatnonzero(smallest < -FLATTEST_SOLID * extent**3)
     if bad.size:
         raise CellError(
-            f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at a node; "
+            f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at an integration "
+            "point; "
             f"{_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as CellType.{kind.name} says, "
-            "or remesh there",
+            "straighten its sides, or remesh there",
             kind.name,
             int(bad[0]),
         )
     bad = np.flatnonzero(smallest <= FLATTEST_SOLID * extent**3)
     if bad.size:
         raise CellError(
-            f"{_some(f'degenerate {kind.name} cell', ids[bad])}, with (almost) no volume at a node; "
+            f"{_some(f'degenerate {kind.name} cell', ids[bad])}, with (almost) no volume at an "
+            "integration point; "
             f"{_cell(nodes, kind, array, bad[0], names)}; move its nodes, or remesh there",
             kind.name,
             int(bad[0]),

@@ -41,13 +41,13 @@ def extrude(
     Mesh   node sets root (first station), tip (last station) and those of the section
     Raises
     ------
-    MeshError   a surface cell type
+    MeshError   another cell type
     """
     check_instance(
         "a parametric shape, cell_type", cell_type, CellType, "a CellType, such as CellType.TETRA4"
     )
-    if cell_type.dimension != 3:
-        raise MeshError(f"{cell_type.name} is not a solid cell; choose TETRA4, TETRA10, HEXA8 or HEXA20")
+    if cell_type.n_corners not in (4, 8):
+        raise MeshError(f"{cell_type.name} is no cell of this shape; choose TETRA4, TETRA10, HEXA8 or HEXA20")
     n_points, n_stations = len(section), len(stations)
     nodes = np.column_stack([np.repeat(stations, n_points), np.tile(section, (n_stations, 1))])
     first_node = n_points * np.arange(n_stations)  # of each station

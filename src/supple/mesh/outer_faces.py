@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from supple.mesh import CellType, Mesh
 
@@ -21,31 +21,52 @@ FACE_TRIANGLES = {
 """Corners of the triangles that make the faces of a cell."""
 
 
-def outer_faces(kind: CellType, cells: IntArray, rims: ArrayLike) -> IntArray:
-    """Faces (F, k) of cells (n, m) of a kind; those that two solid cells share lie inside and are left out.
+def outer_faces(mesh: Mesh, *, middles: bool = False) -> list[IntArray]:
+    """Faces (F, k) of all cells, by their number of nodes, each turning about its outward normal.
 
-    rims : (f, k)   nodes of each face of a cell, corners alone or mid-edge nodes too
+    Faces that two solid cells share, of one type or two, lie inside and are left out; a shell has the side
+    that its triangles turn about.
+
+    middles : with the mid-edge nodes of quadratic cells, between the corners, or the corners alone
     """
-    faces = cells[:, np.asarray(rims)].reshape(-1, np.shape(rims)[1])
-    if kind.dimension != 3:
-        return faces
-    _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[count == 1])]
+    found: list[IntArray] = []
+    for size in (3, 4):
+        rows: list[tuple[IntArray, IntArray]] = []
+        for kind, cells in mesh.cells.items():
+            corners = [face for face in kind.faces if len(face) == size]
+            if not corners:
+                continue
+            rims = [_rim(kind, face) for face in corners] if middles else corners
+            faces = cells[:, rims].reshape(-1, len(rims[0]))
+            if kind.dimension == 3:
+                rows.append((np.sort(cells[:, corners].reshape(-1, size), axis=1), faces))
+            else:
+                found.append(faces)
+        if rows:
+            keys = np.concatenate([key for key, _ in rows])
+            _, own, count = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+            ends = np.cumsum([len(key) for key, _ in rows])[:-1]
+            once = np.split(count[own.ravel()] == 1, ends)
+            found += [faces[outer] for (_, faces), outer in zip(rows, once, strict=True)]
+    return found
 
 
 def outer_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
-    """Triangles (T, 3) of the outer faces all of whose corners are among some nodes; none is (0, 3).
-
-    Faces that two solid cells share lie inside; a shell has the side that its triangles turn about.
-    """
+    """Triangles (T, 3) of the outer faces all of whose corners are among some nodes; none is (0, 3)."""
     wanted = np.zeros(mesh.n_nodes, dtype=bool)
     wanted[nodes] = True
     found = [np.empty((0, 3), dtype=np.int64)]
-    for kind, cells in mesh.cells.items():
-        if not kind.faces:
-            continue
-        faces = outer_faces(kind, cells, kind.faces)
-        faces = faces[wanted[faces].all(axis=1)]
+    for faces in outer_faces(mesh):
+        inside = faces[wanted[faces].all(axis=1)]
         cuts = [(0, 1, 2)] if faces.shape[1] == 3 else [(0, 1, 2), (0, 2, 3)]
-        found += [faces[:, cut] for cut in cuts]
+        found += [inside[:, cut] for cut in cuts]
     return np.concatenate(found)
+
+
+def _rim(kind: CellType, corners: tuple[int, ...]) -> list[int]:
+    """Local nodes around a face, with the mid-edge ones where the cell has them."""
+    if kind.n_nodes == kind.n_corners:
+        return list(corners)
+    middle = {frozenset(edge): kind.n_corners + i for i, edge in enumerate(kind.edges)}
+    pairs = zip(corners, corners[1:] + corners[:1], strict=True)
+    return [node for start, end in pairs for node in (start, middle[frozenset((start, end))])]

@@ -10,11 +10,16 @@ from supple.mesh.mesh import IntArray, Mesh
 
 __all__ = ["to_quadratic"]
 
-_QUADRATIC = {CellType.TETRA4: CellType.TETRA10, CellType.HEXA8: CellType.HEXA20}
+_QUADRATIC = {
+    CellType.TETRA4: CellType.TETRA10,
+    CellType.PYRAMID5: CellType.PYRAMID13,
+    CellType.WEDGE6: CellType.WEDGE15,
+    CellType.HEXA8: CellType.HEXA20,
+}
 
 
 def to_quadratic(mesh: Mesh) -> Mesh:
-    """The mesh with TETRA10 for TETRA4 and HEXA20 for HEXA8; edges stay straight.
+    """The mesh with the quadratic type of each solid cell, TETRA10 for TETRA4; edges stay straight.
 
     New nodes follow the old; one joins a node set when both ends of its edge are members.
 
@@ -24,7 +29,10 @@ def to_quadratic(mesh: Mesh) -> Mesh:
     """
     for kind in mesh.cells:
         if kind not in _QUADRATIC:
-            raise MeshError(f"{kind.name} cells have no quadratic form here; only TETRA4 and HEXA8 do")
+            raise MeshError(
+                f"{kind.name} cells have no quadratic form here; only "
+                f"{', '.join(each.name for each in _QUADRATIC)} do"
+            )
     cell_edges = {kind: np.sort(array[:, np.array(kind.edges)], axis=2) for kind, array in mesh.cells.items()}
     all_edges = np.vstack([edges.reshape(-1, 2) for edges in cell_edges.values()])
     edges, edge_of = np.unique(all_edges, axis=0, return_inverse=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.mesh import CellType, Mesh
+from supple.mesh import Mesh
 from supple.mesh.outer_faces import outer_faces
 
 __all__ = ["Skin", "skin_of"]
@@ -64,26 +64,16 @@ def skin_of(mesh: Mesh) -> Skin:
     Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them,
     so that a curved face looks curved. Beams (LINE2) have no faces and are not shown.
     """
-    parts = [_cell_skin(kind, cells) for kind, cells in mesh.cells.items() if kind.dimension > 1]
+    parts = [_skin_of_faces(faces) for faces in outer_faces(mesh, middles=True)]
     if not parts:
         raise ModelError("a mesh of beams alone has no skin; draw its deflection by the motion of its nodes")
     return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))
 
 
-def _cell_skin(kind: CellType, cells: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-    faces = outer_faces(kind, cells, [_rim(kind, corners) for corners in kind.faces])
+def _skin_of_faces(faces: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
     n_rim = faces.shape[1]
     cuts = np.array(_CUTS[n_rim])
     # A side is an edge of the mesh where it joins neighbours on the rim.
     gap = (cuts[:, [2, 0, 1]] - cuts[:, [1, 2, 0]]) % n_rim
     on_rim = (gap == 1) | (gap == n_rim - 1)
     return faces[:, cuts].reshape(-1, 3), np.tile(on_rim, (len(faces), 1))
-
-
-def _rim(kind: CellType, corners: tuple[int, ...]) -> list[int]:
-    """Local nodes around a face, with the mid-edge ones where the cell has them."""
-    if kind.n_nodes == kind.n_corners:
-        return list(corners)
-    middle = {frozenset(edge): kind.n_corners + i for i, edge in enumerate(kind.edges)}
-    pairs = zip(corners, corners[1:] + corners[:1], strict=True)
-    return [node for start, end in pairs for node in (start, middle[frozenset((start, end))])]

@@ -18,7 +18,6 @@ from supple.body import (
 )
 from supple.fem import CellMass, HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.fem.mass import mass_matrix
-from supple.fem.quadrature import four_point_tetrahedron
 from supple.fem.solid_element import SolidElement, solid_mass
 from supple.integrate import FixedStep, Run
 from supple.machine import (
@@ -35,6 +34,7 @@ from supple.machine import (
     split_body,
 )
 from supple.mesh import AlongAxis, CellType, Mesh, block, cylinder, strip
+from supple.mesh.quadrature import four_point_tetrahedron
 from supple.quantities import AccelerationSensor, Component, Mean, Place, StressSensor, read_sensors
 from supple.simulation import equilibrium, simulate
 from supple_benchmarks.validation.validation_case import Comparison, ValidationCase, largest_difference

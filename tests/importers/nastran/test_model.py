@@ -53,7 +53,7 @@ def read(tmp_path):
 # --- what is read
 
 
-@pytest.mark.parametrize("kind", [kind for kind in CellType if kind.dimension == 3])
+@pytest.mark.parametrize("kind", [kind for kind in CellType if kind.n_corners in (4, 8)])
 def test_solids_in_all_their_node_orders(read, bulk, kind):
     """A wrong order of middle nodes would be an inverted cell, or another one."""
     mesh = block(2.0, 1.0, 1.0, 2, 1, 1, kind)
@@ -64,7 +64,9 @@ def test_solids_in_all_their_node_orders(read, bulk, kind):
     np.testing.assert_array_equal(model.node_ids, 1 + np.arange(mesh.n_nodes))
 
 
-@pytest.mark.parametrize("kind", [CellType.TRIANGLE3, *(kind for kind in CellType if kind.dimension == 3)])
+@pytest.mark.parametrize(
+    "kind", [CellType.TRIANGLE3, *(kind for kind in CellType if kind.n_corners in (4, 8))]
+)
 def test_meshes_written_by_another_program(tmp_path, kind):
     """meshio writes in its own fields and node orders; property cards are added for it."""
     mesh = strip(2.0, 1.0, 2, 2) if kind is CellType.TRIANGLE3 else block(2.0, 1.0, 1.0, 2, 1, 1, kind)
@@ -281,7 +283,7 @@ def changed(old, new, text=SQUARE):
     [
         (changed("10,30,40", "10,30,99"), r"line 6: CTRIA3: element 2 names grid 99.*add its GRID card"),
         (changed("CTRIA3,2,", "CTRIA3,1,"), "line 6: CTRIA3: element 1 is defined a second time; renumber"),
-        (changed("GRID,40", "GRID,30"), "line 4: GRID: grid 30 is defined a second time; renumber"),
+        (changed("GRID,40", "GRID,30"), "line 4: GRID: grid 30 is defined a second time and differs"),
         (SQUARE + "CBUSH,9,3,10,20\n", "line 9: CBUSH: this card is not read; make it a spring"),
         (SQUARE + "SPOINT,99\n", "line 9: SPOINT: this card is not read; remove it, or replace it"),
         (SQUARE + "PARAM,CM1,2.0\n", "line 9: PARAM: the factor CM1 is not read; scale the materials"),
@@ -472,5 +474,5 @@ def test_a_zero_volume_element_is_named_with_its_line(read):
 
 def test_a_truncated_file_is_recognised(read, bulk):
     whole = bulk.text(block(1, 1, 1, 1, 1, 1, CellType.HEXA8), *bulk.solid())
-    with pytest.raises(ImportFormatError, match=r"no ENDDATA follows; is the file cut short"):
+    with pytest.raises(ImportFormatError, match=r"no element \(CTETRA.*is this a mesh file, and whole\?"):
         read(whole[: len(whole) // 2])

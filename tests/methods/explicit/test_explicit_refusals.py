@@ -10,7 +10,7 @@ from supple.body import FullBody, MeanAxisFrame, RigidBody, flexible_body
 from supple.equations import balances
 from supple.error import state_errors
 from supple.errors import ArgumentError, ModelError
-from supple.fem import solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import AdaptiveStep, FixedStep, Newmark, Run, Solution, Statistics, Tolerances
 from supple.linearization import campbell_diagram, linearize
 from supple.machine import (
@@ -29,16 +29,17 @@ from supple.machine import (
     Spin,
     Support,
     System,
+    Table,
     Tie,
     TorsionSpringDamper,
 )
-from supple.machine.laws import Table
-from supple.mesh import CellType, Mesh
+from supple.mesh import CellType, Mesh, strip
 from supple.methods.explicit import (
     BulkViscosity,
     Explicit,
     ExplicitEngine,
     PublishedScheme,
+    explicit_shell,
     explicit_subdomain,
     modal_subdomain,
 )
@@ -46,6 +47,7 @@ from supple.reduction import NoLoads, NormalModes, reduce
 from supple.simulation import assemble, equilibrium, simulate, simulate_batch
 
 RUN = Run(0.02, 0.01)
+STEEL = Isotropic(2.1e11, 0.3, 7800.0)
 MODEL = bar(CellType.HEXA8)
 BODY = flexible_body("box", MODEL)
 WALL = RigidPlane((0, 0, 0), (1, 0, 0))
@@ -261,3 +263,12 @@ def test_parts_start_deformed_as_they_are_placed():
     assert moved.bodies["bar"].velocities[-1].mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-15)
     with pytest.raises(ModelError, match="part 'bar' is of finite elements, which start undeformed"):
         simulate(System([Placed(elements, coordinates=stretching.ravel())]), RUN)
+
+
+def test_walls_and_materials_beyond_the_explicit_elements_are_refused():
+    wall = shell_model(strip(1.0, 0.2, 4, 2), HomogeneousSection(STEEL, 0.01, offset=0.1))
+    with pytest.raises(ModelError, match="its wall has an offset, an added mass or a shear factor"):
+        explicit_shell(wall)
+    own_shear = replace(STEEL, stated_shear_modulus=1e10)
+    with pytest.raises(ModelError, match="its material states a shear modulus; leave it out"):
+        explicit_subdomain(solid_model(MODEL.mesh, own_shear))

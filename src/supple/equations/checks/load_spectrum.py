@@ -23,7 +23,7 @@ from scipy.fft import dst
 from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame
 from supple.errors import LoadSpectrumWarning, ModelError
-from supple.machine.laws import Constant, TimeLaw
+from supple.machine import Constant, TimeLaw
 from supple.machine.laws.sampled_law import sampled
 from supple.machine.system import System
 from supple.reduction import ReducedBody

@@ -10,8 +10,7 @@ import numpy as np
 from supple.equations.checks.strictness import say
 from supple.errors import ResolutionWarning
 from supple.integrate import Run
-from supple.machine import System
-from supple.machine.laws import Constant, TimeLaw
+from supple.machine import Constant, System, TimeLaw
 from supple.machine.laws.instants import KnownLaw, instants_of, shortest_scale_of
 from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, sampled
 

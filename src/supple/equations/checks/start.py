@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from supple.equations.checks.strictness import say
-from supple.equations.start_change import Open, Slowed, StartChange
+from supple.equations.start_change import ConstraintViolation, StartChange, VelocityCorrection
 from supple.errors import StartWarning
 from supple.integrate import Validity
 
@@ -54,18 +54,18 @@ def report_start(change: StartChange, validity: Validity) -> None:
         say(message, StartWarning, validity)
 
 
-def _joints(joints: Sequence[Open]) -> str:
+def _joints(joints: Sequence[ConstraintViolation]) -> str:
     return ", ".join(f"'{each.joint}' ({each.row})" for each in joints[:MOST_NAMES])
 
 
-def _others(joints: Sequence[Open]) -> str:
+def _others(joints: Sequence[ConstraintViolation]) -> str:
     if not joints:
         return ""
     names = ", ".join(f"'{each.joint}'" for each in joints[:MOST_NAMES])
     return f", and so are {len(joints)} others ({names})" if len(joints) > 1 else f", and so is {names}"
 
 
-def _slowed(body: Slowed) -> str:
+def _slowed(body: VelocityCorrection) -> str:
     (speed, new_speed), (spin, new_spin) = body.speeds, body.spins
     changes = [
         f"a {what} of {new:.4g} instead of {old:.4g}"

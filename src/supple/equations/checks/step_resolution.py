@@ -19,8 +19,7 @@ import numpy as np
 from supple.equations.checks.strictness import say
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, Run
-from supple.machine import System, TimeLaw
-from supple.machine.laws import Constant
+from supple.machine import Constant, System, TimeLaw
 from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.sampled_law import MOST_NUMBERS, sampled
 

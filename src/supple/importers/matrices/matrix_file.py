@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple.errors import ImportFormatError
-from supple.importers.abaqus import read_abaqus_nodes
+from supple.importers.abaqus.mesh_view import read_abaqus_nodes
 from supple.importers.matrices.coordinate_matrices import read_abaqus_matrix, read_calculix_matrix
 from supple.importers.matrices.dmig import read_dmig
 from supple.importers.matrices.hdf5_matrices import read_hdf5_matrix, read_hdf5_nodes

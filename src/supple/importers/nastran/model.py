@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.errors import ImportFormatError
 from supple.importers.connection import Connection
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.nastran.beams import of_beams, orientation_grid
@@ -176,6 +177,8 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
 
 
 def _refuse_what_is_not_read(file: BulkFile) -> None:
+    if file.parts:
+        raise ImportFormatError(f"{file.path}: parts (BEGIN SUPER) are not read; export each as a file")
     for name, cards in file.by_name.items():
         if name not in _READ and name not in _PASSED_OVER:
             remedy = _REMEDIES.get(name, "remove it, or replace it by cards that are")

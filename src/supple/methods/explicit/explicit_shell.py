@@ -81,6 +81,11 @@ class ExplicitShell(ElementPart):
                     f"{type(section.property).__name__}; explicit shells are TRIANGLE3 cells of a "
                     "HomogeneousSection"
                 )
+            if section.property.offset or section.property.added_mass or section.property.shear_factor:
+                raise ModelError(
+                    f"explicit shell '{self.name}': its wall has an offset, an added mass or a shear factor; "
+                    "explicit shells are plain walls about their nodes"
+                )
             if self.law is not None and section.property.material != self.law.elastic:
                 raise ModelError(
                     f"explicit shell '{self.name}': its law has other elastic constants, or another density, "
@@ -125,10 +130,10 @@ class ExplicitShell(ElementPart):
             given = section.property
             assert isinstance(given, HomogeneousSection)
             corners = section.corners(self.model.mesh)
-            xy = plane_coordinates(corners, element_axes(corners, given))
+            xy = plane_coordinates(corners, element_axes(corners, given, section.directions))
             area = triangle_area(xy)
             B = block.B[:, 0]
-            membrane, bending = resultant_strains(xy, MIDSIDES)
+            membrane, bending = resultant_strains(xy, MIDSIDES, given)
             drills = B[:, DRILLING]
             D = block.w[:, :1, None] * np.broadcast_to(block.D, (len(B), *block.D.shape[-2:]))
             mass = given.mass_per_area * area / 3

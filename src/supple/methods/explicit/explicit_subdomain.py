@@ -149,6 +149,10 @@ def explicit_subdomain(
     if material is None:
         if not isinstance(constants, Isotropic):
             raise ModelError(f"explicit sub-domain '{name}' needs a solid of an Isotropic material")
+        if constants.stated_shear_modulus is not None:
+            raise ModelError(
+                f"explicit sub-domain '{name}': its material states a shear modulus; leave it out"
+            )
         material = StVenantKirchhoff(constants)
     viscosity = BulkViscosity() if bulk_viscosity is None else bulk_viscosity
     return ExplicitSubdomain(name, model, material, hourglass, deletion, damping, viscosity)

@@ -48,6 +48,11 @@ def _rigid_inertia(mass: CellMass, arms: Array) -> Array:
     result[:, 3:, :3] = cross_matrices(first)
     result[:, 3:, 3:] = np.trace(second, axis1=1, axis2=2)[:, None, None] * eye - second
     if mass.rotary is not None:
-        turning = mass.rotary.sum(axis=(1, 2))[:, None, None]
-        result[:, 3:, 3:] += turning * (eye if mass.rotary_inertia is None else mass.rotary_inertia)
+        result[:, 3:, 3:] += mass.rotary.sum(axis=(1, 2))[:, None, None] * eye
+    if mass.coupled is not None:
+        rigid = np.zeros((*arms.shape[:2], 6, 6))
+        rigid[:] = np.eye(6)
+        rigid[:, :, :3, 3:] = -cross_matrices(arms.reshape(-1, 3)).reshape(*arms.shape[:2], 3, 3)
+        rigid = rigid.reshape(len(arms), -1, 6)
+        result += rigid.swapaxes(1, 2) @ mass.coupled @ rigid
     return result

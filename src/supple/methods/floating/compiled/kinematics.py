@@ -33,7 +33,7 @@ __all__ = ["KinematicEngine"]
 _HELD = ("rigid", "reduced", "full", "intrinsic")
 _INSTANTS_AT_ONCE = 128
 MOST_ITERATIONS = 20
-_REACTIONS, _SETTLED = 60, 1e-9
+_REACTIONS, _CONVERGED = 60, 1e-9
 """Iterations for friction that depends on the joints' forces, and by what part the last may change these."""
 DEAD_POINT = 1e-9
 """Smallest singular value of the joints' Jacobian over its largest, turns times the machine's size."""
@@ -249,17 +249,17 @@ def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
         terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
         return jnp.linalg.solve(jacobian.T, -(terms.residual - terms.joint)[frames])
 
-    multipliers, unsettled = carried(jnp.zeros(len(model.active))), jnp.zeros(())
+    multipliers, last_change = carried(jnp.zeros(len(model.active))), jnp.zeros(())
     if model.reads_reactions:
         multipliers, last = jax.lax.fori_loop(
             0, _REACTIONS, lambda _, at: (carried(at[0]), at[0]), (multipliers, multipliers)
         )
-        unsettled = jnp.linalg.norm(multipliers - last) / (jnp.linalg.norm(multipliers) + 1e-300)
+        last_change = jnp.linalg.norm(multipliers - last) / (jnp.linalg.norm(multipliers) + 1e-300)
     scale = jnp.tile(jnp.array([1.0, 1.0, 1.0, model.length, model.length, model.length]), len(model.sizes))
     sizes = jnp.linalg.svd(jacobian / scale, compute_uv=False)
     rounding = model.length * position_rounding(model.length, configuration.origins)
     good = (gap <= rounding) & (sizes[-1] > DEAD_POINT * sizes[0]) & jnp.all(jnp.isfinite(acceleration))
-    good = good & (unsettled <= _SETTLED)
+    good = good & (last_change <= _CONVERGED)
     turned = jnp.einsum("bji,bjk->bik", before.configuration.rotations, configuration.rotations)
     cosine = jnp.clip((jnp.trace(turned, axis1=1, axis2=2) - 1) / 2, -1.0, 1.0)
     after = Instant(
@@ -287,8 +287,8 @@ def _closed(
     def unfinished(at: tuple[Configuration, jax.Array, jax.Array, jax.Array]) -> jax.Array:
         configuration, gap, before, iterations = at
         rounding = model.length * position_rounding(model.length, configuration.origins)
-        settled = (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
-        return ~settled & jnp.isfinite(gap) & (iterations < MOST_ITERATIONS)
+        closed = (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
+        return ~closed & jnp.isfinite(gap) & (iterations < MOST_ITERATIONS)
 
     def corrected(
         at: tuple[Configuration, jax.Array, jax.Array, jax.Array],
