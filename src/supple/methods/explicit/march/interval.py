@@ -53,7 +53,7 @@ class Recorded(NamedTuple):
 def _march_to(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
-    """Through output times (t,); the rows after one with trouble repeat it.
+    """Through output times (t,); the rows after one with trouble repeat it, and so do times already reached.
 
     fixed : step of the explicit nodes to keep, s; 0: what is stable
     """
@@ -61,7 +61,8 @@ def _march_to(
     def one(carry: tuple[MarchState, Array], end: Array) -> tuple[tuple[MarchState, Array], Recorded]:
         state, trouble = carry
         new = _interval(model, methods, state, fixed, end)
-        new = jax.tree.map(lambda a, b: jnp.where(trouble > 0, a, b), state, new)
+        over = (trouble > 0) | (end <= state.time)
+        new = jax.tree.map(lambda a, b: jnp.where(over, a, b), state, new)
         row, trouble = _judged(model, methods, new, trouble)
         return (new, trouble), row
 
