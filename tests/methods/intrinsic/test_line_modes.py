@@ -216,8 +216,9 @@ def test_rigid_reduced_and_intrinsic_bodies_rest_and_vibrate_together():
     assert found[1] == pytest.approx(found[0], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_machine_stays_in_the_equilibrium_that_was_found():
-    _, arm = arms(4)
+    _, arm = arms()
     rest = equilibrium(bridge(arm)).system
     run = Run(0.1, 0.05, step=FixedStep(0.01), method=GeneralizedAlpha(1.0))
     moved = simulate(rest, run).bodies["block"].position
