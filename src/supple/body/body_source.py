@@ -108,8 +108,10 @@ def labelled_matrices_source(
     nodes: Path,
     stiffness: Path,
     mass: Path,
+    recovery: Path | None = None,
     stiffness_name: str | None = None,
     mass_name: str | None = None,
+    recovery_name: str | None = None,
     rigid_tolerance: float | None = None,
 ) -> BodySource:
     """Matrices of another program with the file of its nodes, as for `read_labelled_superelement`.
@@ -123,8 +125,10 @@ def labelled_matrices_source(
             nodes=nodes,
             stiffness=stiffness,
             mass=mass,
+            recovery=recovery,
             stiffness_name=stiffness_name,
             mass_name=mass_name,
+            recovery_name=recovery_name,
         )
 
     exact = rigid_tolerance
@@ -132,7 +136,7 @@ def labelled_matrices_source(
         lambda n: check_nodal_matrices(read(), n_frequencies=n, rigid_tolerance=exact),
         lambda name, interfaces: labelled_superelement(name, read(), interfaces, rigid_tolerance=exact),
         lambda: read().connections,
-        lambda ids: _numbers(read().node_ids, ids),
+        lambda ids: _numbers(read().all_ids, ids),
     )
 
 
@@ -146,7 +150,15 @@ def _numbers(ids: IntArray, wanted: IntArray) -> IntArray:
     return number
 
 
-def matrices_source(*, nodes: Path, stiffness: Path, mass: Path, dofs_per_node: int) -> BodySource:
+def matrices_source(
+    *,
+    nodes: Path,
+    stiffness: Path,
+    mass: Path,
+    dofs_per_node: int,
+    recovery: Path | None = None,
+    points: Path | None = None,
+) -> BodySource:
     """Matrices in Matrix Market files, as for `read_superelement`."""
 
     def check(n_frequencies: int) -> ModelCheck:
@@ -167,5 +179,7 @@ def matrices_source(*, nodes: Path, stiffness: Path, mass: Path, dofs_per_node: 
             mass=mass,
             dofs_per_node=dofs_per_node,
             interfaces=interfaces,
+            recovery=recovery,
+            points=points,
         ),
     )

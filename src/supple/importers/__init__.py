@@ -9,6 +9,7 @@ from supple.importers.included_files import *
 from supple.importers.matrices.labelled_matrix import *
 from supple.importers.matrices.matrix_file import *
 from supple.importers.matrices.matrix_market import *
+from supple.importers.matrices.recovery_matrix import *
 from supple.importers.mesh_file import *
 from supple.importers.nastran.mesh_view import *
 from supple.importers.node_table import *

@@ -93,7 +93,8 @@ def project(
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
         report=replace(basis.report, seconds=seconds, locking=found),
         condensed=motion,
-        full=FullBody(body, basis.frame, _counted(damping, r)),
+        # Of coordinates that no node has, the nodal basis would not tell which were kept.
+        full=None if body.n_modal else FullBody(body, basis.frame, _counted(damping, r)),
     )
 
 
