@@ -11,6 +11,7 @@ from supple import machine
 from supple.cases.laws import Constant, Ramp, Sine, SpinUp, TableLaw
 from supple.cases.loads import Force
 from supple.errors import ImportFormatError
+from supple.quantities import Place
 
 TIMES = np.linspace(0.0, 5.0, 101)
 
@@ -93,7 +94,7 @@ def test_a_load_that_jumps_does_not_swing(tmp_path):
             "vector": [0.0, 0.0, 1.0],
             "law": {"kind": "table", "file": "step.csv"},
         }
-    ).build(tmp_path, lambda _: ("bar", "tip"))
+    ).build(tmp_path, lambda _: Place("bar", "tip"))
     force = np.array([load.law(t)[2] for t in np.linspace(0.0, 1.0, 2001)])
     assert force.min() == 0.0
     assert force.max() == 1000.0

@@ -72,8 +72,10 @@ class Coordinates:
     def last_coordinates(self, k: int) -> sparse.csr_array:
         """The motion (k, n) of the last k of q0, those of rigid interfaces."""
         n0 = self.whole.indptr.size - 1
-        rows = sparse.eye_array(n0, format="csr") if self.rest is None else self.rest.tocsr()
-        return sparse.csr_array(rows[n0 - k :])
+        if self.rest is not None:
+            return sparse.csr_array(self.rest.tocsr()[n0 - k :])
+        own = np.arange(k)
+        return sparse.csr_array((np.ones(k), (own, n0 - k + own)), shape=(k, n0))
 
     def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
         """T^T A T of a nodal matrix."""
@@ -159,9 +161,9 @@ def coordinates(
         state = state.after(eliminate(body, attached.constraints, whole, R, last, held=held))
     turns = np.repeat(held | ~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
-    if still.shape[1]:
+    if still.nnz:
         # A rigid motion of all else leaves them where they rest.
-        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still))
+        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still, len(state.kept)))
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
@@ -178,7 +180,7 @@ def coordinates(
     return Coordinates(
         *(whole, state.rest, state.R, freedoms[state.kept], sets),
         bare=freedoms[np.setdiff1d(before, state.kept)],
-        n_fixed=still.shape[1],
+        n_fixed=still.indptr.size - 1,
     )
 
 
@@ -247,10 +249,10 @@ def _without_stiffness(
     return sparse.csc_array((entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block)))
 
 
-def _fixed(still: sparse.csc_array) -> StaticallyTied:
+def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
     """Motion along no direction (n, k): of each three freedoms as many are eliminated as have none."""
-    n, k = still.shape
-    return together(sparse.csr_array(still.T), np.full(k, -1), np.zeros(n, dtype=bool))
+    rows = sparse.csr_array(still.T)
+    return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
 
 
 def _bare(

@@ -308,8 +308,8 @@ def _coordinates(
         made = coordinates("model", nodes, dofs_per_node, K, M, sets, beside, tolerance=tolerance)
     except ModelError as error:
         remedy = (
-            "every freedom needs mass, or stiffness by which it follows the others; give materials a density, "
-            "or reduce massless rotations away (Nastran: ASET1,123)"
+            "every freedom needs mass, or stiffness by which it follows the others; give materials a "
+            "density, or reduce massless rotations away (Nastran: ASET1,123)"
         )
         seen = str(error).removeprefix("body 'model': ")
         return None, [Finding("positive mass", seen, Verdict.REFUSED, remedy)]

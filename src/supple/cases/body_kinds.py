@@ -18,6 +18,7 @@ from supple.body import (
     elements_source,
     labelled_matrices_source,
     matrices_source,
+    section_beams_source,
 )
 from supple.cases.shared_rules import FileName
 from supple.fem import (
@@ -50,7 +51,7 @@ _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 class BodyKind(CheckedTable):
-    """What a body is made of. The class says what a body of this kind has, and what its table must hold."""
+    """What a body is made of. The class states what a body of this kind has, and what its table must hold."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
     """Of its mesh file; none if it takes no mesh."""
@@ -236,6 +237,18 @@ class ReducedFile(BodyKind):
     """The file of a reduced body: its key holds a name instead of a table."""
 
 
+class SectionTableFile(ElasticKind):
+    """The file of a section table: beams, or with condense a line. Its key holds a name, no table."""
+
+    has_elements = True
+
+    file: FileName
+
+    def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
+        """Beams between the sections."""
+        return section_beams_source(folder / self.file)
+
+
 KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
     {
         "shell": Shell,
@@ -246,18 +259,19 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "superelement": Superelement,
         "rigid": Rigid,
         "reduced": ReducedFile,
+        "section_table": SectionTableFile,
     }
 )
 """The kinds by their key in the table of a body, which has just one of them."""
 
 
 def kind_of(body: Raw) -> type[BodyKind] | None:
-    """The kind of a body; None where no key tells."""
+    """The kind of a body; None without such a key."""
     return next((kind for key, kind in KINDS.items() if key in body), None)
 
 
 def is_elastic(body: Raw) -> bool:
-    """True of a body that the case builds, and may reduce; also where it does not say what it is made of."""
+    """True of a body that the case builds, and may reduce; also where no key states what it is made of."""
     kind = kind_of(body)
     return (kind is None or kind.is_elastic) and not is_explicit(body)
 

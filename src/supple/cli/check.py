@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from supple.body import ModelCheck, Verdict, labelled_matrices_source, deck_source
+from supple.body import ModelCheck, Verdict, deck_source, labelled_matrices_source
 from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import Case, read_case
 from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
-from supple.importers import HDF5_SUFFIXES, DECK_SUFFIXES
+from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES
 from supple.terminal import console, words
 from supple.units import UNNAMED, UnitSystem, measured
 
@@ -45,7 +45,7 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
 
 
 def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Table:
-    """The findings of a check as a table, frequencies in Hz where the unit of time is said."""
+    """The findings of a check as a table, frequencies in Hz where the unit of time is stated."""
     hertz, factor = units.frequency_shown
     table = Table("", "what", "seen", title=words(f"Check of {name}"))
     for finding in check.findings:
@@ -58,20 +58,20 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
 
 
 def _print_lines(case: Case) -> None:
-    """A line for each body that another program condensed; ModelError for one that is refused."""
+    """A row of text for each body that is a line already; ModelError for one that is refused."""
     hertz, factor = case.units.frequency_shown
     for table in case.tables.body:
-        if not table.is_on_grids:
+        if not table.is_line:
             continue
         body: Any = table.build(None, case.folder, silent).body
         lowest = body.modes.frequencies[:6] / (2 * np.pi)
         listed = ", ".join(f"{factor * frequency:.4g}" for frequency in lowest)
-        told = (
+        line = (
             f"body '{body.name}': condensed on {body.line.n} stations, mass {body.mass:.5g}; rigid motion "
             f"meets {body.line.rigid_force:.0e} of the forces that cancel; lowest frequencies on its support "
             f"{measured(listed, hertz)}"
         )
-        console.print(words(told))
+        console.print(words(line))
 
 
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:

@@ -67,12 +67,14 @@ class ShellProperty:
     """A homogeneous isotropic wall; offset: of its middle from the nodes, along the normal of the cell.
 
     added_mass : non-structural, kg/m^2
+    shear_factor : k of the transverse shear stiffness k G t; 0 where it is rigid
     """
 
     material: IsotropicMaterial
     thickness: float
     added_mass: float = 0.0
     offset: float = 0.0
+    shear_factor: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -79,7 +79,8 @@ class SectionOfShells:
         if self.given is not None:
             return self.given
         if self.homogeneous is not None and not thin:
-            return ShellProperty(self.homogeneous, thickness, offset=-self.offset * thickness)
+            offset = -self.offset * thickness
+            return ShellProperty(self.homogeneous, thickness, offset=offset, shear_factor=5 / 6)
         scale = thickness / sum(ply.thickness for ply in self.plies)
         plies = [replace(ply, thickness=ply.thickness * scale) for ply in self.plies]
         wall = laminate(plies, bottom=-self.offset * thickness - thickness / 2)
@@ -141,13 +142,8 @@ def _ply(material: DeckMaterial, thickness: float, angle: float) -> Ply:
         G = E / (2 * (1 + nu))
         return orthotropic_ply(E, E, nu, G, G, G, density=material.density, thickness=thickness, angle=angle)
     compliance = np.linalg.inv(material.elasticity)
-    return Ply(
-        np.linalg.inv(compliance[np.ix_(_FLAT, _FLAT)]),
-        np.linalg.inv(compliance[np.ix_(_ACROSS, _ACROSS)]),
-        material.density,
-        thickness,
-        angle,
-    )
+    flat, across = (np.linalg.inv(compliance[np.ix_(some, some)]) for some in (_FLAT, _ACROSS))
+    return Ply(np.asarray(flat, float), np.asarray(across, float), material.density, thickness, angle)
 
 
 def _plies(

@@ -69,7 +69,7 @@ def read_labelled_matrix(
     if suffix in HDF5_SUFFIXES:
         return read_hdf5_matrix(path, role)
     if suffix == ".mtx":
-        return read_abaqus_matrix(path)
+        return read_abaqus_matrix(path, nodes)
     if suffix in (".sti", ".mas"):
         return read_calculix_matrix(path)
     raise ImportFormatError(
