@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.beam_shapes import BeamShape, beam_shape
+from supple.importers.abaqus.element_types import ElementType
 from supple.importers.abaqus.materials import DeckMaterial
 from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
@@ -29,10 +30,10 @@ class SectionOfBeams:
     n1: FloatArray
     shift: tuple[float, float]
 
-    def property_of(self, type_name: str) -> BeamProperty:
+    def property_of(self, kind: ElementType) -> BeamProperty:
         """The property of elements of a type; Euler-Bernoulli ones (B33) are rigid in shear."""
         shape = self.shape
-        factor = 0.0 if type_name.startswith("B33") else shape.factor
+        factor = shape.factor if kind.shears else 0.0
         neutral = (
             shape.centroid[0] - shape.shear_centre[0],
             shape.centroid[1] - shape.shear_centre[1],
