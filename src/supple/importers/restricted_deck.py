@@ -13,7 +13,7 @@ from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, Sca
 __all__ = ["restricted_deck"]
 
 IntArray = NDArray[np.int64]
-_Tie = TypeVar("_Tie", RigidTie, WeightedMean)
+Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 
 def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
@@ -58,7 +58,7 @@ def _inside(tie: RigidTie | WeightedMean, own: NDArray[np.bool_]) -> bool:
     return bool(own[tie.reference] and own[tie.nodes].all())
 
 
-def _tie(tie: _Tie, number: IntArray) -> _Tie:
+def _tie(tie: Tie, number: IntArray) -> Tie:
     return replace(tie, reference=int(number[tie.reference]), nodes=number[tie.nodes])
 
 
