@@ -230,7 +230,7 @@ ONE_MISTAKE = {
         'name = "hub"',
         'name = "hub"\nshell = {thickness = 1, youngs_modulus = 1, poissons_ratio = 0, density = 1}',
         "a body needs exactly one of shell, solid, nastran, abaqus, matrices, superelement, rigid, "
-        "reduced; this one",
+        "reduced, section_table; this one",
     ),
     "no mesh": ('mesh = "blade.inp"\n', "", 'body[1]: a shell body needs a mesh; add mesh = "FILE.inp"'),
     "a mesh for a rigid body": (
@@ -528,7 +528,7 @@ def test_a_case_without_elements_has_no_stress_to_show(folder):
     coloured = SUPERELEMENT + '[output]\ncolour = "von-mises"\n'
     assert (
         "line 15, output.colour: no body has elements whose stress could be shown (shell, solid, nastran, "
-        "abaqus)" in mistakes(folder, coloured)
+        "abaqus, section_table)" in mistakes(folder, coloured)
     )
     read(folder, coloured.replace("von-mises", "deflection"))
 

@@ -16,6 +16,7 @@ from supple.cases import read_case
 from supple.errors import SuppleError
 from supple.importers import (
     MatrixRole,
+    read_deck,
     read_labelled_matrix,
     read_matrix,
     read_nodes,
@@ -133,6 +134,96 @@ CBAR,9,8,1,2,0.,0.,1.
 PBARL,8,5,,BAR
 ,0.1,0.2
 """
+_DECK_BDF = """\
+SOL 103
+CEND
+SPC = 1
+MPC = 8
+NSM = 6
+K2GG = 2.0*KADD
+BEGIN BULK
+GRDSET,,,,,,,6
+BAROR,,18,,,0.,0.,1.
+CORD2R,3,,0.,0.,0.,0.,1.,1.
+,1.,1.,0.
+GRID,1,,0.,0.,0.
+=,*(1),=,*(1.),==
+=1
+GRID,4,,0.,1.,0.,3
+GRID,5,,0.,0.,1.
+GRID,6,,1.,0.,1.,,45
+GRID,7,,1.5,1.,.5
+SPOINT,77
+CPENTA,1,13,1,2,4,5,6,7
+,8
+GRID,8,,.5,0.,0.
+CPYRAM,2,13,1,2,6,5,4
+PSOLID,13,25,3
+MAT9,25,2.,1.,1.,0.,0.,0.,2.
+,1.,0.,0.,0.,2.,0.,0.,0.
+,1.,0.,0.,1.,0.,1.,7.
+CQUAD8,3,14,1,2,6,5,8
+,,,.1,.1,,.2,30.,.01
+CTRIA6,4,15,1,2,4,8
+PSHELL,14,26,.1,26,,26,,1.
+PCOMP,15,-.1,1.,,,,,SYM
+,27,.1,45.,YES,,.2,-45.
+MAT1,26,2.1+11,,.3,7850.
+MAT8,27,140.,10.,.3,5.,5.,3.,1.6
+CBAR,5,,1,2
+CBEAM,6,19,2,3,5,,,GGO
+,4,56,.1,.2
+PBARL,18,26,,BOX
+,.1,.2,.01,.02
+PBEAM,19,26,.01,1.-5,1.-5,,1.-5
+,,,,,,,,
+,YES,1.,.02,1.-5
+,.1
+,.8,.8,,,1.,,,,
+,.1,.2
+CBEND,7,20,1,2,.5,1.,0.,1
+PBEND,20,26,.01,1.-5,1.-5,1.-5
+CONROD,8,3,7,26,.1,.2
+CTUBE,9,21,3,7
+PTUBE,21,26,.1,.01
+CSHEAR,10,22,1,2,6,5
+PSHEAR,22,26,.1
+CELAS1,11,23,1,3,2,3
+CDAMP4,12,.5,77
+PELAS,23,5.
+CBUSH,13,24,1,2,0.,0.,1.
+,.25
+PBUSH,24,K,1.,2.,3.
+,,B,.1
+CONM2,14,3,3,2.,.1,.2,.3
+,5.,.5,6.,.25,.125,7.
+CMASS2,15,2.,3,1
+NSML1,6,PSHELL,3.,14,THRU,15
+RBE1,16,1,123,3,23,4,3
+,UM,5,123,7,12
+RBE2,17,1,126,5,THRU,7
+RBE3,18,,3,123456,1.,123456,5,6
+,2.,12,7
+RBAR,19,2,7,123456
+MPC,5,1,2,2.,2,1,-3.
+,,4,3,.5,77,0,4.
+MPCADD,8,5
+SPC,1,1,12,0.,2,3
+SPC1,1,6,1,THRU,5
+ASET1,123,1,THRU,3
+DMIG,KADD,0,6,1,0
+DMIG,KADD,1,1,,1,1,4.
+,2,2,-2.
+CGAP,20,6,1,2
+FORCE,1,1,,1.,1.
+BEGIN SUPER=4
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+CROD,1,1,1,2
+PROD,1,2,1.
+MAT1,2,1.,,.3
+ENDDATA 1b2c
+"""
 _DMIG = """\
 DMIG    KAA     0       6       2       0
 DMIG*   KAA                            1               1
@@ -151,8 +242,9 @@ def _meshes() -> Iterator[Kind]:
         read_nodes(path)
 
     def nastran(path: Path) -> None:
-        sp.read_nastran(path)
         read_nodes(path)
+        read_deck(path)
+        sp.read_nastran(path)
 
     tail = b"*INCLUDE, INPUT=sets.inc\n"
     yield Kind(
@@ -164,6 +256,7 @@ def _meshes() -> Iterator[Kind]:
         ),
     )
     yield Kind("Nastran", nastran, (Seed("mesh.bdf", _BDF.encode()), Seed("mesh.bdf", _SOLID_BDF.encode())))
+    yield Kind("Nastran deck", read_deck, (Seed("deck.bdf", _DECK_BDF.encode()),))
     folder = REPOSITORY / "tests" / "importers" / "gmsh_square"
     squares = tuple(Seed("mesh.msh", path.read_bytes()) for path in sorted(folder.glob("*.msh")))
     yield Kind("Gmsh", sp.read_gmsh, squares)

@@ -20,4 +20,5 @@ from supple.body.mass_properties import *
 from supple.body.model_check import *
 from supple.body.point_motion import *
 from supple.body.rigid_body import *
+from supple.body.section_beams import *
 from supple.body.superelement import *

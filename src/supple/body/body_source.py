@@ -17,10 +17,11 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.labelled_superelement import NodalMatrices, labelled_superelement, read_nodal_matrices
 from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
+from supple.body.section_beams import section_beams
 from supple.body.superelement import read_superelement
 from supple.errors import ModelError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
-from supple.importers import Connection, numbers_of, read_deck, read_matrix
+from supple.importers import Connection, numbers_of, read_deck, read_matrix, read_section_table
 from supple.mesh import Mesh
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "elements_source",
     "labelled_matrices_source",
     "matrices_source",
+    "section_beams_source",
 ]
 
 IntArray = NDArray[np.int64]
@@ -93,6 +95,12 @@ def deck_source(
         deck_mesh(own), lambda: deck_model(own, kinematics=kinematics), deck_connections(own)
     )
     return replace(made, ties_itself=True)
+
+
+def section_beams_source(path: Path) -> BodySource:
+    """Beams between the sections of a table; errors as for `read_section_table`."""
+    model = section_beams(read_section_table(path))
+    return elements_source(model.mesh, lambda: model)
 
 
 def labelled_matrices_source(

@@ -18,6 +18,7 @@ from supple.body import (
     elements_source,
     labelled_matrices_source,
     matrices_source,
+    section_beams_source,
 )
 from supple.cases.shared_rules import FileName
 from supple.fem import (
@@ -236,6 +237,18 @@ class ReducedFile(BodyKind):
     """The file of a reduced body: its key holds a name instead of a table."""
 
 
+class SectionTableFile(ElasticKind):
+    """The file of a section table: beams, or with condense a line. Its key holds a name, no table."""
+
+    has_elements = True
+
+    file: FileName
+
+    def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
+        """Beams between the sections."""
+        return section_beams_source(folder / self.file)
+
+
 KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
     {
         "shell": Shell,
@@ -246,6 +259,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "superelement": Superelement,
         "rigid": Rigid,
         "reduced": ReducedFile,
+        "section_table": SectionTableFile,
     }
 )
 """The kinds by their key in the table of a body, which has just one of them."""

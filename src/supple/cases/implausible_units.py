@@ -1,6 +1,6 @@
 """Implausible units: numbers of a case that no machine has in the stated units, or in any.
 
-A model in mixed units runs as well as any other, so every run looks at what gives them away: densities,
+A model in mixed units runs as well as any other, so every run checks what shows them: densities,
 moduli, sizes, gravity, the speed of waves, the first frequencies.
 """
 

@@ -58,10 +58,10 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
 
 
 def _print_lines(case: Case) -> None:
-    """A line for each body that another program condensed; ModelError for one that is refused."""
+    """A row of text for each body that is a line already; ModelError for one that is refused."""
     hertz, factor = case.units.frequency_shown
     for table in case.tables.body:
-        if not table.is_on_grids:
+        if not table.is_line:
             continue
         body: Any = table.build(None, case.folder, silent).body
         lowest = body.modes.frequencies[:6] / (2 * np.pi)

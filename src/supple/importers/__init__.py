@@ -13,7 +13,12 @@ from supple.importers.mesh_file import *
 from supple.importers.nastran.mesh_view import *
 from supple.importers.node_table import *
 from supple.importers.numbering import *
+from supple.importers.section_csv import *
+from supple.importers.section_file import *
+from supple.importers.section_table import *
+from supple.importers.turbine.beamdyn import *
 from supple.importers.turbine.nrel5mw import *
 from supple.importers.turbine.rotor_table import *
 from supple.importers.turbine.station_table import *
 from supple.importers.turbine.windio import *
+from supple.importers.turbine.windio_sections import *

@@ -96,7 +96,7 @@ class LargestStress(NamedTuple):
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes of cells, layers and instants; errors as that history.
 
-    At a hundred instants, evenly spread, all nodes are looked at; at all instants the hundred nodes whose
+    At a hundred instants, evenly spread, all nodes are evaluated; at all instants the hundred nodes whose
     stress is largest then. So it is exact of runs of a hundred outputs.
     """
     nodes = np.unique(np.concatenate([section.nodes(model.mesh).ravel() for section in model.sections]))

@@ -350,3 +350,9 @@ def test_what_is_wrong_with_cells(deck, text, message):
     extra = "" if "PSHELL" in text or "PCOMP" in text else "PSHELL,9,5,.1,5\n"
     with pytest.raises(ImportFormatError, match=message):
         deck(SQUARE + MATERIAL + text + extra)
+
+
+@pytest.mark.parametrize("text", ["PCOMP,9,1.+300\n,5,.1\n", "PSHELL,9,5,1.+200,5,2.\n"])
+def test_values_beyond_numbers_leave_elements_out(deck, text):
+    (left,) = deck(SQUARE + MATERIAL + "CQUAD4,7,9,1,2,3,4\n" + text).left_out
+    assert left.meaning.endswith("its values are too large or too small to work with")

@@ -50,6 +50,15 @@ _FITS = {
     Family.MEMBRANE: SectionOfShells,
     Family.BEAM: SectionOfBeams,
 }
+_STIFFER = (
+    "are integrated fully, and so stiffer in bending where few lie across a wall: refine, or take C3D20"
+)
+_READ_AS_FULL = {
+    "C3D8R": _STIFFER,
+    "C3D8I": _STIFFER,
+    "SC8R": _STIFFER,
+    "C3D20R": "are integrated fully, which raises the frequencies of coarse meshes by 0.3 to 0.6 %",
+}
 _SECTIONS = (
     "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
     "BEAMGENERALSECTION",
@@ -110,6 +119,9 @@ def read_elements(
                 )
             else:
                 builder.add(key, section, block, places)
+        word = _READ_AS_FULL.get(block.type.name.rstrip("HT"))
+        if word:
+            model.report.note(f"elements {block.type.name} {word}")
     return tuple(builder.elements), builder.properties
 
 
