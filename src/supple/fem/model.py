@@ -178,9 +178,9 @@ def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementMod
     refuse_attached(model, "a part of a model")
     given = tuple(_in_part(section, part) for section in model.sections)
     given = tuple(section for section in given if len(section.cells))
-    if model.dofs_per_node == 3:
-        return _solid_model(part.mesh, given)
-    return _shell_model(part.mesh, given, model.kinematics)
+    return finite_element_model(
+        part.mesh, given, kinematics=model.kinematics, dofs_per_node=model.dofs_per_node
+    )
 
 
 def _in_part(section: Section, part: MeshPart) -> Section:

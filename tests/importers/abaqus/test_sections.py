@@ -135,6 +135,17 @@ def test_the_middle_lies_away_from_the_nodes(deck, offset, middle):
     assert wall.offset == pytest.approx(middle)
 
 
+@pytest.mark.parametrize(("name", "factor"), [("S4", 5 / 6), ("S4R5", 0.0)])
+def test_shells_shear_but_for_thin_ones(deck, name, factor):
+    text = SHELL.replace("TYPE=S4", f"TYPE={name}")
+    assert (
+        deck(text + "*SHELL SECTION, ELSET=all, MATERIAL=steel\n0.01\n").properties["all"].shear_factor
+        == factor
+    )
+    plies = deck(text + "*SHELL SECTION, ELSET=all, COMPOSITE\n0.01,, steel\n").properties["all"]
+    assert (plies.shear is None) is (factor == 0)
+
+
 def test_plies_of_one_material_are_a_homogeneous_wall(deck):
     """A = E t / (1 - nu^2), D = A t^2 / 12, B = A z of an offset, shear 5/6 G t."""
     plies = "0.004, 3, steel, 0.\n0.006, 3, steel, 30.\n"
@@ -217,10 +228,12 @@ def test_a_wall_by_its_stiffness(deck):
 
 def test_membranes_do_not_bend(deck):
     text = node_rows(SQUARE8[:4]) + element_rows("M3D4", [[0, 1, 2, 3]]) + STEEL
-    wall = deck(text + "*MEMBRANE SECTION, ELSET=all, MATERIAL=steel\n0.01\n").properties["all"]
+    made = deck(text + "*MEMBRANE SECTION, ELSET=all, MATERIAL=steel\n0.01\n")
+    wall = made.properties["all"]
     assert wall.membrane[0, 0] == pytest.approx(2.1e11 * 0.01 / 0.91)
     assert not wall.bending.any()
     assert wall.mass_per_area == pytest.approx(78.5)
+    assert total(made).mass == pytest.approx(157)
 
 
 # --- axes of solids
