@@ -24,6 +24,7 @@ TOPICS = (
     "beams_at_rest",
     "vibrations",
     "elements_at_rest",
+    "sections_and_cells",
     "flexible_motion",
     "machine_elements",
 )
