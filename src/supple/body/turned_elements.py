@@ -65,7 +65,7 @@ def turned_force(body: FlexibleBody, q: Array) -> Array:
 
 
 class _Piece(NamedTuple):
-    """Nodes that move as one: with (u, theta) = motion @ q of a place, turned by theta (1 + c theta.theta)."""
+    """Nodes that move as one with a place: (u, theta) = motion @ q, turned by theta (1 + c theta.theta)."""
 
     nodes: NDArray[np.int64]
     position: Array
