@@ -1,4 +1,4 @@
-"""The pages that map papers to code name only what exists."""
+"""The pages name only what exists: code that papers map to, files, and what the bibliography lists."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-PAPERS = Path(__file__).parents[1] / "docs" / "papers"
+ROOT = Path(__file__).parents[1]
+PAPERS = ROOT / "docs" / "papers"
 NAME = re.compile(r"`(supple\w*(?:\.\w+)+):(\w+(?:\.\w+)*)`")
 
 
@@ -42,3 +43,29 @@ def test_what_a_row_names_exists(row):
         found = importlib.import_module(module)
         for name in path.split("."):
             found = getattr(found, name)
+
+
+DOCUMENTED = [
+    page.read_text(encoding="utf-8")
+    for page in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
+]
+
+
+def test_the_files_that_pages_name_exist():
+    files = [
+        path.as_posix()
+        for folder in ("src", "tests", "benchmarks", "examples")
+        for path in (ROOT / folder).rglob("*.py")
+    ]
+    named = {name for page in DOCUMENTED for name in re.findall(r"`((?:\w+/)*\w+\.py)`", page)}
+    gone = [name for name in named if not any(file.endswith(f"/{name}") for file in files)]
+    assert [name for name in gone if not name.endswith("/x.py")] == []  # x: of a recipe
+
+
+def test_the_bibliography_holds_what_is_cited_and_nothing_else():
+    key = re.compile(r"\[(\w+(?:19|20)\d\d|Radioss)\]")
+    sources = [path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.py")]
+    bibliography = (ROOT / "docs" / "bibliography.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^- \[(\w+)\]", bibliography, re.MULTILINE))
+    cited = {name for text in [*sources, *DOCUMENTED] if text != bibliography for name in key.findall(text)}
+    assert cited == listed

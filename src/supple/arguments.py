@@ -189,7 +189,7 @@ def _check(what: str, value: Any, hint: Any) -> None:
 
 
 def _test_of(hint: Any) -> tuple[Callable[[Any], bool], str] | None:
-    """How a value is told to suit an annotation, and what to call it; None where nothing tells."""
+    """How a value is found to suit an annotation, and what to call it; None where that is unknown."""
     origin = get_origin(hint)
     if hint in _PLAIN or origin in _GENERIC:
         return _PLAIN.get(hint) or _GENERIC[origin]

@@ -90,7 +90,7 @@ class LoadSpectrumWarning(SuppleWarning):
 
 
 class ControlWarning(SuppleWarning):
-    """A machine that is looked at without the controllers that its case names."""
+    """A machine that is analysed without the controllers that its case names."""
 
 
 class UnitsWarning(SuppleWarning):

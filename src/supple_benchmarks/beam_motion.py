@@ -107,7 +107,7 @@ def spin_up_beam(
     ------
     ModelError          duration, step or rho_inf out of range, or an angle that is not finite
     ConvergenceError    Newton's method failed; the message names the time
-    Source: [SimoVuQuoc1986]; time integration [ArnoldBruls2007]
+    Source: [SimoVuQuoc1986]; time integration [ArnoldBruels2007]
     """
     elements = BeamElements(beam, n_elements)
     times = _time_grid(duration, step)

@@ -641,7 +641,7 @@ def _(form, tmp_path):
     assert "*CLOAD" in (tmp_path / "deck.inp").read_text().upper()
 
 
-@row("case file: pictures, films")
+@row("case file: pictures, animations")
 def _(form, tmp_path):
     case = write_case(tmp_path, form, PULL, RUN, pictures=True)
     called("run", case, "-o", tmp_path / "out", "--no-errors")

@@ -98,13 +98,27 @@ def test_a_mechanism_and_where_it_is(solid):
     )
 
 
-def test_a_freedom_without_mass(model):
-    keep = np.ones(model.n_dofs)
+def test_a_freedom_without_mass_follows_the_others(shell):
+    keep = np.ones(shell.n_dofs)
     keep[-1] = 0
     D = diags_array(keep)
-    found = refused(changed(model, M=csc_array(D @ model.mass @ D)))["positive mass"]
-    assert "1 freedoms have none, first node" in found.seen
-    assert "ASET1,123" in found.remedy
+    check = changed(shell, M=csc_array(D @ shell.mass @ D))
+    assert check.is_accepted
+    (found,) = (each for each in check.findings if each.what == "positive mass")
+    last = shell.mesh.n_nodes - 1
+    assert (
+        f"all but 1 of {shell.n_dofs} eigenvalues; the motions without mass, at nodes {last}," in found.seen
+    )
+
+
+def test_a_node_with_neither_mass_nor_stiffness_is_refused(shell):
+    keep = np.ones(shell.n_dofs)
+    keep[-6:-3] = 0
+    D = diags_array(keep)
+    M, K = (csc_array(D @ matrix @ D) for matrix in (shell.mass, shell.stiffness))
+    assert (
+        "without mass are some without stiffness" in refused(changed(shell, M=M, K=K))["positive mass"].seen
+    )
 
 
 def test_a_mass_that_is_not_positive_definite(solid):

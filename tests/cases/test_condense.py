@@ -90,8 +90,9 @@ def test_the_wing_is_a_valid_case():
     ("old", "new", "message"),
     [
         ('tip = "tip"', 'tip = "top"', "there is no interface named 'top', did you mean 'tip'"),
-        ("modes = 4", 'modes = 4, support = "hinged"', "a hinged root needs axis"),
-        ("modes = 4", "modes = 4, axis = [0, 0, 1]", "only a hinged or sliding root has an axis"),
+        ("modes = 4", 'modes = 4, support = "hinged"', "a hinged root needs body_axis"),
+        ("modes = 4", "modes = 4, body_axis = [0, 0, 1]", "only a hinged or sliding root has a body_axis"),
+        ("modes = 4", 'modes = 4, support = "hinged", axis = [0, 0, 1]', "axis is now body_axis"),
         (CONDENSE, CONDENSE + WHOLE[0], "takes no frame; remove the key"),
         ('kind = "rayleigh"', 'kind = "linear-rayleigh"', 'takes damping of kind "rayleigh" or "modal"'),
         ("damping = {", 'damping = { held = "root",', "a condensed body acts on its own modes; remove held"),

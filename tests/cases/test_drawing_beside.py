@@ -29,7 +29,7 @@ def swing():
 
 @pytest.fixture
 def drawing(swing, tmp_path):
-    return Drawing(tmp_path, *swing, {}, {}, {}, None, {}, UNNAMED, pictures=True, film=True)
+    return Drawing(tmp_path, *swing, {}, {}, {}, None, {}, UNNAMED, pictures=True, animation=True)
 
 
 @pytest.fixture

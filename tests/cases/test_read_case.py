@@ -229,8 +229,8 @@ ONE_MISTAKE = {
     "two kinds of body": (
         'name = "hub"',
         'name = "hub"\nshell = {thickness = 1, youngs_modulus = 1, poissons_ratio = 0, density = 1}',
-        "a body needs exactly one of shell, solid, nastran, matrices, superelement, rigid, reduced, "
-        "section_table; this one",
+        "a body needs exactly one of shell, solid, nastran, abaqus, matrices, superelement, rigid, "
+        "reduced, section_table; this one",
     ),
     "no mesh": ('mesh = "blade.inp"\n', "", 'body[1]: a shell body needs a mesh; add mesh = "FILE.inp"'),
     "a mesh for a rigid body": (
@@ -427,7 +427,7 @@ ONE_MISTAKE = {
     "candidates of no selection": (
         'basis = "rubin"',
         'basis = "craig-bampton", candidates = 40',
-        "reduction.candidates: the lowest modes are kept unless told otherwise; remove the key, or add",
+        "reduction.candidates: the lowest modes are kept by default; remove the key, or add",
     ),
     "too few candidates": (
         'basis = "rubin"',
@@ -528,7 +528,7 @@ def test_a_case_without_elements_has_no_stress_to_show(folder):
     coloured = SUPERELEMENT + '[output]\ncolour = "von-mises"\n'
     assert (
         "line 15, output.colour: no body has elements whose stress could be shown (shell, solid, nastran, "
-        "section_table)" in mistakes(folder, coloured)
+        "abaqus, section_table)" in mistakes(folder, coloured)
     )
     read(folder, coloured.replace("von-mises", "deflection"))
 

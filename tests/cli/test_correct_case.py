@@ -113,7 +113,7 @@ def test_a_correction_that_was_cut_off_goes_on_with_its_rounds(case):
     (out / "self_correction" / f"round-{len(whole)}.npz").unlink()
     output = call("run", case, "-o", out, "--resume")
     assert f"round {last['round']}, {last['size']} coordinates: simulating" in output
-    assert "round 0, 10 coordinates: what they miss" not in output
+    assert "round 0, 10 coordinates: motion outside" not in output
     again = json.loads((out / "strip.json").read_text())["self_correction"]
     assert [each["size"] for each in again] == [each["size"] for each in whole]
     assert again[-1]["estimated_error"] == pytest.approx(whole[-1]["estimated_error"], rel=1e-6)
@@ -141,5 +141,5 @@ def test_loads_beyond_the_modes_of_a_fixed_size_are_named(case):
     text = 'units = { time = "s" }\n' + text
     case.write_text(text.replace("output_step = 0.02", "output_step = 0.001"))
     output = call("run", case, "-o", case.parent / "out")
-    assert "its spectrum reaches to 100 Hz, where body 'strip' has 3 modes, 2 of which" in output
+    assert "contains up to 100 Hz: 2 of 3 modes of body 'strip' below that are missing" in output
     assert "Ask for at least 3 modes" in output

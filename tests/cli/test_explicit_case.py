@@ -208,7 +208,8 @@ def test_a_node_set_that_no_mesh_has_is_named(bar):
 
 def test_a_file_of_parts_is_told_how_to_say_it_now(bar):
     path = bar(("[[body]]", "[[part]]"))
-    with pytest.raises(CaseError, match=r"\[\[part\]\] is now \[\[body\]\]: rename these tables; modal = "):
+    alone = r"one mistake:\n  line .*, part: \[\[part\]\] is now \[\[body\]\]: rename these tables; modal = "
+    with pytest.raises(CaseError, match=alone):
         read_case(path)
 
 

@@ -45,7 +45,7 @@ def test_a_plain_run_says_what_it_looked_at_and_that_the_sum_is_at_least_that(ca
     out = case.parent / "out"
     output = call("run", case, "-o", out)
     assert "the same run with half the step" in output
-    assert "not looked at" in output
+    assert "not estimated" in output
     assert "at least" in output
     report = json.loads((out / "strip.json").read_text())
     stated = report["errors"]["strip"]

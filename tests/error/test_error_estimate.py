@@ -111,7 +111,7 @@ def test_missed_motion_is_the_same_where_the_instants_between_are_passed_over(fr
     fulls = tuple(system.bodies_of(FullBody).values())
     every, wanted = np.arange(1, 41), np.array([23, 5, 14, 32])
     solution = simulate(small, run)
-    exact = system_corrections(small, fulls, bases, solution, every, settled=1e-9)["strip"]
+    exact = system_corrections(small, fulls, bases, solution, every, tolerance=1e-9)["strip"]
     monkeypatch.setattr(MissingMotionSearch, "at", None)  # it is not called: all four are reached directly
     found = system_corrections(small, fulls, bases, solution, wanted, between=every)["strip"]
     there = exact.at(wanted - 1).deformation

@@ -120,7 +120,7 @@ def test_rounds_of_nearby_sizes_run_by_one_program(beam, monkeypatch):
     result, _ = corrected(beam, FRAMES["mean-axis"])
     assert [each.size for each in result.rounds] == [8, 11]
     assert sum(map(built.count, marches)) == 1
-    assert result.body.inert == 0
+    assert result.body.padding == 0
     assert result.solution.bodies["beam"].coordinates.shape[1] == 11
 
 

@@ -23,10 +23,10 @@ from supple.machine import (
     Revolute,
     Scaled,
     Sine,
+    SpinUp,
     SpringDamper,
     System,
 )
-from supple.machine.laws import SpinUp
 from supple.mesh import strip
 from supple.quantities import (
     AccelerationSensor,

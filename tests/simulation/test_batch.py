@@ -37,7 +37,7 @@ from supple.machine import (
     System,
     Table,
 )
-from supple.methods.floating.compiled import kept_tangent
+from supple.methods.floating.compiled import frozen_tangent
 from supple.programs import worker_processes
 from supple.programs.kept_programs import KeptProgram
 from supple.simulation import case_worker, shares_of_cases, simulate, simulate_batch
@@ -303,7 +303,7 @@ def test_a_chunk_that_would_not_fit_in_memory_is_refused(pushes, monkeypatch):
 def test_cases_of_another_core_are_the_same_to_the_last_digit(pushes, fewest, monkeypatch):
     """By the number of coordinates from which tangents are kept; what is left after the first share waits for
     the other process."""
-    monkeypatch.setattr(kept_tangent, "_FEWEST", fewest)
+    monkeypatch.setattr(frozen_tangent, "_FEWEST", fewest)
     here = simulate_batch(pushes, FLEXIBLE_RUN, chunk=2).check()
     other_has_begun = threading.Event()
     next_of = worker_processes._next

@@ -15,6 +15,7 @@ from supple.body import RigidBody
 from supple.integrate import FloatingMotion, Leg, Run, Solution, Statistics
 from supple.machine import Placed, System
 from supple.quantities import node_positions
+from supple.results import summarize
 from supple.simulation import register_engine, simulate
 from supple.simulation.engines import _ENGINES
 from supple.storage import read_header, read_solution
@@ -81,6 +82,11 @@ def test_it_is_simulated(stone):
     t = motion.times
     np.testing.assert_allclose(motion.bodies["stone"].position[:, 2], 5 * t - 9.81 * t**2 / 2, atol=1e-12)
     np.testing.assert_allclose(motion.bodies["stone"].velocity[:, 2], 5 - 9.81 * t, atol=1e-12)
+
+
+def test_its_run_is_summarised(stone):
+    summary = summarize(stone, simulate(stone, RUN))
+    assert summary["bodies"] == {"stone": {"kind": "thrown", "mass": 2.0}}
 
 
 def test_it_is_kept_killed_and_resumed(stone, tmp_path):

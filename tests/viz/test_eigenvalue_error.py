@@ -20,7 +20,7 @@ def test_errors_at_several_steps_and_the_exact_ones(tmp_path, ink):
 
 @pytest.mark.parametrize("errors", [np.full(5, np.inf), np.zeros(5)])
 def test_errors_that_cannot_be_drawn(tmp_path, errors):
-    with pytest.raises(ModelError, match="errors of 7 modes: none is positive and finite"):
+    with pytest.raises(ModelError, match="error '7 modes' is nowhere positive and finite"):
         plot_eigenvalue_error(tmp_path / "errors.png", {7: errors}, 1e-3)
     with pytest.raises(ModelError, match="at least one number of modes"):
         plot_eigenvalue_error(tmp_path / "errors.png", {}, 1e-3)

@@ -150,7 +150,7 @@ def bordered_factor(
     left = whole[border][:, border].toarray() - rows @ responses
     scales = _balanced(left)
     with warnings.catch_warnings():
-        # A pivot of exactly zero is a matter of rounding: told as every other singular system is.
+        # A pivot of exactly zero is a matter of rounding: reported as every other singular system is.
         warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
         remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
     if not remainder[0].diagonal().all():

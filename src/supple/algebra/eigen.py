@@ -64,7 +64,7 @@ def lowest_modes(
     n_modes         : int                   0 <= n_modes <= n - m
     constraint      : array (m, n) or None  D of full row rank; R^T M leaves the elastic modes of a free body
     grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; of a large one
-                                            the numbers are given back meanwhile
+                                            the numbers are released meanwhile
     Returns
     -------
     Eigenpairs   .values (n_modes,) ascending, .vectors (n, n_modes) with X^T M X = I, largest entry positive

@@ -8,7 +8,7 @@
 - Loops become functions of machine code (`XLA_FLAGS`): what is left to XLA is a list of operations, which it
   goes through one by one. Read when JAX starts; settings made earlier stay.
 - Compiled programs are kept between processes, in the user's cache, where no other folder was chosen before.
-- They are given back before they fill a process (`bound_programs`): Linux maps a limited number of pieces of
+- They are released before they fill a process (`bound_programs`): Linux maps a limited number of pieces of
   memory for each, a program takes several, and beyond the limit the compiler ends the process.
 """
 

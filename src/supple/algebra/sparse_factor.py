@@ -152,7 +152,7 @@ def installed_solver() -> DirectSolver:
 class SparseFactor:
     """The factors of a sparse matrix, checked by one refinement step when made.
 
-    Their numbers, gigabytes for a large body, can be given back: who solves next computes them again.
+    Their numbers, gigabytes for a large body, can be released: who solves next computes them again.
     """
 
     def __init__(self, matrix: sparse.csc_array, raw: RawFactor) -> None:

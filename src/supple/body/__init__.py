@@ -4,6 +4,9 @@ from supple.body.body_form import *
 from supple.body.body_source import *
 from supple.body.connection_interfaces import *
 from supple.body.damping import *
+from supple.body.deck_body import *
+from supple.body.deck_modes import *
+from supple.body.deck_parts import *
 from supple.body.finite_element_body import *
 from supple.body.flexible_body import *
 from supple.body.floating_kinematics import *
@@ -15,7 +18,6 @@ from supple.body.internal_force import *
 from supple.body.labelled_superelement import *
 from supple.body.mass_properties import *
 from supple.body.model_check import *
-from supple.body.nastran_body import *
 from supple.body.point_motion import *
 from supple.body.rigid_body import *
 from supple.body.section_beams import *

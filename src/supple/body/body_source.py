@@ -3,32 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.body.deck_body import deck_connections, deck_mesh, deck_model, refuse_left_out
+from supple.body.deck_parts import named_part
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.labelled_superelement import NodalMatrices, labelled_superelement, read_nodal_matrices
 from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
-from supple.body.nastran_body import nastran_model
 from supple.body.section_beams import section_beams
 from supple.body.superelement import read_superelement
 from supple.errors import ModelError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
-from supple.importers import Connection, numbers_of, read_matrix, read_nastran, read_section_table
+from supple.importers import Connection, numbers_of, read_deck, read_matrix, read_section_table
 from supple.mesh import Mesh
 
 __all__ = [
     "BodySource",
+    "deck_source",
     "elements_source",
     "labelled_matrices_source",
     "matrices_source",
-    "nastran_source",
     "section_beams_source",
 ]
 
@@ -44,6 +45,7 @@ class BodySource:
     connections : RBE2 and RBE3 elements that may be interfaces
     numbers : node numbers of the ids of its file
     mesh, model : with elements, also of a body that is made linear; matrices have none
+    ties_itself : whether its rigid connections hold without being interfaces
     """
 
     check: Callable[[int], ModelCheck]
@@ -52,6 +54,7 @@ class BodySource:
     numbers: Callable[[IntArray], IntArray] = np.asarray
     mesh: Mesh | None = None
     model: Callable[[], FiniteElementModel] | None = None
+    ties_itself: bool = False
 
 
 def elements_source(
@@ -69,10 +72,29 @@ def elements_source(
     )
 
 
-def nastran_source(path: Path, kinematics: ShellKinematics = GREEN_LAGRANGE) -> BodySource:
-    """The elements, materials and walls of a bulk data file; errors as for `read_nastran`."""
-    read = read_nastran(path)
-    return elements_source(read.mesh, lambda: nastran_model(read, kinematics=kinematics), read.connections)
+def deck_source(
+    path: Path,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
+    *,
+    part: str | None = None,
+    leave_out: Sequence[str] = (),
+) -> BodySource:
+    """What a deck describes; its rigid ties hold whether or not interfaces take them.
+
+    part : as for `named_part`;  leave_out : as for `refuse_left_out`
+
+    Raises
+    ------
+    ImportFormatError   a file that cannot be read
+    ModelError          several parts; what is left out and not allowed to be
+    """
+    deck = read_deck(path)
+    refuse_left_out(deck, leave_out)
+    own = named_part(deck, part)
+    made = elements_source(
+        deck_mesh(own), lambda: deck_model(own, kinematics=kinematics), deck_connections(own)
+    )
+    return replace(made, ties_itself=True)
 
 
 def section_beams_source(path: Path) -> BodySource:

@@ -47,7 +47,8 @@ class Coordinates:
     rigid_modes : (n, 6)
     freedoms : (n,) the nodal freedom that each is, for messages
     sets : the rigid pieces
-    n_fixed : rotations that nothing stiffens;  n_massless : freedoms that follow statically
+    bare : nodal freedoms that have no mass and follow statically
+    n_fixed : rotations that nothing stiffens
     """
 
     whole: sparse.csc_array = field(repr=False)
@@ -55,8 +56,13 @@ class Coordinates:
     rigid_modes: FloatArray = field(repr=False)
     freedoms: IntArray = field(repr=False)
     sets: tuple[RigidSet, ...] = field(repr=False)
+    bare: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64), repr=False)
     n_fixed: int = 0
-    n_massless: int = 0
+
+    @property
+    def n_massless(self) -> int:
+        """How many freedoms follow statically."""
+        return len(self.bare)
 
     @property
     def expansion(self) -> sparse.csc_array:
@@ -66,8 +72,10 @@ class Coordinates:
     def last_coordinates(self, k: int) -> sparse.csr_array:
         """The motion (k, n) of the last k of q0, those of rigid interfaces."""
         n0 = self.whole.indptr.size - 1
-        rows = sparse.eye_array(n0, format="csr") if self.rest is None else self.rest.tocsr()
-        return sparse.csr_array(rows[n0 - k :])
+        if self.rest is not None:
+            return sparse.csr_array(self.rest.tocsr()[n0 - k :])
+        own = np.arange(k)
+        return sparse.csr_array((np.ones(k), (own, n0 - k + own)), shape=(k, n0))
 
     def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
         """T^T A T of a nodal matrix."""
@@ -81,7 +89,7 @@ def rigid_sets(
     interfaces: Sequence[tuple[str, IntArray, FloatArray]],
     attached: Attached,
 ) -> tuple[RigidSet, ...]:
-    """Nodes that move as one with the place of the node they follow; those of interfaces stand last, in order.
+    """Nodes that move as one, and the place of the node they follow; those of interfaces last, in order.
 
     interfaces : (name, nodes, position) of rigid ones. Pieces that share a node are one piece.
 
@@ -123,11 +131,13 @@ def coordinates(
     *,
     n_interfaces: int = 0,
     tolerance: float,
+    held: bool = False,
 ) -> Coordinates:
     """The coordinates that ties, constraints, rotations without stiffness and freedoms without mass leave.
 
     n_interfaces : the last of the sets are interfaces, whose coordinates stay
     tolerance : of what counts as no mass
+    held : whether constraints may hold the body; displacements that nothing stiffens then rest as well
 
     Raises
     ------
@@ -148,18 +158,18 @@ def coordinates(
     K, M = congruent(whole, stiffness), congruent(whole, mass)
     state = _State(K, M, R, np.arange(n0), None)
     if attached.constraints is not None:
-        state = state.after(eliminate(body, attached.constraints, whole, R, last))
-    turns = np.repeat(~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+        state = state.after(eliminate(body, attached.constraints, whole, R, last, held=held))
+    turns = np.repeat(held | ~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
-    if still.shape[1]:
+    if still.nnz:
         # A rigid motion of all else leaves them where they rest.
-        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still))
-    n_before = len(state.kept)
+        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still, len(state.kept)))
+    before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
         state = state.after(_follow_statically(body, state.K, bare))
     try:
-        motions = massless_motions(state.M, tolerance)
+        motions = massless_motions(state.M, tolerance) if len(state.kept) else np.zeros((0, 0))
         if motions.shape[1]:
             state = state.after(tie_statically(state.K, motions, ~last[state.kept]))
     except ModelError as error:
@@ -169,8 +179,8 @@ def coordinates(
         ) from None
     return Coordinates(
         *(whole, state.rest, state.R, freedoms[state.kept], sets),
-        n_fixed=still.shape[1],
-        n_massless=n_before - len(state.kept),
+        bare=freedoms[np.setdiff1d(before, state.kept)],
+        n_fixed=still.indptr.size - 1,
     )
 
 
@@ -239,10 +249,10 @@ def _without_stiffness(
     return sparse.csc_array((entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block)))
 
 
-def _fixed(still: sparse.csc_array) -> StaticallyTied:
+def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
     """Motion along no direction (n, k): of each three freedoms as many are eliminated as have none."""
-    n, k = still.shape
-    return together(sparse.csr_array(still.T), np.full(k, -1), np.zeros(n, dtype=bool))
+    rows = sparse.csr_array(still.T)
+    return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
 
 
 def _bare(

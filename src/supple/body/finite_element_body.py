@@ -50,6 +50,7 @@ def flexible_body(
         check_instance(
             f"flexible_body '{name}', interfaces", each, (RigidInterface, AveragingInterface), expected
         )
+    rotations = nodal_rotation_operator(model)
     return free_body(
         name,
         model.mesh.nodes,
@@ -61,6 +62,6 @@ def flexible_body(
             for given in interfaces
         ),
         model=model,
-        rotation_operator=nodal_rotation_operator(model),
+        rotation_operator=rotations if rotations.nnz else None,
         rotation_limit=model.rotation_limit,
     )

@@ -48,7 +48,9 @@ def free_body(
     check_nodes(name, nodes, node_ids)
     M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node)
     K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node)
-    virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces, node_ids)
+    pieces = [each.nodes for each in attached.rigid]
+    tied = np.concatenate(pieces) if pieces else None
+    virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces, node_ids, tied)
     rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
     sets = rigid_sets(name, len(nodes), rigid, attached)
     if sum(len(members) for members, _ in sets) == len(nodes):

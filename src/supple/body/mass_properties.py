@@ -87,7 +87,15 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
         first += about
         second += squared
         rotary += own
-    arm = first / total
+    beside = model.attached.mass
+    if beside is not None:
+        added = rigid_mass_properties(beside, model.mesh.nodes, model.dofs_per_node)
+        place = added.centre - middle
+        total += added.mass
+        first += added.mass * place
+        second += added.mass * np.outer(place, place)
+        rotary += added.inertia
+    arm = first / total if total else first
     central = second - total * np.outer(arm, arm)
     return MassProperties(float(total), middle + arm, np.trace(central) * np.eye(3) - central + rotary)
 

@@ -15,13 +15,13 @@ from scipy.spatial import KDTree
 
 from supple.algebra import lowest_modes
 from supple.body.checks import FREEDOM_NAMES, RIGID_NAMES, SYMMETRY, rigid_force_ratios
+from supple.body.coordinates import Coordinates, coordinates, rigid_sets
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
-from supple.body.massless_motion import StaticallyTied, massless_motions, tie_statically
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import AccuracyError, ModelError
-from supple.fem import FiniteElementModel
+from supple.fem import Attached, FiniteElementModel
 from supple.mesh import Mesh
 
 __all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", "check_nodal_matrices"]
@@ -103,6 +103,7 @@ def check_model(
     node_ids: NDArray[np.int64] | None = None,
     mesh_mass: MassProperties | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
+    attached: Attached | None = None,
 ) -> ModelCheck:
     """Everything to say about the nodal matrices of a body: what is wrong is a finding, not an exception.
 
@@ -114,6 +115,7 @@ def check_model(
     node_ids        : (N,) labels for messages; node numbers from 0 when omitted
     mesh_mass       : what the mass should be, from the mesh
     rigid_tolerance : largest |K R| against the forces that cancel in it
+    attached        : what ties nodes
     Returns
     -------
     ModelCheck
@@ -131,21 +133,21 @@ def check_model(
     labels = np.arange(len(nodes)) if node_ids is None else node_ids
     R = nodal_rigid_modes(nodes, dofs_per_node)
     properties = rigid_mass_properties(M, nodes, dofs_per_node)
-    mass_found, tied = _positive_mass(M, K, labels, dofs_per_node, rigid_tolerance)
+    made, tied_found = _coordinates(nodes, dofs_per_node, K, M, attached, labels, rigid_tolerance)
     findings = [
         _symmetry("stiffness", K),
         _symmetry("mass", M),
         *_mass(M, R, properties, mesh_mass),
-        mass_found,
+        *tied_found,
         _grounding(K, R, labels, dofs_per_node, rigid_tolerance),
         _units(nodes, K, M, dofs_per_node),
     ]
     energy = _rigid_energy(K, R)
     check = ModelCheck(tuple(findings), properties, energy)
     positive = all(f.verdict is not Verdict.REFUSED for f in findings[:-2])
-    if n_frequencies == 0 or not positive:
+    if n_frequencies == 0 or not positive or made is None:
         return check
-    modes, n_zero, frequencies = _modes(K, M, R, n_frequencies, labels, dofs_per_node, tied)
+    modes, n_zero, frequencies = _modes(K, M, R, n_frequencies, labels, dofs_per_node, made)
     return ModelCheck((*findings, *modes), properties, energy, n_zero, frequencies)
 
 
@@ -159,6 +161,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         n_frequencies=n_frequencies,
         node_ids=model.mesh.node_ids,
         mesh_mass=mesh_mass_properties(model),
+        attached=model.attached,
     )
     return replace(check, findings=(*check.findings, _cells_twice(model.mesh), *_middle_nodes(model.mesh)))
 
@@ -289,39 +292,49 @@ def _against_mesh(found: MassProperties, expected: MassProperties) -> Finding:
     )
 
 
-def _positive_mass(
-    M: sparse.csc_array,
-    K: sparse.csc_array,
-    labels: NDArray[np.int64],
+def _coordinates(
+    nodes: FloatArray,
     dofs_per_node: int,
+    K: sparse.csc_array,
+    M: sparse.csc_array,
+    attached: Attached | None,
+    labels: NDArray[np.int64],
     tolerance: float,
-) -> tuple[Finding, StaticallyTied | None]:
-    """What is found, and how motions without mass follow the others, where there are such."""
-    what, diagonal = "positive mass", M.diagonal()
-    bad = np.flatnonzero(~(diagonal > 0))
-    remedy = (
-        "every freedom must carry mass, and every rotation rotary inertia; reduce massless rotations away "
-        "(Nastran: ASET1,123), or import the mesh instead"
-    )
-    if bad.size:
-        first = _freedom(int(bad[0]), labels, dofs_per_node)
-        seen = f"{bad.size} freedoms have none, first {first}: {diagonal[bad[0]]:.3g}"
-        return Finding(what, seen, Verdict.REFUSED, remedy), None
+) -> tuple[Coordinates | None, list[Finding]]:
+    """The coordinates that ties leave, and what was found on the way."""
+    beside = Attached() if attached is None else attached
     try:
-        motions = massless_motions(M, tolerance)
-        if not motions.shape[1]:
-            return Finding(what, f"all {len(diagonal)} eigenvalues"), None
-        tied = tie_statically(K, motions, np.ones(len(diagonal), dtype=bool))
+        sets = rigid_sets("model", len(nodes), (), beside)
+        made = coordinates("model", nodes, dofs_per_node, K, M, sets, beside, tolerance=tolerance)
     except ModelError as error:
-        return Finding(what, str(error), Verdict.REFUSED, remedy), None
-    moved = np.abs(motions).max(axis=1).reshape(-1, dofs_per_node).max(axis=1)
-    nodes = labels[moved > 0.1 * moved.max()]
+        remedy = (
+            "every freedom needs mass, or stiffness by which it follows the others; give materials a "
+            "density, or reduce massless rotations away (Nastran: ASET1,123)"
+        )
+        seen = str(error).removeprefix("body 'model': ")
+        return None, [Finding("positive mass", seen, Verdict.REFUSED, remedy)]
+    found = [_positive_mass(made, M, labels, dofs_per_node)]
+    if made.n_fixed:
+        seen = f"{made.n_fixed} of nodes, which rest against the body"
+        found.append(Finding("rotations that nothing stiffens", seen))
+    if beside.rigid or beside.constraints is not None:
+        rows = 0 if beside.constraints is None else len(beside.constraints.labels)
+        found.append(Finding("ties within the body", f"{len(sets)} rigid pieces, {rows} constraints"))
+    return made, found
+
+
+def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np.int64], d: int) -> Finding:
+    """What carries no mass and follows the others, where anything does."""
+    n, bare = mass.indptr.size - 1, made.bare
+    if not made.n_massless:
+        return Finding("positive mass", f"all {len(made.freedoms)} eigenvalues")
+    nodes = np.unique(labels[bare // d])
     listed = ", ".join(str(node) for node in nodes[:8]) + (", ..." if len(nodes) > 8 else "")
-    seen = (
-        f"all but {motions.shape[1]} of {len(diagonal)} eigenvalues; the motions without mass, at nodes "
-        f"{listed}, follow the others statically"
+    return Finding(
+        "positive mass",
+        f"all but {made.n_massless} of {n} eigenvalues; the motions without mass, at nodes {listed}, follow "
+        "the others statically",
     )
-    return Finding(what, seen), tied
 
 
 def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
@@ -387,12 +400,10 @@ def _modes(
     n_frequencies: int,
     labels: NDArray[np.int64],
     dofs_per_node: int,
-    tied: StaticallyTied | None,
+    made: Coordinates,
 ) -> tuple[list[Finding], int | None, tuple[float, ...]]:
-    stiffness, mass = K, M
-    if tied is not None:
-        stiffness, mass = (tied.expansion.T @ matrix @ tied.expansion for matrix in (K, M))
-    wanted = min(6 + n_frequencies, len(R) if tied is None else len(tied.kept))
+    stiffness, mass = made.of(K), made.of(M)
+    wanted = min(6 + n_frequencies, len(made.freedoms))
     try:
         pairs = lowest_modes(stiffness, mass, wanted)
     except (ModelError, AccuracyError) as error:
@@ -404,10 +415,8 @@ def _modes(
     if zero == wanted or pairs.values[-1] <= 0:
         zero = wanted
     frequencies = tuple((np.sqrt(np.maximum(pairs.values[zero:], 0)) / (2 * np.pi)).tolist())
-    rigid = pairs.vectors[:, :zero]
-    found = [
-        _zero_modes(zero, rigid if tied is None else tied.expansion @ rigid, M, R, labels, dofs_per_node)
-    ]
+    rigid = made.expansion @ pairs.vectors[:, :zero]
+    found = [_zero_modes(zero, rigid, M, R, labels, dofs_per_node)]
     if frequencies:
         listed = ", ".join(f"{value:.4g}" for value in frequencies)
         found.append(Finding(LOWEST_FREQUENCIES, listed))

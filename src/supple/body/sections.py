@@ -142,7 +142,7 @@ def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
     )
 
 
-def _refuse_tied(body: Any, around: NDArray[np.int64]) -> None:
+def _refuse_tied(body: Any, around: NDArray[np.integer]) -> None:
     for interface in body.interfaces:
         if np.isin(interface.tied_nodes, around).any():
             raise ModelError(

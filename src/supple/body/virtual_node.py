@@ -40,10 +40,12 @@ def virtual_nodes(
     dofs_per_node: int,
     interfaces: Sequence[RigidInterface | AveragingInterface],
     labels: NDArray[np.int64] | None = None,
+    tied: NDArray[np.int64] | None = None,
 ) -> tuple[VirtualNode, ...]:
     """Resolve interfaces given by node numbers; ModelError for each way in which one can be impossible.
 
     labels : (N,) ids of the nodes, for messages; their numbers when omitted
+    tied : nodes of rigid pieces of the body, which turn with these
     """
     labels = np.arange(len(nodes)) if labels is None else labels
     held_by: dict[int, str] = {}
@@ -54,7 +56,8 @@ def virtual_nodes(
             raise ModelError(f"{where}: another interface has this name; names must differ")
         node_ids = _node_ids(where, interface, labels)
         points = nodes[node_ids]
-        if dofs_per_node == 3 and are_collinear(points):
+        turns = dofs_per_node == 6 or (tied is not None and bool(np.isin(node_ids, tied).any()))
+        if not turns and are_collinear(points):
             raise ModelError(
                 f"{where}: its {len(points)} nodes lie on one line or point, and the nodes of solids have no "
                 "rotations, so it cannot carry a rotation; give at least three nodes that are not on a line"
@@ -125,8 +128,8 @@ def _check_turns(
     rotations = (node.node_ids[:, None] * 6 + np.arange(3, 6)).ravel()
     if (np.diff(sparse.csr_array(expansion.tocsr()[rotations]).indptr) == 0).any():
         raise ModelError(
-            f"interface '{node.name}': its {len(node.node_ids)} nodes lie on one line or point, and some are of "
-            "solids, which have no rotations, so it cannot carry a rotation; give at least three nodes that "
+            f"interface '{node.name}': its {len(node.node_ids)} nodes lie on one line or point, "
+            "and some are of solids, which have no rotations, so it cannot carry a rotation; give at least three nodes that "
             "are not on a line"
         )
 

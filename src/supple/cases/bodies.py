@@ -31,6 +31,7 @@ from supple.cases import (
 )
 from supple.cases.body_kinds import (
     KINDS,
+    Abaqus,
     ElasticKind,
     Matrices,
     Nastran,
@@ -96,6 +97,7 @@ class Body(CheckedTable):
     shell: Shell | None = None
     solid: Solid | None = None
     nastran: Nastran | None = None
+    abaqus: Abaqus | None = None
     matrices: Matrices | None = None
     superelement: Superelement | None = None
     rigid: Rigid | None = None
@@ -132,7 +134,7 @@ class Body(CheckedTable):
 
     @property
     def kind(self) -> str:
-        """The key that says what the body is made of."""
+        """The key of what the body is made of."""
         return next(key for key in KINDS if getattr(self, key) is not None)
 
     @property
@@ -174,9 +176,10 @@ class Body(CheckedTable):
         """
         try:
             connections = source.connections()
-            taken = {each.connection for each in self.interface}
-            taken |= {each.nodes for each in self.interface if each.kind == "rigid"}
-            check_rigid_connections(self.name, self.mesh or "", connections, taken)
+            if not source.ties_itself:
+                taken = {each.connection for each in self.interface}
+                taken |= {each.nodes for each in self.interface if each.kind == "rigid"}
+                check_rigid_connections(self.name, self.mesh or "", connections, taken)
             body = source.body(
                 self.name, [each.build(connections, source.numbers) for each in self.interface]
             )
@@ -196,7 +199,7 @@ class Body(CheckedTable):
 
         flexible : from `flexible`; None of a body that is not elastic, or is a file
         folder : where that file lies
-        notify : hears of each long step
+        notify : called at each long step
         elements : of a body that is to march in them
         """
         given = {key: getattr(self, key) for key in _START}
@@ -227,9 +230,10 @@ class Body(CheckedTable):
     ) -> RigidBody | ReducedBody | FullBody | IntrinsicBody:
         if self.reduced is not None:
             return replace(read_reduced_body(folder / self.reduced), name=self.name)
-        if self.rigid is not None:
+        made_of = getattr(self, self.kind)
+        if isinstance(made_of, Rigid):
             places = {i.name: np.array(i.position) for i in self.interface if i.position is not None}
-            return self.rigid.body(self.name, places)
+            return made_of.body(self.name, places)
         if self.condense is not None:
             damped = self.damping
             # A rule of the case file: kinds that ask for neither a body nor its frame.

@@ -14,10 +14,10 @@ from pydantic import Field
 from supple.body import (
     BodySource,
     RigidBody,
+    deck_source,
     elements_source,
     labelled_matrices_source,
     matrices_source,
-    nastran_source,
     section_beams_source,
 )
 from supple.cases.shared_rules import FileName
@@ -51,7 +51,7 @@ _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 class BodyKind(CheckedTable):
-    """What a body is made of. The class says what a body of this kind has, and what its table must hold."""
+    """What a body is made of. The class states what a body of this kind has, and what its table must hold."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
     """Of its mesh file; none if it takes no mesh."""
@@ -125,10 +125,9 @@ class Solid(Homogeneous):
         return solid_model(mesh, material)
 
 
-class Nastran(ElasticKind):
-    """The elements, materials and walls of a Nastran bulk data file."""
+class DeckKind(ElasticKind):
+    """What another program's file describes: elements, materials, sections, masses, springs and ties."""
 
-    mesh_suffixes = NASTRAN_SUFFIXES
     has_elements = True
     has_connections = True
 
@@ -136,10 +135,30 @@ class Nastran(ElasticKind):
         "green-lagrange",
         description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
     )
+    part: str | None = Field(
+        None, description="the part of the file that is this body, where it falls into several: part_1 .."
+    )
+    leave_out: tuple[str, ...] = Field(
+        (), strict=False, description="cards of the file that would change the body and are left out"
+    )
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
-        """The bulk data file."""
-        return nastran_source(folder / mesh, _KINEMATICS[self.kinematics])
+        """The file."""
+        return deck_source(
+            folder / mesh, _KINEMATICS[self.kinematics], part=self.part, leave_out=self.leave_out
+        )
+
+
+class Nastran(DeckKind):
+    """The elements, materials, properties, masses and ties of a Nastran bulk data file."""
+
+    mesh_suffixes = NASTRAN_SUFFIXES
+
+
+class Abaqus(DeckKind):
+    """The elements, materials, sections, masses and ties of an Abaqus or CalculiX input file."""
+
+    mesh_suffixes = (".inp",)
 
 
 class Matrices(ElasticKind):
@@ -235,6 +254,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "shell": Shell,
         "solid": Solid,
         "nastran": Nastran,
+        "abaqus": Abaqus,
         "matrices": Matrices,
         "superelement": Superelement,
         "rigid": Rigid,
@@ -246,12 +266,12 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
 
 
 def kind_of(body: Raw) -> type[BodyKind] | None:
-    """The kind of a body; None where no key tells."""
+    """The kind of a body; None without such a key."""
     return next((kind for key, kind in KINDS.items() if key in body), None)
 
 
 def is_elastic(body: Raw) -> bool:
-    """True of a body that the case builds, and may reduce; also where it does not say what it is made of."""
+    """True of a body that the case builds, and may reduce; also where no key states what it is made of."""
     kind = kind_of(body)
     return (kind is None or kind.is_elastic) and not is_explicit(body)
 

@@ -46,7 +46,7 @@ class Case:
     text : str              what stands in it
     tables : CaseTables     the same, checked
     lines : LineIndex       the way back from a table to its line
-    notify                  hears of each long step of the build as it begins, and how far it has come
+    notify                  called at each long step of the build, with its progress
     """
 
     path: Path
@@ -62,7 +62,7 @@ class Case:
 
     @property
     def units(self) -> UnitSystem:
-        """What its numbers are in, as far as it says so."""
+        """The units of its numbers, as far as stated."""
         return UnitSystem.stated(self.tables.units)
 
     @property
@@ -305,7 +305,7 @@ class Case:
 
     @cached_property
     def study(self) -> ErrorStudy:
-        """Which parts of the error are looked at, and in what.
+        """Which parts of the error are estimated, and in which quantities.
 
         Bases of a fixed size where that is asked for; the integration of machines with bodies in full too,
         for each of the two runs costs as much as the first.

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from supple.cases import (
     bodies,
@@ -43,9 +43,18 @@ from supple.importers.text_file import is_file
 from supple.importers.toml import ZERO, CheckedTable, KeyPath, Mistakes, Raw, Rule, Vector
 from supple.units import UnitSystem
 
+_PARTS_ARE_BODIES = (
+    '[[part]] is now [[body]]: rename these tables; modal = {modes = M, interfaces = ["A"]} becomes modal = '
+    '{modes = M} with interface = [{name = "A", kind = "averaging", nodes = "A"}]; angular_velocity is along '
+    'the axes of the body; a [[load]] needs kind = "force"; safety, largest_ratio, interface_loss and scheme '
+    "stand in [simulation] explicit = {..}; [output] colour is one word"
+)
+
 
 class CaseTables(CheckedTable):
     """A whole case file."""
+
+    model_config = ConfigDict(json_schema_extra={"renamed": {"part": _PARTS_ARE_BODIES}})
 
     title: str = Field(description="one line for tables and pictures")
     gravity: Vector = Field(ZERO, description="acceleration, global axes")

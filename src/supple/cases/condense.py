@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from supple.body import Damping, FlexibleBody
+from supple.cases.shared_rules import BODY_AXIS
 from supple.importers.toml import (
     CheckedTable,
     KeyPath,
@@ -65,6 +66,8 @@ class ModeAccuracy(CheckedTable):
 class Condense(CheckedTable):
     """Stations along a load path, and the modes on them."""
 
+    model_config = BODY_AXIS
+
     root: str = Field(description="interface where the load path begins, and where a joint may hold the body")
     tip: str | None = Field(None, description="interface where it ends; of a body with elements")
     stations: int | None = Field(
@@ -91,7 +94,7 @@ class Condense(CheckedTable):
         "clamped",
         description="what the joint at the root leaves free; clamped also where it prescribes a motion",
     )
-    axis: Vector | None = Field(None, description="of a hinged or sliding root, in the mesh axes")
+    body_axis: Vector | None = Field(None, description="direction of a hinged or sliding root, in body axes")
     released: bool = Field(
         False,
         description="true where joints hold the body to others, or at its tip: its modes are those on its "
@@ -116,8 +119,8 @@ class Condense(CheckedTable):
         return released(made) if self.released else made
 
     def _support(self) -> RootSupport:
-        if self.axis is not None:  # a rule of the case file
-            return _WITH_AXIS[self.support](self.axis)
+        if self.body_axis is not None:  # a rule of the case file
+            return _WITH_AXIS[self.support](self.body_axis)
         return _WITHOUT_AXIS[self.support]
 
 
@@ -176,10 +179,16 @@ def _path_is_between_interfaces(path: KeyPath, body: Raw) -> Mistakes:
 def _axis_suits_the_support(path: KeyPath, body: Raw) -> Mistakes:
     given = table(body, "condense")
     needs = given.get("support") in _WITH_AXIS
-    if needs and "axis" not in given:
-        yield (*path, "condense"), f"a {given['support']} root needs axis = [x, y, z] in the mesh axes"
-    if not needs and "axis" in given:
-        yield (*path, "condense", "axis"), "only a hinged or sliding root has an axis; remove the key"
+    if needs and "body_axis" not in given:
+        yield (
+            (*path, "condense"),
+            f"a {given['support']} root needs body_axis = [x, y, z], along the axes of the body",
+        )
+    if not needs and "body_axis" in given:
+        yield (
+            (*path, "condense", "body_axis"),
+            "only a hinged or sliding root has a body_axis; remove the key",
+        )
 
 
 def _joints_suit_the_supports(raw: Raw) -> Mistakes:

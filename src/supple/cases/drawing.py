@@ -1,4 +1,4 @@
-"""What a run's pictures and its film are drawn from, here or in another process."""
+"""What a run's pictures and its animation are drawn from, here or in another process."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ __all__ = ["Drawing", "drawing_of"]
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Pictures and a film of a run, as its case asks for them; fields as for `draw_run`.
+    """Pictures and an animation of a run, as its case asks for them; fields as for `draw_run`.
 
-    pictures, film : whether they are asked for
-    colour : of the film
+    pictures, animation : whether they are asked for
+    colour : of the animation
     """
 
     folder: Path
@@ -37,7 +37,7 @@ class Drawing:
     bases: Mapping[str, At]
     units: UnitSystem
     pictures: bool
-    film: bool
+    animation: bool
     colour: str = "deflection"
 
     def draw(self, progress: StepProgress = silent) -> None:
@@ -59,7 +59,7 @@ class Drawing:
                 units=self.units,
             )
             progress("drawing pictures", 1.0)
-        if self.film:
+        if self.animation:
             animate_run(
                 self.folder / "motion.gif",
                 *run,
@@ -82,7 +82,7 @@ def drawing_of(
     output = case.tables.output
     if not (output.pictures or output.animation):
         return None
-    # What has no frame does not deflect: its film is of its stress.
+    # What has no frame does not deflect: its animation is of its stress.
     framed = all(placed.body.has_frame for placed in system.bodies)
     return Drawing(
         folder,
@@ -95,6 +95,6 @@ def drawing_of(
         case.bases,
         case.units,
         pictures=output.pictures,
-        film=output.animation,
+        animation=output.animation,
         colour=output.colour,
     )

@@ -1,6 +1,6 @@
-"""A process of its own that draws a run while another one goes on: while its error is told.
+"""A process of its own that draws a run while another one goes on: while its error is estimated.
 
-What is drawn goes to it in a file, and it says how far it has come. It is worth starting for runs that take
+What is drawn goes to it in a file, and it reports its progress. It is worth starting for runs that take
 long, on computers with a core to spare. Where it cannot be started, or ends before its time, the drawing is
 made here.
 """
@@ -25,7 +25,7 @@ from supple.other_processes import available_cores, python_command, python_envir
 __all__ = ["DrawingBeside"]
 
 WORTH = 20.0
-"""Seconds that a run has taken by the time its motion is known: telling its error takes a part of that."""
+"""Seconds that a run has taken by the time its motion is known: estimating its error takes a part of that."""
 
 
 class DrawingBeside:

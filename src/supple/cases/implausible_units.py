@@ -1,6 +1,6 @@
-"""Implausible units: numbers of a case that no machine has in the units said of them, or in any.
+"""Implausible units: numbers of a case that no machine has in the stated units, or in any.
 
-A model in mixed units runs as well as any other, so every run looks at what gives them away: densities,
+A model in mixed units runs as well as any other, so every run checks what shows them: densities,
 moduli, sizes, gravity, the speed of waves, the first frequencies.
 """
 
@@ -42,7 +42,7 @@ _SPEED = _Range(
 )
 # Nothing is as heavy as a metal and as soft as rubber: kilograms with mm and MPa seem to be.
 _METAL, _RUBBER = 3e3, 2e9
-_REMEDY = "say the units that the numbers are in (units), and use one consistent set"
+_REMEDY = "state the units of the numbers (units), and use one consistent set"
 
 
 def warn_of_units(case: Case) -> None:
@@ -79,7 +79,7 @@ def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
     doubts = list(_outside(units, "its size", extent, units.length, _SIZE))
     for material in _materials(body):
         doubts += _of_material(units, material)
-    # The speed of waves tells what a size or a material out of range has told already.
+    # The speed of waves shows what a size or a material out of range has shown already.
     return doubts or list(_of_waves(units, body))
 
 

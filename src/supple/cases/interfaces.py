@@ -54,7 +54,7 @@ def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
         return
     for place, interface in tables(body, "interface", path):
         sources = [key for key in ("nodes", "node_indices", "connection") if key in interface]
-        if kind is Rigid:
+        if kind is not None and issubclass(kind, Rigid):
             if sources:
                 message = f"a rigid body has no nodes; give position instead of {sources[0]}"
                 yield (*place, sources[0]), message

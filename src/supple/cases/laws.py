@@ -80,7 +80,7 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
             if table(item, "law").get("kind") != "table" or not isinstance(file, str):
                 continue
             if not is_file(folder / file):
-                continue  # said of all files
+                continue  # reported for all files
             law = TableLaw(kind="table", file=file)
             place = (*path, "law", "file")
             try:

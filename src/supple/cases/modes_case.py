@@ -14,7 +14,7 @@ from supple.cases.case import Case
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.cases.reductions import DEFAULT_ACCURACY
-from supple.cases.static_case import looked_at, spin_of
+from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
 from supple.error import Missed, correct_statically
 from supple.errors import CaseError
@@ -41,7 +41,7 @@ AMPLITUDE = 0.1
 TURNING, STANDING = "turning with the machine", "standing in space"
 """In which frequencies are seen: forward whirl at w in space is w less the spin in axes that turn."""
 NO_DEFORMATION = 1e-12
-"""Of the machine's size: a rest with less has no error to speak of."""
+"""Of the machine's size: a rest with less has no error that matters."""
 
 
 def modes_case(
@@ -70,7 +70,7 @@ def modes_case(
     """
     warn_of_units(case)
     progress("linearising", 0.0)
-    system, spin = looked_at(case, allow_code=allow_code), spin_of(case)
+    system, spin = analysed_system(case, allow_code=allow_code), spin_of(case)
     fulls = None if errors or case.starts else ()
     if case.starts:
         system = _accurate(case, system, (spin,), n_modes, time)
@@ -105,7 +105,7 @@ def campbell_case(
     if spin is None:
         raise CaseError(f"{case.path}: a Campbell diagram needs a spin; add [spin] with rate and axis")
     spins = [Spin(float(rate), spin.axis, spin.point, spin.bodies) for rate in rates]
-    system = looked_at(case, allow_code=allow_code)
+    system = analysed_system(case, allow_code=allow_code)
     if case.starts:
         system = _accurate(case, system, (spins[0], spins[-1]), n_modes, 0.0)
     diagram = campbell_diagram(
@@ -181,7 +181,7 @@ def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
 
 
 def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
-    """In Hz where the unit of time is said, else one over it."""
+    """In Hz where the unit of time is stated, else one over it."""
     return np.asarray(frequencies) / (2 * np.pi) * case.units.frequency_shown.factor
 
 

@@ -21,7 +21,7 @@ class Output(CheckedTable):
     animation: bool = Field(True, description="draw the motion (GIF)")
     colour: Literal["deflection", "von-mises", "plastic-strain"] = Field(
         "deflection",
-        description="what colours the film; von-mises also draws contours where the stress is largest; "
+        description="what colours the animation; von-mises also draws contours where the stress is largest; "
         "plastic-strain is of bodies in explicit elements",
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from supple.cases.case import Case
-from supple.cases.remains import readings_paths, report_path, result_path
+from supple.cases.existing_results import readings_paths, report_path, result_path
 from supple.errors import CaseError
 from supple.importers import files_read_with
 from supple.simulation.kept_bodies import kept_path

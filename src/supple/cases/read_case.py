@@ -32,12 +32,6 @@ LARGEST = 1e60
 """Of any number: powers and products of a few such numbers still are numbers."""
 DEEPEST = 20
 """Tables and lists within each other; those of a case nest six deep."""
-_PARTS_ARE_BODIES = (
-    '[[part]] is now [[body]]: rename these tables; modal = {modes = M, interfaces = ["A"]} becomes modal = '
-    '{modes = M} with interface = [{name = "A", kind = "averaging", nodes = "A"}]; angular_velocity is along '
-    'the axes of the body; a [[load]] needs kind = "force"; safety, largest_ratio, interface_loss and scheme '
-    "stand in [simulation] explicit = {..}; [output] colour is one word"
-)
 
 
 @checked_arguments
@@ -47,7 +41,7 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
         case = read_case("blade.toml")
         solution = simulate(case.system, case.run)
 
-    notify : hears of each long step when the bodies of the case are built
+    notify : called at each long step when the bodies of the case are built
 
     Raises
     ------
@@ -56,8 +50,6 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     path = Path(path)
 
     def completed(raw: Raw) -> tuple[Raw, Sequence[tuple[KeyPath, str]]]:
-        if "part" in raw:
-            raise CaseError(f"{path}: {_PARTS_ARE_BODIES}")
         raw, mistakes = with_interfaces_of_files(raw, path.parent)
         return raw, [*mistakes, *broken_rules(raw, path.parent)]
 

@@ -27,8 +27,8 @@ FIRST_DERIVATIVES = 5
 CANDIDATES_PER_MODE = 5
 """Modes to select among, for each one kept."""
 
-Tell = Callable[[str], None]
-"""Hears in words how far a search for the number of modes has come."""
+Report = Callable[[str], None]
+"""Called with the progress of a search for the number of modes, in words."""
 
 
 _COUNT = Annotated[int, Field(ge=1)]
@@ -109,7 +109,7 @@ class Correctable(Basis):
     accuracy: Accuracy | None = None
     condensed: bool | None = _CONDENSED
 
-    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
+    def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
         """The linear columns; of those to start with, where no number is given."""
         return self.build()
 
@@ -134,7 +134,7 @@ class Sized(Correctable):
         """True unless the size is fixed."""
         return self.accuracy is not None or self.modes is None
 
-    def recipe(self, _tell: Tell | None = None) -> LinearBasisRecipe:
+    def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
         """The linear columns; of those to start with, where no number is given."""
         columns = self.build()
         return columns if self.corrects_itself or not self.steady else reduction.SteadyLoads(columns)
@@ -203,9 +203,9 @@ class ErrorControlled(Basis):
     derivatives: Derivatives | None = None
     condensed: bool | None = _CONDENSED
 
-    def recipe(self, tell: Tell | None = None) -> LinearBasisRecipe:
+    def recipe(self, report: Report | None = None) -> LinearBasisRecipe:
         """The linear columns, whose number a search finds."""
-        progress = None if tell is None else lambda step: tell(search_words(step.n_modes, step.largest))
+        progress = None if report is None else lambda step: report(search_words(step.n_modes, step.largest))
         vibrations = reduction.ErrorControlled(self.tolerance, self.modes, progress=progress)
         return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
 
@@ -273,7 +273,7 @@ def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
     if given.get("select", "lowest-frequency") == "lowest-frequency":
         yield (
             place,
-            'the lowest modes are kept unless told otherwise; remove the key, or add select = "coupling-'
+            'the lowest modes are kept by default; remove the key, or add select = "coupling-'
             'moment" or "effective-interface-mass"',
         )
     if isinstance(modes, int) and modes > candidates:

@@ -1,4 +1,4 @@
-"""Run a case: simulate it, keep every step on disk, draw it, and say in numbers what came out."""
+"""Run a case: simulate it, keep every step on disk, draw it, and report its numbers."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from supple.cases.condense import with_modes_enough
 from supple.cases.damping import warn_of_ratios
 from supple.cases.drawing import drawing_of
 from supple.cases.drawing_beside import DrawingBeside
+from supple.cases.existing_results import readings_paths, refuse_overwrite, report_path, result_path
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
-from supple.cases.remains import check_remains, readings_paths, report_path, result_path
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
@@ -77,7 +77,7 @@ def run_case(
     resume : continue the result file of a run that was cut off, instead of starting anew
     force : replace the result that is there; otherwise one that is finished or was cut off is an error
     strict : a motion beyond what a body's kinematics can describe is an error
-    errors : state how wrong the run is, which takes two more runs where the case does not say otherwise;
+    errors : state how wrong the run is, which takes two more runs unless the case states otherwise;
         without, an accuracy is that of the basis alone; nothing is known of the error of an explicit march
     allow_code : run the Python file of `control`, if the case names one
 
@@ -97,7 +97,7 @@ def run_case(
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder), DrawingBeside() as beside:
-        check_remains(case, folder, resume=resume, force=force)
+        refuse_overwrite(case, folder, resume=resume, force=force)
         return _run_case(
             case,
             folder,
@@ -229,7 +229,7 @@ def _simulated(
 ) -> tuple[System, Solution]:
     """The motion, and the system it is of; rounds of a self-correction are added as they are finished.
 
-    known : called with both before their error is told
+    known : called with both before their error is estimated
     """
     machine = starting_system(case, allow_code=allow_code)
     condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}

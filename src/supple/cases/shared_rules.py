@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
+from pydantic import ConfigDict
+
 from supple.importers.toml import KeyPath, Mistakes, Raw, tables
 
 End = Annotated[str, "ground"]
@@ -11,6 +13,15 @@ InterfaceOf = Annotated[str, "interface"]
 PlaceOf = Annotated[str, "node set"]
 FileName = Annotated[str, "file"]
 """What a key names, and what it may name besides an interface."""
+
+BODY_AXIS = ConfigDict(
+    json_schema_extra={
+        "renamed": {
+            "axis": "axis is now body_axis: the direction is along the axes of the body, not global ones"
+        }
+    }
+)
+"""Of tables whose direction was a key `axis`, which is global everywhere else."""
 
 
 def joint_label(kind: object, first: object, second: object) -> str:

@@ -12,6 +12,7 @@ from pydantic import Field
 
 from supple.body import BodySource, elements_source
 from supple.cases.body_kinds import kind_of, kinds_that
+from supple.cases.shared_rules import BODY_AXIS
 from supple.errors import ModelError
 from supple.fem import part_of_model
 from supple.importers import Connection
@@ -25,8 +26,10 @@ IntArray = NDArray[np.int64]
 class Split(CheckedTable):
     """The body as several with a frame each, tied where they meet: for rotations beyond one frame's limit."""
 
-    parts: int | None = Field(None, ge=2, description="number of parts, of equal length along axis")
-    axis: Vector | None = Field(
+    model_config = BODY_AXIS
+
+    parts: int | None = Field(None, ge=2, description="number of parts, of equal length along body_axis")
+    body_axis: Vector | None = Field(
         None, description="direction in body axes; the longest one of the mesh if left out"
     )
     cell_sets: Annotated[tuple[str, ...], Field(strict=False)] | None = Field(
@@ -41,7 +44,7 @@ class Split(CheckedTable):
         return (
             ByCellSets(self.cell_sets)
             if self.cell_sets is not None
-            else AlongAxis(self.parts or 2, self.axis)
+            else AlongAxis(self.parts or 2, self.body_axis)
         )
 
 
@@ -123,8 +126,8 @@ def _is_divided_one_way(path: KeyPath, body: Raw) -> Mistakes:
     if len(ways) != 1:
         seen = " and ".join(ways) or "neither"
         yield (*path, "split"), f"a split needs parts = 2, or cell_sets = [...]; this one has {seen}"
-    if "cell_sets" in given and "axis" in given:
-        yield (*path, "split", "axis"), "parts made of cell sets have no axis; remove the key"
+    if "cell_sets" in given and "body_axis" in given:
+        yield (*path, "split", "body_axis"), "parts made of cell sets have no body_axis; remove the key"
     sets = given.get("cell_sets")
     if isinstance(sets, list) and len(sets) < 2:
         yield (*path, "split", "cell_sets"), f"a split needs at least two cell sets; got {sets}"

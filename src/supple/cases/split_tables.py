@@ -119,7 +119,7 @@ def base_of(body: Body, source: SplitSource) -> At | None:
 def with_damping(body: Body, whole: FlexibleBody) -> Body:
     """A split body whose damping is the same for all parts: a ratio on modes is one on those of the whole.
 
-    A SuppleWarning says where damping by mass acts against the frame of each part instead of the body's.
+    A SuppleWarning names where damping by mass acts against the frame of each part instead of the body's.
     """
     damping = body.damping
     if isinstance(damping, RayleighRatio):

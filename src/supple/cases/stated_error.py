@@ -1,4 +1,4 @@
-"""What is stated of the error of a case: which parts are looked at, and in which quantities."""
+"""What is stated of the error of a case: which parts are estimated, and in which quantities."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ OfInterest = Annotated[PositionOf | StressOf | JointForceOf, Field(discriminator
 
 
 class StatedError(CheckedTable):
-    """Which parts of the error of a run are looked at, and in which quantities besides whole bodies."""
+    """Which parts of the error of a run are estimated, and in which quantities besides whole bodies."""
 
     basis: bool | None = Field(
         None,

@@ -48,15 +48,15 @@ def spin_of(case: Case) -> Spin | None:
     return Spin(made.rate, made.axis, made.point, wanted)
 
 
-def looked_at(case: Case, *, allow_code: bool) -> System:
-    """The machine whose rest or modes are looked at: with its controllers where their code may run.
+def analysed_system(case: Case, *, allow_code: bool) -> System:
+    """The machine whose rest or modes are computed: with its controllers where their code may run.
 
     Warns ControlWarning where it may not; raises CaseError for code that fails.
     """
     control = case.tables.control
     if control is not None and not allow_code:
         warnings.warn(
-            f'the machine is looked at without its controllers, control = "{control}": read that program, '
+            f'the machine is analysed without its controllers, control = "{control}": read that program, '
             "and give --allow-code to close its loops",
             ControlWarning,
             stacklevel=2,
@@ -66,7 +66,7 @@ def looked_at(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, *, allow_code: bool = False) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case says so, or at rest.
+    """The machine as its run starts: as it is placed, assembled if the case asks for it, or at rest.
 
     Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
 
@@ -84,7 +84,7 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
         _check_fixed_sizes(case)
     if wanted.assemble:
         found = assemble(system, time=case.run.start)
-        case.notify(_said(found))
+        case.notify(_assembly_line(found))
         system = found.system
     system = case.controlled(system, allow_code=allow_code)
     if wanted.start == "placed":
@@ -98,7 +98,7 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     return replace(found, controllers=controllers)
 
 
-def _said(found: AssembledMachine) -> str:
+def _assembly_line(found: AssembledMachine) -> str:
     """What was moved to assemble the machine, in words."""
     moved = [
         f"'{each.body}' by {each.distance:.3g} and {np.degrees(each.angle):.3g} deg"
@@ -131,7 +131,7 @@ def static_case(
 
     folder : made if it is not there
     time : at which loads and laws are taken
-    errors : say what the bases of the bodies miss, which takes a factorisation with all their coordinates
+    errors : estimate the error of the bases, which takes a factorisation with all their coordinates
     allow_code : whether the controllers that the case names, a program, act
 
     Raises
@@ -141,7 +141,7 @@ def static_case(
     ConvergenceError        no equilibrium
     """
     warn_of_units(case)
-    system = looked_at(case, allow_code=allow_code)
+    system = analysed_system(case, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
         # Newton's method doubles the digits at the end: the bar shows how many are found.

@@ -6,23 +6,36 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from supple.cases import read_case
-from supple.cli.check import print_check
-from supple.errors import ImportFormatError
-from supple.importers import MESH_SUFFIXES, NASTRAN_SUFFIXES, read_mesh
+from supple.cli.deck_report import deck_report, deck_rows, write_report
+from supple.errors import ArgumentError, ImportFormatError
+from supple.importers import DECK_SUFFIXES, MESH_SUFFIXES, read_deck, read_mesh
 from supple.results.descriptions import Row, describe_mesh, describe_reduced_body, describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
 from supple.terminal import print_rows
 from supple.units import measured
 
 
-def print_info(path: Path) -> None:
-    """Print what the file at `path` holds: a case, mesh or result; also the check of a whole model.
+def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: bool = False) -> None:
+    """Print what the file at `path` holds: a case, mesh, deck or result.
+
+    json : of a deck, where its numbers are written;  n_modes, held : its frequencies, at its own supports
 
     Raises
     ------
+    ArgumentError    these of a file that is no deck
     CaseError, ImportFormatError, MeshError, ResultFileError    a file that cannot be read, or of another kind
     """
     suffix = path.suffix.lower()
+    if suffix in DECK_SUFFIXES:
+        report = deck_report(read_deck(path), n_modes=n_modes, held=held)
+        print_rows(f"Deck {path}", deck_rows(report))
+        if json is not None:
+            write_report(report, json)
+        return
+    if json is not None or n_modes or held:
+        raise ArgumentError(
+            f"{path}: --json, --modes and --held are of decks, which end in {', '.join(DECK_SUFFIXES)}"
+        )
     if suffix == ".toml":
         print_rows(f"Case {path}", _describe_case(path))
     elif suffix == ".h5" and holds_reduced_body(path):
@@ -34,8 +47,6 @@ def print_info(path: Path) -> None:
     else:
         known = ", ".join((".toml", ".h5", *MESH_SUFFIXES))
         raise ImportFormatError(f"{path}: no such kind of file is known; give one that ends in {known}")
-    if suffix in NASTRAN_SUFFIXES:
-        print_check(path, n_frequencies=6)
 
 
 def _describe_case(path: Path) -> Iterator[Row]:

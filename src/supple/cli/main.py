@@ -27,6 +27,11 @@ app.add_typer(
     no_args_is_help=True,
 )
 
+CaseFile = Annotated[Path, typer.Argument(help="Case file (TOML).")]
+Folder = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
+]
+Instant = Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")]
 AllowCode = Annotated[
     bool,
     typer.Option(
@@ -37,7 +42,7 @@ AllowCode = Annotated[
 NoErrors = Annotated[
     bool,
     typer.Option(
-        "--no-errors", help="Leave out what the bases of the bodies miss, which takes full factors."
+        "--no-errors", help="Skip the error estimate of the bases (saves factors of the full bodies)."
     ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
@@ -66,21 +71,16 @@ def _options(
 
 @app.command()
 def run(
-    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
-    ] = None,
+    case: CaseFile,
+    output: Folder = None,
     strict: Annotated[
         bool,
-        typer.Option(
-            "--strict",
-            help="Stop where a warning would be given of the start, the steps or a model's validity.",
-        ),
+        typer.Option("--strict", help="Treat warnings of start, steps and validity as errors."),
     ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Continue a run that was cut off.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace the result that is there.")] = False,
     no_errors: Annotated[
-        bool, typer.Option("--no-errors", help="Leave out how wrong the run is, which takes two more runs.")
+        bool, typer.Option("--no-errors", help="Skip the error estimate (saves two runs).")
     ] = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
@@ -105,10 +105,8 @@ def run(
 
 @app.command()
 def reduce(
-    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for the bodies; default: results/CASE.")
-    ] = None,
+    case: CaseFile,
+    output: Folder = None,
     debug: Debug = False,
 ) -> None:
     """Reduce the bodies of a case file and keep each (HDF5), for cases with reduced = "FILE"."""
@@ -120,11 +118,9 @@ def reduce(
 
 @app.command()
 def static(
-    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
-    ] = None,
-    time: Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")] = 0.0,
+    case: CaseFile,
+    output: Folder = None,
+    time: Instant = 0.0,
     no_errors: NoErrors = False,
     allow_code: AllowCode = False,
     debug: Debug = False,
@@ -141,12 +137,10 @@ def static(
 
 @app.command()
 def modes(
-    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASE.")
-    ] = None,
+    case: CaseFile,
+    output: Folder = None,
     number: Annotated[int, typer.Option("-n", "--number", min=1, help="How many, the slowest first.")] = 6,
-    time: Annotated[float, typer.Option(help="Instant of loads and laws, in the case's unit of time.")] = 0.0,
+    time: Instant = 0.0,
     rates: Annotated[
         str | None,
         typer.Option(help="FROM:TO:NUMBER: Campbell diagram over these rates of the case's spin, rad/s."),
@@ -175,7 +169,7 @@ def modes(
 
 @app.command()
 def export(
-    case: Annotated[Path, typer.Argument(help="Case file (TOML).")],
+    case: CaseFile,
     output: Annotated[Path, typer.Option("-o", "--output", help="Deck to write, FILE.inp.")],
     body: Annotated[
         str | None, typer.Option(help="Which body; may be left out where one alone has elements.")
@@ -197,14 +191,21 @@ def export(
 
 @app.command()
 def info(
-    path: Annotated[Path, typer.Argument(help="Case (.toml), mesh (.inp, .msh, .bdf ..) or result (.h5).")],
+    path: Annotated[
+        Path, typer.Argument(help="Case (.toml), deck (.inp, .bdf ..), mesh (.msh) or result (.h5).")
+    ],
+    json: Annotated[Path | None, typer.Option("--json", help="File for the numbers of a deck.")] = None,
+    modes: Annotated[int, typer.Option(min=0, help="Lowest frequencies of a deck to compute.")] = 0,
+    held: Annotated[
+        bool, typer.Option("--held", help="At the deck's own supports, instead of free.")
+    ] = False,
     debug: Debug = False,
 ) -> None:
-    """Say what a case, mesh or result file holds."""
+    """Print what a case, deck, mesh or result file holds."""
     from supple.cli.info import print_info
 
     with reported_errors(debug=debug), reported_warnings():
-        print_info(path)
+        print_info(path, json=json, n_modes=modes, held=held)
 
 
 @app.command()
@@ -215,7 +216,7 @@ def check(
     modes: Annotated[int, typer.Option(min=0, help="Elastic modes to compute; 0 leaves modes out.")] = 6,
     debug: Debug = False,
 ) -> None:
-    """Say whether the models of a file can be used; exit with an error if one cannot."""
+    """Check the models of a file; exit with an error if one cannot be used."""
     from supple.cli.check import print_check
 
     with reported_errors(debug=debug), reported_warnings():

@@ -112,8 +112,8 @@ def _largest_error(errors: np.ndarray) -> str:
     if np.isnan(errors).all():
         return "unknown"
     worst = int(np.nanargmax(errors))
-    said = _percent(errors[worst]) if np.isfinite(errors[worst]) else "no such mode"
-    return f"{said} (mode {worst + 1})"
+    shown = _percent(errors[worst]) if np.isfinite(errors[worst]) else "no such mode"
+    return f"{shown} (mode {worst + 1})"
 
 
 def _percent(error: float) -> str:

@@ -1,4 +1,4 @@
-"""Run a case file, and say what came out."""
+"""Run a case file, and print its numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from supple import cases
-from supple.cases.remains import kept_so_far
+from supple.cases.existing_results import kept_so_far
 from supple.error import SelfCorrectionError, correction_numbers
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines
@@ -35,7 +35,7 @@ def run_case(
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
 
-    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it says what is kept, and exits with 130 or 143.
+    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is kept, and exits with 130 or 143.
     """
     with raising_terminated():
         try:

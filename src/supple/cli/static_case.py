@@ -1,4 +1,4 @@
-"""Find the equilibrium of a case file, and say where it is."""
+"""Find the equilibrium of a case file, and print where it is."""
 
 from __future__ import annotations
 

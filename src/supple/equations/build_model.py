@@ -28,9 +28,21 @@ from supple.equations.model import (
 from supple.equations.nodal_load import prepared
 from supple.equations.places import Places
 from supple.errors import ModelError
-from supple.machine import GROUND, At, BaseAcceleration, ForceElement, Joint, NodalLoad, Placed, System
-from supple.machine.control import Controller, EndReading, JointReading, SampledController
-from supple.machine.forces import JointFriction
+from supple.machine import (
+    GROUND,
+    At,
+    BaseAcceleration,
+    Controller,
+    EndReading,
+    ForceElement,
+    Joint,
+    JointFriction,
+    JointReading,
+    NodalLoad,
+    Placed,
+    SampledController,
+    System,
+)
 from supple.reduction.condensed_inertia import condensed_gram
 
 __all__ = [

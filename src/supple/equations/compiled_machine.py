@@ -21,9 +21,9 @@ from supple.equations.configuration import (
 )
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import first_control
+from supple.equations.converged_reactions import converged_reactions
 from supple.equations.inertia import mass_matrix
 from supple.equations.model import Model
-from supple.equations.settled_reactions import settled_reactions
 from supple.equations.start_change import StartChange
 from supple.equations.starting_machine import JointTerms, joint_terms
 from supple.machine import System
@@ -136,7 +136,7 @@ def accelerations(
         return solution[: len(mass)], solution[len(mass) :]
 
     found = answered()
-    return settled_reactions(answered, found) if machine.model.reads_reactions else found
+    return converged_reactions(answered, found) if machine.model.reads_reactions else found
 
 
 def forces_without_acceleration(

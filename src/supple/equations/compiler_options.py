@@ -1,4 +1,4 @@
-"""How XLA is told to compile: these programs are hundreds of tiny operations, not a few large ones."""
+"""Options of XLA: these programs are hundreds of tiny operations, not a few large ones."""
 
 from __future__ import annotations
 

@@ -24,8 +24,7 @@ from supple.equations.start_change import StartChange, StartEnergies
 from supple.equations.start_velocity import velocity_change
 from supple.equations.starting_machine import StartingMachine
 from supple.errors import ModelError, RedundantConstraintWarning
-from supple.machine import System
-from supple.machine.forces import JointFriction
+from supple.machine import JointFriction, System
 
 __all__ = ["ConsistentStart", "consistent_start"]
 

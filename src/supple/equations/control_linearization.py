@@ -25,8 +25,7 @@ from supple.equations.control_force import (
 from supple.equations.marker import N_LOCAL, pose
 from supple.equations.model import ControlLaw, Model
 from supple.equations.places import Block, Places, assembled_matrix
-from supple.machine import System
-from supple.machine.control import Controller
+from supple.machine import Controller, System
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["LinearControl", "RestingControl", "control_at_rest", "unrest"]

@@ -13,8 +13,7 @@ from supple.equations.configuration import ControlState, ControlStep, SystemMoti
 from supple.equations.control_force import stepped
 from supple.equations.model import Model
 from supple.errors import ModelError
-from supple.machine import System
-from supple.machine.control import JointReading, SampledController
+from supple.machine import JointReading, SampledController, System
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["control_after", "first_control", "fresh_control", "kept_control", "resumed_control"]

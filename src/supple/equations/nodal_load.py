@@ -19,7 +19,7 @@ import numpy as np
 from supple.algebra.rotation import rotation_exp, skew
 from supple.equations.configuration import SystemMotion
 from supple.equations.model import STATIC, NodalLoadArrays
-from supple.machine.nodal_loads import NodalLoad
+from supple.machine import NodalLoad
 
 __all__ = [
     "PreparedLoad",

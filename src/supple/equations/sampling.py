@@ -15,8 +15,7 @@ from supple.equations.control_force import readings_at
 from supple.equations.model import Model
 from supple.errors import ModelError
 from supple.integrate import Leg, Run, Statistics
-from supple.machine import System
-from supple.machine.control import SampledController
+from supple.machine import SampledController, System
 from supple.machine.control.controller import as_memory
 from supple.programs.kept_programs import KeptProgram
 

@@ -14,13 +14,13 @@ from supple.equations.start_velocity import given_parts
 from supple.machine import System
 
 __all__ = [
+    "ConstraintViolation",
     "Deforming",
-    "Moved",
-    "Open",
-    "Slowed",
+    "PositionCorrection",
     "StartChange",
     "StartEnergies",
     "Taken",
+    "VelocityCorrection",
     "velocities_taken",
 ]
 
@@ -37,7 +37,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Open:
+class ConstraintViolation:
     """A constraint equation of a joint that was not met, by `gap` (length or rad; its rate, per time)."""
 
     joint: str
@@ -46,7 +46,7 @@ class Open:
 
 
 @dataclass(frozen=True)
-class Moved:
+class PositionCorrection:
     """A body that was moved by a distance, and turned by an angle (rad), to close the joints."""
 
     body: str
@@ -55,7 +55,7 @@ class Moved:
 
 
 @dataclass(frozen=True)
-class Slowed:
+class VelocityCorrection:
     """A body whose given velocity was changed: speeds and angular speeds before and after."""
 
     body: str
@@ -104,13 +104,13 @@ class StartChange:
         start with a deformation rate for it
     """
 
-    open: tuple[Open, ...]
-    moved: tuple[Moved, ...]
-    against: tuple[Open, ...]
-    slowed: tuple[Slowed, ...]
+    open: tuple[ConstraintViolation, ...]
+    moved: tuple[PositionCorrection, ...]
+    against: tuple[ConstraintViolation, ...]
+    slowed: tuple[VelocityCorrection, ...]
     energies: tuple[float, float]
     taken: tuple[Taken, ...]
-    unmet: tuple[Open, ...]
+    unmet: tuple[ConstraintViolation, ...]
     deforming: tuple[Deforming, ...]
 
     @classmethod
@@ -148,7 +148,7 @@ class StartChange:
             moved=_moved(system, closed) if gaps else (),
             against=_open(system, np.abs(rates), _are_largest(rates / scales)) if slowed.size else (),
             slowed=tuple(
-                Slowed(
+                VelocityCorrection(
                     names[i],
                     (float(np.linalg.norm(before[i, :3])), float(np.linalg.norm(after[i, :3]))),
                     (float(np.linalg.norm(before[i, 3:])), float(np.linalg.norm(after[i, 3:]))),
@@ -182,7 +182,7 @@ def _are_largest(rates: np.ndarray) -> np.ndarray:
     return np.abs(rates) > NAMED * np.max(np.abs(rates), initial=0.0)
 
 
-def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Open, ...]:
+def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[ConstraintViolation, ...]:
     """The worst equation of each joint that has any among `which`, the worst joint first."""
     relative = gaps / row_scales(system)
     worst, stands = [], system.constraint_slices
@@ -191,11 +191,13 @@ def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Open, ..
         own = rows[which[rows]]
         if own.size:
             row = own[np.argmax(relative[own])]
-            worst.append((relative[row], Open(joint.name, joint.rows[row - rows[0]], float(gaps[row]))))
+            worst.append(
+                (relative[row], ConstraintViolation(joint.name, joint.rows[row - rows[0]], float(gaps[row])))
+            )
     return tuple(each for _, each in sorted(worst, key=lambda pair: -pair[0]))
 
 
-def _moved(system: System, closed: Configuration) -> tuple[Moved, ...]:
+def _moved(system: System, closed: Configuration) -> tuple[PositionCorrection, ...]:
     """Bodies moved by a tenth of the largest motion or more, an angle at the arm of the machine's size."""
     distances = np.linalg.norm(
         np.asarray(closed.origins) - [placed.position for placed in system.bodies], axis=1
@@ -208,7 +210,7 @@ def _moved(system: System, closed: Configuration) -> tuple[Moved, ...]:
     motions = distances + system_length(system) * angles
     far = motions >= NAMED * motions.max()
     return tuple(
-        Moved(placed.body.name, float(distances[i]), float(angles[i]))
+        PositionCorrection(placed.body.name, float(distances[i]), float(angles[i]))
         for i, placed in enumerate(system.bodies)
         if far[i]
     )

@@ -17,7 +17,7 @@ that no point moves far at once, and that the matrix of a body that nothing else
 Where that leads nowhere, as with shells whose walls wrinkle on the way, load and spin come up in steps: at a
 share s the machine turns at s times its rate, and a part 1 - s of what is unbalanced at the start, without
 spin, is held back. The equilibrium of one share is where the search at the next begins.
-Source: pseudo-transient continuation, Kelley & Keyes (1998); natural parameter continuation.
+Source: pseudo-transient continuation, [KelleyKeyes1998]; natural parameter continuation.
 """
 
 from __future__ import annotations
@@ -215,7 +215,7 @@ def search_equilibrium(
 
     Load and spin are followed up in steps where the direct search finds none in the iterations that a whole
     turn takes.
-    progress : hears of the iteration, and of the largest relative residual
+    progress : called with the iteration and the largest relative residual
     Raises ConvergenceError   none was found: nothing holds a body, or loads beyond what the bodies can bear
     """
     enough = int(2 * np.pi / search.largest_move) + _ARRIVAL
@@ -240,9 +240,9 @@ def search_equilibrium(
         most = min(_OF_A_SHARE, search.max_iterations - iterations)
         residual = search.residual if asked == 1 else max(search.residual, _ON_THE_WAY)
         own = replace(search, residual=residual, max_iterations=most)
-        told = partial(_counted, progress, iterations)
+        report = partial(_counted, progress, iterations)
         try:
-            state, used = _downhill(eased, state, time, own, told, careful=True)
+            state, used = _downhill(eased, state, time, own, report, careful=True)
         except ConvergenceError:
             step, iterations = step / 2, iterations + most
             continue
@@ -294,8 +294,8 @@ def _downhill(
             break
         # A move that arithmetic cannot tell from none, in a step that went far from the start, is none too:
         # where the terms of a kind all vanish, what is left of them has no size to be compared with.
-        settled = move <= 1e-13 and k >= first and _restless(found, search) is None
-        if found.gap <= 1e-12 and (largest <= search.residual or settled):
+        stagnant = move <= 1e-13 and k >= first and _restless(found, search) is None
+        if found.gap <= 1e-12 and (largest <= search.residual or stagnant):
             return state, iteration
         while True:
             try:

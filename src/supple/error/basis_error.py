@@ -24,7 +24,7 @@ ASK_FOR_LESS = "ask for a smaller error, or start with more modes"
 
 @dataclass(frozen=True, eq=False)
 class BodyError:
-    """What the basis of one body costs, as the error equation tells it.
+    """The error by the basis of one body, by the error equation.
 
     rms : float             largest over time of the RMS over the nodes of their error, unit of length
     worst : float           largest error of a node over the run, unit of length
@@ -33,10 +33,10 @@ class BodyError:
     rest : float            RMS of what the space of the error itself lacks, seen at instants of its own
     second : float | None   size of a second correction over the first at the worst instants, or of the error
                             over the deformation, if that is more; above a third the error is an order of
-                            magnitude only; None: not looked at
+                            magnitude only; None: not estimated
     history : (t,)          RMS over the nodes at the output times
-    indicator : float       largest RMS over the nodes of the motion that the run misses at rest; infinite
-                            where no equilibrium was found; 0: not looked at
+    indicator : float       largest RMS over the nodes of the motion outside the basis at rest; infinite
+                            where no equilibrium was found; 0: not estimated
     withheld : float        share of a static answer that the body withholds because it locks
     """
 
@@ -64,7 +64,7 @@ class BodyError:
         return bool(np.isfinite(self.estimate)) and (self.second is None or self.second <= FIRST_ORDER)
 
     def is_doubtful(self, limit: float) -> bool:
-        """Whether the estimate may be far too small: the body locks, or misses more than estimate and limit.
+        """Whether the estimate may be far too small: the body locks, or lacks more than estimate and limit.
 
         The equation is linearised about the run. Where a strip that should tip sideways locks and stands
         straight, that is nearly in balance, and the error found small.

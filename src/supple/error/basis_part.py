@@ -1,6 +1,6 @@
 """The part of the bases in the error of a finished run: by the error equation, or by a run with richer bases.
 
-The error equation estimates the true motion, to first order, and says itself where that is not enough
+The error equation estimates the true motion, to first order, and shows where that is not enough
 (`BodyError.second` above a third). There a run with much richer bases is made instead. So it is where the
 estimate is doubtful (`BodyError.is_doubtful`): about a run that locks the equation can find too little.
 """

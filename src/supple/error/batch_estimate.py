@@ -59,7 +59,7 @@ def state_batch_errors(
 ) -> tuple[Solution, ...]:
     """The solutions of a batch with what their bases cost, and the floor of the integration.
 
-    Parameters as for `estimate_batch_errors`. Step and model are looked at of single runs (`state_errors`).
+    Parameters as for `estimate_batch_errors`. Step and model are estimated of single runs (`state_errors`).
     """
     bases = kept_bases(cases[0], fulls)
     quantities = [WholeBody(name) for name in bases]
@@ -90,7 +90,7 @@ def state_batch_errors(
 def estimate_batch_errors(
     cases: Sequence[System], run: Run, solutions: Sequence[Solution], fulls: Mapping[str, FullBody]
 ) -> tuple[BasisError, ...]:
-    """What the bases of reduced bodies cost each run of a batch, as `estimate_error` tells it of one.
+    """Errors by the bases of reduced bodies in each run of a batch, as `estimate_error` of one.
 
     Sixty factorisations serve all runs; each costs its march besides, in one compiled call with the others.
 
@@ -110,7 +110,7 @@ def estimate_batch_errors(
     check_linearised(cases[0])
     bases = kept_bases(cases[0], fulls)
     if not bases:
-        raise ModelError("batch estimate: give the bodies to judge in full; none of them is in the cases")
+        raise ModelError("batch estimate: give the bodies to estimate in full; none of them is in the cases")
     for system in cases[1:]:
         for one, other in zip(cases[0].bodies, system.bodies, strict=True):
             if one.body is not other.body:

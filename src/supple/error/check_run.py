@@ -1,8 +1,8 @@
 """What the bases of a finished run cost, by one more run with much richer ones.
 
 The richer bases hold the old one, the lowest vibrations in the frame and the leading directions of the motion
-that the run missed (`system_corrections`): 24 and 12. Beside controllers, whose forces at an instant are
-known to the run alone, what it missed is not known: there the richer bases hold the static shapes of the
+outside its basis (`system_corrections`): 24 and 12. Beside controllers, whose forces at an instant are
+known to the run alone, that motion is not known: there the richer bases hold the static shapes of the
 interfaces and compressed derivatives instead. On accepted runs whose own statement was 0.2 to 0.6 of
 the truth, the distance to such a run was 0.75 to 1.0 of it.
 """
@@ -95,7 +95,7 @@ def check_run(
 
 
 def _richer(full: FullBody, basis: ReductionBasis, missed: np.ndarray | None) -> ReductionBasis:
-    """The basis with modes and missed motion; where that is not known, with the columns of another start."""
+    """The basis with modes and the motion outside it; where unknown, with the columns of another start."""
     n_modes = min(MODES, max(full.n_coordinates - 8, 1))
     modes = reduction_basis(full.body, full.frame, NormalModes(n_modes), derivatives=NoDerivatives())
     more = enrich(full.body, basis, modes.vectors, n_modes).basis

@@ -1,4 +1,4 @@
-"""Errors that are not small: the error equation once more about what it found, until that settles."""
+"""Errors that are not small: the error equation once more about what it found, until that converges."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def converged(
 ) -> Differences:
     """The differences about the corrected motion, once more until they change no more, and the last change.
 
-    Each time is a step of Newton's method for the motion itself. Where it does not settle, the first is as
+    Each time is a step of Newton's method for the motion itself. Where it does not converge, the first is as
     good a guess as any, and no more than that. Where forces have kinks, a small change may be that of a
     sweep between them: there more sweeps are made, until the change is small.
     """
@@ -70,7 +70,7 @@ def is_small(histories: Mapping[str, ErrorHistory], second: Mapping[str, float])
 def is_clearly_larger(
     histories: Mapping[str, ErrorHistory], second: Mapping[str, float], allowed: Mapping[str, float]
 ) -> bool:
-    """Whether an error is so much larger than what is allowed to its body that its first order says enough.
+    """Whether an error is so much larger than what is allowed to its body that its first order suffices.
 
     Rounds of a self-correction that cannot be the last take a sweep less, which is a third of their cost.
     """

@@ -3,7 +3,7 @@
 round-<k>.h5        the motion of run k, a result file (see `storage`)
 round-<k>.stopped   why run k ended before its last output time, where it did
 round-<k>.npz       written before run k starts: per body its basis V and where the columns come from, and
-                    what the run before said of the motion it missed; with a seal behind its last byte
+                    the motion found outside the bases of the run before; with a seal behind its last byte
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class CorrectionFolder:
     def create(cls, folder: Path | str, *, case: str, inputs: Inputs | None = None) -> Self:
         """Begin anew, without the rounds that are there.
 
-        inputs : what the rounds depend on, kept with each; by default what its system, run and case tell
+        inputs : what the rounds depend on, kept with each; by default those of its system, run and case
 
         Raises
         ------

@@ -103,20 +103,20 @@ class ReductionStart:
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """One run and what it said about the basis of one body.
+    """One run and the error found of the basis of one body.
 
     body : ReducedBody
     solution : Solution             up to where the run broke off, if it did
     estimated_error : float         largest RMS error of the nodal positions over the run, by the error
                                     equation; infinite where the run broke off, or where the error is too
                                     large for it
-    indicator : float               largest RMS of the motion that the basis misses, at the instants looked at
+    indicator : float               largest RMS of the motion outside the basis, at the sample times
     singular_values : (k,)          of that motion outside the basis, in the M-norm, descending; none of a
                                     body that is enriched no more
     seconds : float                 wall time of the reduction, the run and its correction, of all bodies
     allowed : float                 the error to reach, unit of length
     useless : bool                  no better than the round before
-    unconfirmed : bool              the body locks, or misses more motion at rest than the error estimated,
+    unconfirmed : bool              the body locks, or lacks more motion at rest than the error estimated,
                                     and no second run has confirmed that error
     number : int | None             of its run, as it is archived; that of the round where it is left out
     run : Run | None                how it was stepped

@@ -1,4 +1,4 @@
-"""What the bases of a finished reduced run cost, by the error equation; and what they miss."""
+"""What the bases of a finished reduced run cost, by the error equation, and the motion outside them."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ WILD = 10.0
 
 @dataclass(frozen=True, eq=False)
 class ErrorEstimate:
-    """What a run's bases cost, and the motion that they miss.
+    """What a run's bases cost, and the motion outside them.
 
     error : BasisError
     histories : ErrorHistory, by body       the error at every step of the run
@@ -107,7 +107,7 @@ def estimate_error(
 
 
 class ErrorEstimator:
-    """Assesses the runs of one system, whose full bodies it looks at once.
+    """Assesses the runs of one system, whose full bodies it factors once.
 
     system : System     with the bodies to assess as FullBody
     run : Run           of every reduced system
@@ -135,7 +135,7 @@ class ErrorEstimator:
         allowed : RMS over the nodes, by body: errors that are clearly larger are estimated to first order
         """
         fulls = self._to_assess(bases)
-        # A run that broke off tells what its bases miss, but not what that costs.
+        # Of a run that broke off the motion outside its bases is known, but not what that costs.
         whole = solution.stopped is None
         steps = every_step(reduced, self._run, solution) if whole else as_outputs(solution)
         looked, fresh = self._instants(steps.solution.times, instants)
@@ -172,7 +172,7 @@ class ErrorEstimator:
 
         def missed_along() -> dict[str, ResidualCorrections]:
             return system_corrections(
-                reduced, tuple(fulls.values()), bases, steps.solution, along, settled=FOLLOWED
+                reduced, tuple(fulls.values()), bases, steps.solution, along, tolerance=FOLLOWED
             )
 
         differences = _differences(equation, missed_along, allowed or {}, is_smooth(reduced))
@@ -202,7 +202,9 @@ class ErrorEstimator:
         fulls = self._system.bodies_of(FullBody)
         for name in bases:
             if name not in fulls:
-                raise ModelError(f"error estimate: the system has no full body '{name}' to judge a basis by")
+                raise ModelError(
+                    f"error estimate: the system has no full body '{name}' to estimate the error of a basis"
+                )
         return {name: fulls[name] for name in bases}
 
     def _instants(self, times: np.ndarray, instants: int) -> tuple[np.ndarray, np.ndarray]:
@@ -284,14 +286,15 @@ def check_linearised(system: System) -> None:
     """ModelError for a machine with intrinsic bodies or controllers, which are not linearised here."""
     if system.controllers:
         raise ModelError(
-            "error estimate: what a basis costs is not told beside controllers: give the bodies reductions "
-            "of fixed size and compare with richer ones, or leave the controllers out, "
+            "error estimate: the error of a basis is not estimated beside controllers: give the bodies "
+            "reductions of fixed size and compare with richer ones, or leave the controllers out, "
             "replace(system, controllers=())"
         )
     if intrinsic := system.bodies_of(IntrinsicBody):
         raise ModelError(
-            f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' what a basis costs is not "
-            "told: give the other bodies reductions of fixed size, and compare with richer ones"
+            f"error estimate: beside the intrinsic body '{next(iter(intrinsic))}' the error of a "
+            "basis is not estimated: give the other bodies reductions of fixed size, and compare with "
+            "richer ones"
         )
 
 
@@ -345,9 +348,9 @@ def _differences(
     """The differences of the true motion and the run's, and by body what the last sweep changed.
 
     None where they grow far beyond the deformation itself: not even their order of magnitude is known then.
-    missed_along : what the run misses at rest, at many instants
+    missed_along : motion outside the bases at rest, at many instants
     allowed : as for `ErrorEstimator.assess`
-    smooth : bool   whether elastic second corrections say all about how small an error is
+    smooth : bool   whether elastic second corrections suffice to show how small an error is
     """
     found = equation.first()
     histories = equation.histories(found)
@@ -360,7 +363,7 @@ def _differences(
     nonlinear = not all(history.body.full.is_linear for history in histories.values())
     if nonlinear and max(first[2].values()) > FIRST_ORDER:
         # The run may be no place to take tangents at: walls that should have buckled, and in the run have
-        # not, let any difference grow. With the motion that it misses at rest they do not.
+        # not, let any difference grow. With the motion outside the bases at rest they do not.
         tangents = equation.with_missed({name: _known(own) for name, own in missed_along().items()})
         about = equation.first(tangents)
         other = converged(equation, about, equation.histories(about), tangents, smooth=smooth)
@@ -411,7 +414,7 @@ def body_error(
 
 
 def deformed_rows(n_steps: int) -> np.ndarray:
-    """Steps of a run at which its deformation is looked at, the first among them."""
+    """Steps of a run at which its deformation is sampled, the first among them."""
     return np.unique(np.linspace(0, n_steps - 1, DEFORMED + 1).round().astype(int))
 
 
@@ -442,7 +445,7 @@ def _rest(history: ErrorHistory, fresh: np.ndarray) -> float:
 def _missing(history: ErrorHistory, second: float, corrections: np.ndarray) -> np.ndarray:
     """Fields (n, m) that new columns are made of: the corrections, and the error where it is known.
 
-    Where the error's own march has not settled, its shapes are those of its instability: of the blade whose
+    Where the error's own march has not tolerance, its shapes are those of its instability: of the blade whose
     walls buckle they take the place of columns that the corrections have found.
     """
     if second > FIRST_ORDER and not history.body.full.is_linear:

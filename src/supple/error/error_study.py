@@ -25,7 +25,7 @@ __all__ = ["ErrorStudy", "state_errors"]
 
 @dataclass(frozen=True)
 class ErrorStudy:
-    """Which parts of the error of a run are looked at, and in what.
+    """Which parts of the error of a run are estimated, and in which quantities.
 
     basis : bool        the error equation, or one more run with richer bases, for bodies of which all
                         coordinates are known
@@ -60,7 +60,7 @@ def state_errors(
     """The solution with what is known of its error: `solution.errors`, and `motion.error` of its bodies.
 
     The parts are those of the basis, of the time step, of Newton's tolerance and of the model; `ErrorStudy`
-    says what each costs. A kinematic run has none of them.
+    states what each costs. A kinematic run has none of them.
 
     Parameters
     ----------

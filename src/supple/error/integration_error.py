@@ -1,6 +1,6 @@
 """What the time integration costs a run: its step, and the tolerance of Newton's iteration.
 
-Two more runs of the same machine tell, one with a hundredth of the tolerance and one besides with half the
+Two more runs of the same machine show it, one with a hundredth of the tolerance, one besides with half the
 step. With q(h) their motions and an integrator of second order, q(h) = q + c h^2 + ..,
 
     step = 4/3 |q(h) - q(h/2)|,        newton = max( |q_run - q(h)|, 10 tol |u| ),
@@ -54,7 +54,7 @@ TIGHTEST = 1e-12
 
 @dataclass(frozen=True)
 class IntegrationError:
-    """The two parts of one quantity; None where nobody looked."""
+    """The two parts of one quantity; None where not estimated."""
 
     step: ErrorPart | None
     newton: ErrorPart

@@ -8,7 +8,7 @@ with the run's velocities and time. One Newton step is enough where the body ans
 not, as the wall of a shell that is pulled straight or about to buckle, one step can be wrong by its own size
 and even point the other way; a basis enriched by such directions does not get better.
 
-The answer at one instant is where the search at the next begins: what is missed grows from nothing, and is
+The answer at one instant is where the search at the next begins: missing motion grows from nothing, and is
 followed as it grows. A shell whose walls buckle has several equilibria close together, of which the motion
 takes one; instants far apart lose it (on the 61.5 m blade at 8 rad/s those 0.6 s apart do, 0.2 s do not).
 Where it is only followed, a tenth is near enough: the next search begins from there and ends as strictly.
@@ -29,20 +29,20 @@ import numpy as np
 
 from supple.errors import AccuracyError
 from supple.integrate import StepFactors
+from supple.methods.floating.full.frozen_tangent import FrozenTangent, frozen_tangent
 from supple.methods.floating.full.full_state import Evaluation, FullState
 from supple.methods.floating.full.full_system import FullSystem
-from supple.methods.floating.full.kept_tangent import KeptTangent, kept_tangent
 
-__all__ = ["FOLLOWED", "SETTLED", "MissingMotion", "MissingMotionSearch"]
+__all__ = ["CONVERGED", "FOLLOWED", "MissingMotion", "MissingMotionSearch"]
 
-SETTLED = 1e-3
+CONVERGED = 1e-3
 """A correction over the motion found, below which it is the last."""
 FOLLOWED = 0.1
 """The same at instants that are only on the way to others."""
 IRRELEVANT = 1e-7
 """Of the deformation itself: a correction as small is the last, whatever the motion found."""
 FAST, SLOW = 0.3, 0.8
-"""What a correction may be over the one before, with a kept tangent and with a new one."""
+"""What a correction may be over the one before, with a frozen tangent and with a new one."""
 MOST_CORRECTIONS = 12
 MOST_RELAXATIONS = 4
 """Of one run: they take many factors, and a run that needs more is far off."""
@@ -89,20 +89,20 @@ class MissingMotionSearch:
         self._machine = machine
         self._by_position = by_position
         self._last: MissingMotion | None = None
-        self._tangent: KeptTangent | None = None
+        self._tangent: FrozenTangent | None = None
         self._relaxations = 0
         self.factorizations = 0
         self.singular: AccuracyError | None = None
         """What the last tangent that could not be factored was refused for."""
 
-    def at(self, state: FullState, settled: float = SETTLED) -> MissingMotion | None:
+    def at(self, state: FullState, tolerance: float = CONVERGED) -> MissingMotion | None:
         """What balances a state; None where no search converges, or the tangents are singular.
 
-        settled : float     part of the motion found that the last correction may have
+        tolerance : float     part of the motion found that the last correction may have
         """
         for search, begin in self._searches(state):
             try:
-                found = search(state, begin, settled)
+                found = search(state, begin, tolerance)
             except AccuracyError as error:
                 self.singular, self._tangent = error, None
                 continue
@@ -111,14 +111,14 @@ class MissingMotionSearch:
                 return found
         return None
 
-    def directly(self, state: FullState, settled: float = SETTLED) -> MissingMotion | None:
+    def directly(self, state: FullState, tolerance: float = CONVERGED) -> MissingMotion | None:
         """The same where the iteration contracts all the way from the last answer; None where it does not."""
         begin = self._beginning(state)
         for _ in range(2 if self._tangent is not None else 1):
             try:
-                found = self._contracted(state, begin, settled)
+                found = self._contracted(state, begin, tolerance)
             except AccuracyError:
-                # Whether the tangent is singular on the way, too, following tells.
+                # The search that follows the loads finds whether the tangent is singular on the way, too.
                 found = None
             if found is not None:
                 self._last = found
@@ -152,26 +152,26 @@ class MissingMotionSearch:
             deformation[part.start : part.start + 6] = 0.0
         return replace(none, displacement=deformation)
 
-    def _contracted(self, state: FullState, begin: MissingMotion, settled: float) -> MissingMotion | None:
+    def _contracted(self, state: FullState, begin: MissingMotion, tolerance: float) -> MissingMotion | None:
         """Modified Newton's method with one tangent; None where corrections do not shrink fast at once."""
         at, before = begin, np.inf
         for _ in range(MOST_CORRECTIONS):
-            more = self._by_kept_tangent(self._evaluated(state, at))
+            more = self._by_frozen_tangent(self._evaluated(state, at))
             size = self._size(more)
             rate, before = size / before, size
             if not rate <= FAST:
                 return None
             at = at + more
-            if FAST * size <= self._last_correction(state, at, settled):
+            if FAST * size <= self._last_correction(state, at, tolerance):
                 return at
         return None
 
-    def _corrected(self, state: FullState, begin: MissingMotion, settled: float) -> MissingMotion | None:
+    def _corrected(self, state: FullState, begin: MissingMotion, tolerance: float) -> MissingMotion | None:
         """Modified Newton's method; None where it does not converge."""
         at, before, strikes = begin, np.inf, 0
         for _ in range(MOST_CORRECTIONS):
             new = self._tangent is None
-            more = self._by_kept_tangent(self._evaluated(state, at))
+            more = self._by_frozen_tangent(self._evaluated(state, at))
             size = self._size(more)
             rate, before = size / before, size
             if not np.isfinite(size):
@@ -189,11 +189,11 @@ class MissingMotionSearch:
             # Where corrections shrink fast, the next one would be smaller by the same rate; of the first, no
             # rate is known.
             left = rate * size if 0.0 < rate < FAST else size
-            if left <= self._last_correction(state, at, settled):
+            if left <= self._last_correction(state, at, tolerance):
                 return at
         return None
 
-    def _relaxed(self, state: FullState, begin: MissingMotion, settled: float) -> MissingMotion | None:
+    def _relaxed(self, state: FullState, begin: MissingMotion, tolerance: float) -> MissingMotion | None:
         """Downhill, by implicit steps that grow into Newton's: into an equilibrium that is stable."""
         limit = LARGEST_MOVE * self._deformation(state)
         at, by_position = begin, self._by_position / HEAVIER
@@ -208,7 +208,7 @@ class MissingMotionSearch:
                 by_position *= 0.5 * limit / size
                 continue
             at = at + more
-            if by_position == self._by_position and size <= self._last_correction(state, at, settled):
+            if by_position == self._by_position and size <= self._last_correction(state, at, tolerance):
                 return at
             by_position = min(by_position * float(np.clip(limit / size, 2.0, 100.0)), self._by_position)
         return None
@@ -228,13 +228,13 @@ class MissingMotionSearch:
     def _evaluated(self, state: FullState, by: MissingMotion) -> Evaluation:
         return self._machine.evaluate(self.moved(state, by), 0.0)
 
-    def _by_kept_tangent(self, evaluation: Evaluation) -> MissingMotion:
+    def _by_frozen_tangent(self, evaluation: Evaluation) -> MissingMotion:
         """A correction by the tangent that is kept, or by that of this place, which is kept from then on."""
         if self._tangent is None:
             self._tangent = self._factored(evaluation, self._by_position)
         return self._more(evaluation, self._tangent)
 
-    def _more(self, evaluation: Evaluation, tangent: KeptTangent) -> MissingMotion:
+    def _more(self, evaluation: Evaluation, tangent: FrozenTangent) -> MissingMotion:
         """A correction of the missing motion."""
         by_position = tangent.factors.by_position
         targets = evaluation.closing(by_position)
@@ -246,20 +246,20 @@ class MissingMotionSearch:
     def _size(self, motion: MissingMotion) -> float:
         return float(np.linalg.norm(motion.displacement / self._machine.position_scale))
 
-    def _last_correction(self, state: FullState, found: MissingMotion, settled: float) -> float:
+    def _last_correction(self, state: FullState, found: MissingMotion, tolerance: float) -> float:
         """Size of a correction that is the last."""
-        return max(settled * self._size(found), IRRELEVANT * self._deformation(state))
+        return max(tolerance * self._size(found), IRRELEVANT * self._deformation(state))
 
-    def _factored(self, at: Evaluation, by_position: float) -> KeptTangent:
+    def _factored(self, at: Evaluation, by_position: float) -> FrozenTangent:
         """The symmetric part, all but the whole at rest; that, where it has no factor without pivots."""
         factors = StepFactors(by_position=by_position, by_velocity=0.0)
         still = np.zeros((len(self._machine.interiors), 3))
         self.factorizations += 1
         try:
-            return kept_tangent(self._machine, at.interior_states, still, factors, symmetric=True)
+            return frozen_tangent(self._machine, at.interior_states, still, factors, symmetric=True)
         except AccuracyError:
             self.factorizations += 1
-            return kept_tangent(self._machine, at.interior_states, still, factors, symmetric=False)
+            return frozen_tangent(self._machine, at.interior_states, still, factors, symmetric=False)
 
     def _deformation(self, state: FullState) -> float:
         machine = self._machine

@@ -3,11 +3,11 @@
 Elements that turn against their body's frame, and rigid interfaces that turn with them, keep strains of third
 order in the turn. At the instants at which a body turns most, the force f of its elements is compared with
 that of the same elements seen each from axes of its own (`turned_force`), and one Newton step of the whole
-system says by how much the motion would give way,
+system gives by how much the motion would give way,
 
     K_t delta = - ( f_turned(q) - f(q) ),
 
-joints and frames held as for the motion that a basis misses. q is the run's with what its basis misses at
+joints and frames held as for the motion outside a basis. q is the run's with the motion outside its basis at
 rest (`missing_motion`): the run itself may be compressed along its elements by what its basis cannot relax,
 and K_t nearly singular there. Of a strip of 1 m, bent by a quarter, it made 5 mm of what is 0.1 mm at q.
 Quasi-static: a stiffness that is off moves frequencies too, which a long vibration shows by its phase. What

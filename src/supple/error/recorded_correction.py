@@ -102,7 +102,7 @@ def _opened(
 ) -> CorrectionFolder:
     if resume:
         if path.exists():
-            # Which says that there is nothing to continue, or what has changed.
+            # Its error names what has changed, or that there is nothing to continue.
             ResultFile.resume(path, case=case, inputs=inputs or {"the case": case}).close()
         return CorrectionFolder.resume(folder, case=case, inputs=inputs)
     if overwrite:

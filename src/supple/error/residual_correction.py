@@ -1,4 +1,4 @@
-"""What a basis misses: the full-order residual along a finished reduced run, and the motion that balances it.
+"""Motion outside a basis: the full-order residual along a reduced run, and the motion that balances it.
 
 At an instant of the run the motion is expanded to all coordinates of the body, `q = V gamma + z(gamma)` with
 its rates and accelerations, z the motion that condensed tensors let follow the columns, and the full-order
@@ -12,7 +12,7 @@ by Newton's method for the whole system (`missing_motion`), with corrections
 K_t is the tangent of the deformed body and of the inertia forces at given accelerations (the centrifugal part
 softens, the tension it raises stiffens). The frame rows D and the joint rows G hold, while the frame, the
 other bodies and the joint forces are free to follow: one clamped interface, closed loops and free flight are
-all of one kind. The inertia M / p says what a static equilibrium cannot, how a rigid motion resists. delta
+all of one kind. The inertia M / p gives what a static equilibrium lacks: resistance of rigid motion. delta
 is the missing motion, quasi-statically. Displacements of the run have z at rest at the first interface, these
 equations have it in the body's frame: the rigid motion between the two is taken off delta.
 """
@@ -31,7 +31,7 @@ from supple.body import BodyForm, MeanAxisFrame, frame_projector, in_space
 from supple.body.full_body import FullBody
 from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
-from supple.error.missing_motion import FOLLOWED, SETTLED, MissingMotionSearch
+from supple.error.missing_motion import CONVERGED, FOLLOWED, MissingMotionSearch
 from supple.errors import ModelError, RedundantConstraintWarning
 from supple.integrate import Progress, Solution, StepFactors
 from supple.integrate.motion import FloatingMotion
@@ -63,7 +63,7 @@ class ResidualCorrections:
     rotation : (k, 3)       of the frame, rad, body components
     rms : (k,)              root-mean-square displacement of the nodes: in space where the joints determine
                             all rigid motion; of the deformation alone where the system can move freely,
-                            for no static equilibrium says how far it would; infinite where no equilibrium was
+                            where no static equilibrium states it; infinite where no equilibrium was
             found, and the deformation is zero
     factorizations : int    of tangents of the whole system
     """
@@ -94,7 +94,7 @@ class ResidualCorrections:
 def residual_corrections(
     system: System, full: FullBody, basis: ReductionBasis, solution: Solution, instants: np.ndarray
 ) -> ResidualCorrections:
-    """Motion that a finished run's basis misses at some of its output times; of one body, see below."""
+    """Motion outside the basis of a finished run at some of its output times; of one body, see below."""
     return system_corrections(system, (full,), {full.name: basis}, solution, instants)[full.name]
 
 
@@ -106,7 +106,7 @@ def system_corrections(
     instants: np.ndarray,
     *,
     between: np.ndarray | None = None,
-    settled: float = SETTLED,
+    tolerance: float = CONVERGED,
     progress: Progress | None = None,
 ) -> dict[str, ResidualCorrections]:
     """Motion that the bases of a finished run miss at some of its output times, by body.
@@ -123,7 +123,7 @@ def system_corrections(
                                 the search at the next begins (`MissingMotionSearch`)
     between : int array         others, along which it is followed from one of the instants to the next where
                                 the search does not lead there directly; none: the search goes on regardless
-    settled : float             part of the motion found that its last correction may have
+    tolerance : float             part of the motion found that its last correction may have
     progress : function         called with the completed fraction of the instants
 
     Raises
@@ -141,11 +141,11 @@ def system_corrections(
     steps, known = np.zeros((len(instants), prepared.n)), np.zeros(len(instants), dtype=bool)
     reached = -1
     for done, row in enumerate(np.argsort(instants, kind="stable"), start=1):
-        missing = search.directly(states[row], settled) if len(others) else None
+        missing = search.directly(states[row], tolerance) if len(others) else None
         if missing is None:
             for other in np.flatnonzero((others > reached) & (others < instants[row])):
                 search.at(seen.state(len(instants) + int(other)), FOLLOWED)
-            missing = search.at(states[row], settled)
+            missing = search.at(states[row], tolerance)
         reached = instants[row]
         if missing is not None:
             steps[row], known[row] = missing.displacement, True

@@ -18,7 +18,7 @@ __all__ = ["MissedMotion", "RoundArchive", "RoundBases"]
 
 
 class MissedMotion(NamedTuple):
-    """What is known of the motion that a body's basis misses on a run; see `Round`."""
+    """What is known of the motion outside a body's basis on a run; see `Round`."""
 
     indicator: float
     singular_values: np.ndarray
@@ -58,7 +58,7 @@ class RoundArchive(Protocol):
         ...
 
     def simulate(self, number: int, system: System, run: Run, *, progress: Progress) -> Solution:
-        """The motion from its start, as far as it goes: `Solution.stopped` says why it does not go on."""
+        """The motion from its start, as far as it goes: `Solution.stopped` is the reason of an early end."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""Self-correcting reduction: a reduced run finds what its basis misses, mends it, and tells its own error."""
+"""Self-correcting reduction: a reduced run finds the motion outside its basis, and estimates its error."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def self_correct(
 ) -> CorrectedSystem:
     """Reduce bodies of a system together, as far as an error allows that the reduced runs themselves measure.
 
-    Start small, run, tell by the error equation (`estimate_error`) how wrong the run is and what it misses,
+    Start small, run, estimate the error and the motion outside the basis (`estimate_error`),
     append the leading directions of that to the bases, run again. No full-order time integration is made, and
     no finer run to measure by: the run's own residual at every step drives its linearised integrator. The
     motion that it would take to balance the residual at rest, at some instants (`system_corrections`), is
@@ -46,7 +46,7 @@ def self_correct(
 
     Parameters
     ----------
-    system : System     each body to reduce is in it as a FullBody, which says its frame and damping
+    system : System     each body to reduce is in it as a FullBody, which holds its frame and damping
     run : Run           of every round
     target : the error to reach, of every full body (SelfCorrection); with the basis to start from
         (ReductionStart); or such a start for each body that is named, the others staying as they are

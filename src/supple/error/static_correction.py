@@ -1,7 +1,7 @@
 """Self-correction at rest: find an equilibrium or modes, enrich by what the bases miss of them.
 
 No run is needed: an equilibrium with all coordinates is one factorisation away from the reduced one, and what
-it says is missing holds that very equilibrium. So a round or two suffice.
+it finds missing holds that very equilibrium. So a round or two suffice.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["Missed", "StaticallyCorrected", "correct_at_rest", "correct_statical
 
 
 class Missed(NamedTuple):
-    """What the basis of one body misses.
+    """Motion outside the basis of one body.
 
     error, allowed : in the unit of the quantity of interest
     fields : (n, m)     displacements of its coordinates, to enrich the basis by
@@ -53,7 +53,7 @@ class StaticallyCorrected:
 
     system : System         with its bodies reduced, placed as they were
     bases : ReductionBasis  by name
-    missed : by name, of each round what was missed
+    missed : by name, of each round the motion outside the basis
     """
 
     system: System
@@ -71,7 +71,7 @@ def correct_at_rest(
 ) -> tuple[Equilibrium, StaticallyCorrected]:
     """Reduce bodies of a system together, as far as the error allows that they have in an equilibrium.
 
-    system : System     each body to reduce is in it as a FullBody, which says its frame and damping
+    system : System     each body to reduce is in it as a FullBody, which holds its frame and damping
     target : the error to reach, of every full body (SelfCorrection); with the basis to start from
         (ReductionStart); or such a start for each body that is named, the others staying as they are
     time, spin, search : of the `equilibrium`
@@ -111,7 +111,7 @@ def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> 
 def correct_statically(
     system: System, starts: Mapping[str, ReductionStart], look: Look
 ) -> StaticallyCorrected:
-    """Rounds of `look` and enrichment until no body misses more than its target allows; errors as above."""
+    """Rounds of `look` and enrichment until every body meets its target; errors as above."""
     fulls = system.bodies_of(FullBody)
     if not starts or not starts.keys() <= fulls.keys():
         other = next((name for name in starts if name not in fulls), None)
@@ -129,7 +129,7 @@ def correct_statically(
     while True:
         reduced = _reduced(system, fulls, starts, bases)
         with warnings.catch_warnings():
-            # The rounds report what is missed.
+            # The rounds report the error.
             warnings.simplefilter("ignore", BasisWarning)
             missed = look(reduced, fulls)
         for name, each in missed.items():

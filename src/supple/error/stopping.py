@@ -1,4 +1,4 @@
-"""Which rounds of a self-correction were useless or doubtful, and what a basis misses where they stall.
+"""Useless and doubtful rounds of a self-correction, and the motion outside a basis where they stall.
 
 A round that is no better than the one before found nothing, and neither is the next one accepted, whose
 columns are of the same kind: a loop that ends with the first estimate small enough would end with those that
@@ -39,7 +39,7 @@ def doubt(body: ReducedBody, indicator: float) -> str:
     """Why an estimate is doubtful, in words."""
     if withheld(body) > TOLERATED:
         return f"body '{body.name}' locks: it withholds {100 * withheld(body):.2g} % of a static answer"
-    return f"body '{body.name}' misses {indicator:.2g} at rest"
+    return f"body '{body.name}' lacks {indicator:.2g} at rest"
 
 
 def is_confirmed(estimated: float, distance: float, allowed: float) -> bool:
@@ -53,7 +53,7 @@ def is_confirmed(estimated: float, distance: float, allowed: float) -> bool:
 
 @dataclass(frozen=True)
 class MissedPart:
-    """What a basis misses most, where rounds stall.
+    """The largest motion outside a basis, where rounds stall.
 
     node, place : where it moves most; place (3,) of the undeformed node
     frequency : float   rad/s of a vibration of this shape, by Rayleigh's quotient
@@ -70,7 +70,8 @@ class MissedPart:
         x, y, z = self.place
         hertz = self.frequency / (2 * np.pi)
         return (
-            f"What body '{self.body}' misses moves most at node {self.node} ({x:.4g}, {y:.4g}, {z:.4g}), in "
+            f"The motion outside the basis of body '{self.body}' is largest at node {self.node} "
+            f"({x:.4g}, {y:.4g}, {z:.4g}), in "
             f"a shape that vibrates at {self.frequency:.3g} rad/s ({hertz:.3g} per unit of time): start with "
             "all modes up to there, or with an interface at that place"
         )

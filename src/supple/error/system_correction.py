@@ -1,4 +1,4 @@
-"""Self-correction of all flexible bodies of a system at once: run, see what is missed, enrich, run again."""
+"""Self-correction of all flexible bodies at once: run, find the motion outside bases, enrich, run again."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine.system import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody, quantity_distance
-from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
+from supple.reduction import ReducedBody, enrich, padded, project, reduction_basis
 from supple.reduction.tensor_memory import require_tensor_memory
 
 __all__ = ["Accepted", "Announce", "Problem", "correct"]
@@ -41,7 +41,7 @@ Accepted = Callable[[CorrectedSystem], None]
 """Called with the run whose basis keeps to the error, before the other parts of the error are stated."""
 
 MOST_STEPS_WITH_ROOM = 20_000
-"""Of runs whose rounds share compiled programs (`with_room`): in longer ones inert coordinates cost more."""
+"""Of runs whose rounds share compiled programs (`padded`): in longer ones padding coordinates cost more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +165,7 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
     began = perf_counter()
     problem.archive.keep_bases(number, bases)
     with warnings.catch_warnings():
-        # What locks is missed motion like any other: the rounds find it and say what is left.
+        # What locks is motion outside the basis like any other: the rounds find it and state what is left.
         warnings.simplefilter("ignore", LockingWarning)
         bodies = {
             name: project(
@@ -174,8 +174,8 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
             for name, full in problem.fulls.items()
         }
     brief = problem.run.n_steps <= MOST_STEPS_WITH_ROOM
-    roomy = {name: with_room(body) for name, body in bodies.items()} if brief else bodies
-    system = with_reduced(problem.system, roomy, bases.bases)
+    ready = {name: padded(body) for name, body in bodies.items()} if brief else bodies
+    system = with_reduced(problem.system, ready, bases.bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 
@@ -202,10 +202,10 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
 def _enriched(
     problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float]
 ) -> RoundBases:
-    """The bases of the next run, and what this one said of its own error."""
+    """The bases of the next run, and the errors estimated of this one."""
     began = perf_counter()
     model = run.model
-    step = f"{model.label}: what they miss"
+    step = f"{model.label}: motion outside their bases"
     problem.report(step, 0.0)
     estimate = estimator.assess(
         model.system,
@@ -219,7 +219,7 @@ def _enriched(
         },
         progress=lambda fraction: problem.report(step, fraction),
     )
-    bases, said = {}, {}
+    bases, found = {}, {}
     for name, full in problem.fulls.items():
         enriched = enrich(
             full.body, model.bases.bases[name], estimate.missed[name], problem.target(name).directions
@@ -229,18 +229,18 @@ def _enriched(
         # The indicator is a length; in other quantities the limit is the same share of the displacement.
         size = quantity.size(model.system, run.solution)
         share = allowed[name] / size if size else 0.0
-        said[name] = MissedMotion(
+        found[name] = MissedMotion(
             float(estimate.corrections[name].rms.max()),
             enriched.singular_values,
             _error(quantity, name, run, estimate),
             estimate.error.bodies[name].is_doubtful(share * WholeBody(name).size(model.system, run.solution)),
         )
     besides: Mapping[str, float] = {}
-    if all(said[name].error <= error for name, error in allowed.items()):  # it may be the last
+    if all(found[name].error <= error for name, error in allowed.items()):  # it may be the last
         asked = stated_of(model.system, problem.fulls, problem.besides)
         besides = distances(model.system, run.solution, estimate, asked)
-    next_bases = RoundBases(bases, said, run.seconds + perf_counter() - began, besides)
-    # What the last run says is kept as well, though the next one is never made.
+    next_bases = RoundBases(bases, found, run.seconds + perf_counter() - began, besides)
+    # What the last run found is kept as well, though the next one is never made.
     problem.archive.keep_bases(model.number + 1, next_bases)
     return next_bases
 
@@ -344,7 +344,7 @@ def _check_prospects(
         reason = f"{allowed_rounds} rounds are over"
     else:
         return
-    said = []
+    reasons = []
     for name in too_large or unmet:
         history = ", ".join(
             f"{each.round.estimated_error:.2g} with {each.round.size} coordinates" for each in past[name]
@@ -355,12 +355,13 @@ def _check_prospects(
         if last.unconfirmed and last.estimated_error <= last.allowed:
             idle += f"The last error is confirmed by no second run, and {doubt(last.body, last.indicator)}. "
         part = missed_part(problem.fulls[name], after.bases[name], past[name][-1].round.size)
-        said.append(
+        reasons.append(
             f"self-correction of body '{name}' did not reach the error {problem.target(name).wanted}: "
             f"{reason}. Estimated errors: {history}. {idle}{part.words}. "
         )
     raise SelfCorrectionError(
-        "".join(said) + "Start with more modes (all those in the band of the loads), add more directions a "
+        "".join(reasons)
+        + "Start with more modes (all those in the band of the loads), add more directions a "
         "round, tighten the tolerances of the time integration, or allow more; the rounds are kept in this "
         "error",
         tuple(each.round for assessed in past.values() for each in assessed),

@@ -5,7 +5,7 @@ the other parts, and if the sum is above what is allowed, the parts that are too
 that cost least: a tighter tolerance costs iterations, a shorter step costs steps, a smaller error of the
 basis costs rounds and coordinates. Each is asked for no more than its share of what the model leaves of the
 error allowed, and one that suffices leaves the next alone. Then the rounds go on from the bases that are
-there. What the model costs no run can mend: where it alone is too large, that is said.
+there. What the model costs no run can mend: where it alone is too large, that is reported.
 """
 
 from __future__ import annotations

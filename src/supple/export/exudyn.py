@@ -8,8 +8,7 @@ that they are copied, not computed again: with x~ the cross matrices of the node
 Exudyn's equations are of points. Of nodes and rigid interfaces that turn they have the gyroscopic and the
 centrifugal terms; what goes with the angular acceleration is of first order in the modes.
 
-Source: A. Zwoelfer, J. Gerstmayr, The nodal-based floating frame of reference formulation with modal
-reduction, Acta Mechanica 232 (2021) 835-851.
+Source: [ZwoelferGerstmayr2021].
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What stands beside the cells of a model: springs, masses and dashpots of its nodes, and ties between them."""
+"""What stands beside the cells of a model: springs, masses and dashpots of nodes, and their ties."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import chain
 
@@ -66,7 +66,7 @@ class FiniteElementModel:
     stiffness: csc_array
     rotation_limit: float
     kinematics: ShellKinematics = GREEN_LAGRANGE
-    attached: Attached = Attached()
+    attached: Attached = field(default_factory=Attached)
 
     @property
     def n_dofs(self) -> int:

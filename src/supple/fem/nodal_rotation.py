@@ -14,14 +14,14 @@ __all__ = ["nodal_rotation_operator"]
 def nodal_rotation_operator(model: FiniteElementModel) -> csc_array:
     """Operator (3 P, n) that gives the rotation vector at P points from the nodal freedoms.
 
-    Shells and beams: the rotational freedoms of their nodes. Solids: half the curl of u at the
-    centre of each cell.
+    Shells and beams: the rotational freedoms of their nodes. Solids: half the curl of u at the centre of each
+    cell. Rods: none.
     """
     d = model.dofs_per_node
-    rotation, row, column = [], [], []
+    rotation, row, column = [np.empty(0)], [np.empty(0, int)], [np.empty(0, int)]
     n_rows = 0
     if d == 6:
-        sheets = [section.nodes(model.mesh) for section in model.sections if section.cell_type.dimension < 3]
+        sheets = [section.nodes(model.mesh) for section in model.sections if section.turns_nodes()]
         turning = (
             np.unique(np.concatenate([nodes.ravel() for nodes in sheets])) if sheets else np.empty(0, int)
         )

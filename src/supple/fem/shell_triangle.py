@@ -183,12 +183,17 @@ def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
     # Vectors that fit those of the sides: sum_k (s s^T)^-1 s_k s_k . (t_k, b_k).
     s = side_directions(xy)
     fit = np.linalg.inv(s.swapaxes(1, 2) @ s)[:, None] @ (s[..., :, None] * s[..., None, :])
-    # V is what bending makes of the mismatches: a sheared wall has them without any bend.
-    bent = fit / (1 + phi)[..., None, None]
     for side, ends in enumerate(SIDES):
         t = G[:, ROTATION[ends, :2]].mean(axis=1)
         G[:, Y] += fit[:, side] @ t
-        G[:, V] += bent[:, side] @ (G[:, (WX, WY)] + np.stack([t[:, 1], -t[:, 0]], axis=1))
+        G[:, V] += fit[:, side] @ np.stack([t[:, 1], -t[:, 0]], axis=1)
+    G[:, V] += G[:, (WX, WY)]
+    if phi.any():
+        # V is what bending makes of the mismatches; a sheared wall has the rest without any bend.
+        sheared = fit * (phi / (1 + phi))[..., None, None]
+        for side, ends in enumerate(SIDES):
+            t = G[:, ROTATION[ends, :2]].mean(axis=1)
+            G[:, V] -= sheared[:, side] @ (G[:, (WX, WY)] + np.stack([t[:, 1], -t[:, 0]], axis=1))
     return G
 
 

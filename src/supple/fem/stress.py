@@ -75,6 +75,11 @@ class SectionStress:
             self, nodes=self.nodes[cells], arrays=self.arrays.of(cells), of_strain=self.of_strain[cells]
         )
 
+    def in_layers(self, n_layers: int) -> SectionStress:
+        """The same with its one layer, where it has one, repeated."""
+        k, _, points = self.to_nodes.shape
+        return replace(self, to_nodes=np.broadcast_to(self.to_nodes, (k, n_layers, points)))
+
     def linearized(self) -> SectionStress:
         """The same without the quadratic strain."""
         return replace(self, arrays=replace(self.arrays, N=np.zeros_like(self.arrays.N)))
@@ -107,7 +112,7 @@ class StressRecovery:
 
     @property
     def n_layers(self) -> int:
-        """Layers l at a node: 1 (solids) or 3 (shells)."""
+        """Layers l at a node: 1 (solids) or 3 (shells, and solids beside them)."""
         return self.sections[0].to_nodes.shape[1]
 
     @cached_property
@@ -182,7 +187,10 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     ModelError   a laminate: its A-B-D matrix does not say which stress acts in which ply
     """
     pairs = zip(model.sections, model.blocks, strict=True)
-    return StressRecovery(model.mesh.n_nodes, tuple(_section(model, *pair) for pair in pairs))
+    sections = [_section(model, *pair) for pair in pairs]
+    n_layers = max(section.to_nodes.shape[1] for section in sections)
+    # Solids beside shells have the same stress in all layers.
+    return StressRecovery(model.mesh.n_nodes, tuple(section.in_layers(n_layers) for section in sections))
 
 
 def has_stress(model: FiniteElementModel) -> bool:

@@ -1,7 +1,8 @@
 """One file format per module; every importer of a mesh ends in a Mesh."""
 
-from supple.importers.abaqus import *
+from supple.importers.abaqus.mesh_view import *
 from supple.importers.connection import *
+from supple.importers.deck_file import *
 from supple.importers.file_mesh import *
 from supple.importers.gmsh import *
 from supple.importers.included_files import *
@@ -9,8 +10,7 @@ from supple.importers.matrices.labelled_matrix import *
 from supple.importers.matrices.matrix_file import *
 from supple.importers.matrices.matrix_market import *
 from supple.importers.mesh_file import *
-from supple.importers.nastran.model import *
-from supple.importers.nastran.properties import *
+from supple.importers.nastran.mesh_view import *
 from supple.importers.node_table import *
 from supple.importers.numbering import *
 from supple.importers.section_csv import *

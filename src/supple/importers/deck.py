@@ -67,12 +67,14 @@ class ShellProperty:
     """A homogeneous isotropic wall; offset: of its middle from the nodes, along the normal of the cell.
 
     added_mass : non-structural, kg/m^2
+    shear_factor : k of the transverse shear stiffness k G t; 0 where it is rigid
     """
 
     material: IsotropicMaterial
     thickness: float
     added_mass: float = 0.0
     offset: float = 0.0
+    shear_factor: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +83,9 @@ class WallProperty:
 
     membrane, coupling, bending : (3, 3) A, N/m; B, N; D, N m; order xx, yy, xy
     shear : (2, 2) transverse shear stiffness, order xz, yz, N/m; None where it is rigid
-    mass_per_area, rotary_inertia_per_area : kg/m^2, kg
+    mass_per_area, rotary_inertia_per_area : kg/m^2, kg, the latter about the surface of the nodes
     thickness : m, for pictures and stresses
+    mass_moment_per_area : first moment of the mass along the normal, kg/m; 0 where its middle carries nodes
     """
 
     membrane: FloatArray
@@ -92,6 +95,7 @@ class WallProperty:
     mass_per_area: float
     rotary_inertia_per_area: float
     thickness: float
+    mass_moment_per_area: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -248,6 +252,8 @@ class Deck:
     left_out : what would change the body
     notes : what a reader did that its user should know, one sentence each
     superelements : {name: deck} of parts that are bodies of their own
+    scalar_points : (S,) ids of points that are one freedom and have no place; point j counts as node N + j,
+                    of which terms and matrices name component 0
     """
 
     path: Path
@@ -272,3 +278,4 @@ class Deck:
     left_out: tuple[LeftOut, ...] = ()
     notes: tuple[str, ...] = ()
     superelements: Mapping[str, Deck] = field(default_factory=dict)
+    scalar_points: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))

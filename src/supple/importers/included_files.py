@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from supple.importers.inclusion import included_file
 from supple.importers.matrices.matrix_file import DMIG_SUFFIXES
 
 __all__ = ["files_read_with"]
@@ -27,13 +28,13 @@ def files_read_with(path: Path) -> tuple[Path, ...]:
         file = left.pop()
         if file not in found and file.is_file():
             found[file] = None
-            left += _included(file)
+            left += _included(file, path)
     return tuple(found)
 
 
-def _included(path: Path) -> Iterator[Path]:
+def _included(path: Path, main: Path) -> Iterator[Path]:
     if path.suffix.lower() not in (".inp", *DMIG_SUFFIXES):
         return
     for match in _INCLUDE.finditer(path.read_text(encoding="utf-8", errors="replace")):
         name = next(match[kind] for kind in ("keyword", "blade", "quoted", "plain") if match[kind])
-        yield path.parent / "".join(line.strip() for line in name.splitlines()).replace("\\", "/")
+        yield included_file("".join(line.strip() for line in name.splitlines()), path.parent, main.parent)

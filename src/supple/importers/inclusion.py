@@ -14,6 +14,43 @@ MOST_INCLUDED_CHARACTERS = 2**30
 """In all included files together, each counted as often as it is included."""
 
 
+def included_file(name: str, *folders: Path) -> Path:
+    """The file that a name means: in the first folder that has it, whatever the case of its letters.
+
+    Backslashes separate folders, too; a prefix `PLACE:` of more than one letter is a logical name, which
+    only the computer of its author knows, and is left out. Where no folder has it: its path in the first.
+    """
+    words = name.replace("\\", "/")
+    place, colon, rest = words.partition(":")
+    if colon and len(place) > 1 and "/" not in place:
+        words = rest
+    for folder in folders:
+        if is_file(folder / words):
+            return folder / words
+    for folder in folders:
+        found = _any_case(folder, words)
+        if found is not None:
+            return found
+    return folders[0] / words
+
+
+def _any_case(folder: Path, words: str) -> Path | None:
+    """The one file of that name but for the case of its letters; None where there is none, or several."""
+    at = folder
+    for part in Path(words).parts:
+        if part in ("..", ".") or (at / part).exists():
+            at = at / part
+            continue
+        try:
+            alike = [entry for entry in at.iterdir() if entry.name.lower() == part.lower()]
+        except OSError:
+            return None
+        if len(alike) != 1:
+            return None
+        at = alike[0]
+    return at if is_file(at) else None
+
+
 class Inclusions:
     """Reads a file and those it includes, and counts."""
 

@@ -15,18 +15,27 @@ from supple.importers.plain_number import is_plain, plain_integer, plain_number
 
 @dataclass(frozen=True)
 class KeywordBlock:
-    """One keyword, its options, and the data lines below it; `line` counts in the `KeywordFile`."""
+    """One keyword, its options, and the data lines below it; `line` counts in the `KeywordFile`.
+
+    Names of options stand without blanks, as both programs compare them (`REF NODE` and `REFNODE` are one).
+    """
 
     name: str
     options: dict[str, str]
     line: int
     data: tuple[tuple[int, str], ...]
 
+    @property
+    def key(self) -> str:
+        """The keyword without blanks, as both programs compare it."""
+        return self.name.replace(" ", "")
+
 
 @dataclass(frozen=True)
 class KeywordFile:
     """All lines of a file and of those it includes, cut into blocks."""
 
+    path: Path
     lines: tuple[tuple[Path, int, str], ...]
     blocks: tuple[KeywordBlock, ...]
 
@@ -62,7 +71,7 @@ def read_keyword_file(path: Path) -> KeywordFile:
     ImportFormatError   a file missing, or including itself; data before the first keyword
     """
     inclusions = Inclusions("export the model as text (.inp)")
-    file = KeywordFile(tuple(_meaning(path, inclusions.lines(path), inclusions, 0)), ())
+    file = KeywordFile(path, tuple(_meaning(path, inclusions.lines(path), inclusions, 0)), ())
     blocks: list[KeywordBlock] = []
     header, line, data = "", 0, []
     for i, (_, _, text) in enumerate(file.lines):
@@ -70,6 +79,8 @@ def read_keyword_file(path: Path) -> KeywordFile:
             if header:
                 blocks.append(_block(header, line, data))
             header, line, data = text, i, []
+        elif not header and text[0] not in "+-.0123456789":
+            continue  # a title
         elif not header:
             raise file.error(i, "data before the first *KEYWORD; is this an Abaqus or CalculiX file?")
         elif header.endswith(",") and not data:  # a keyword may run over several lines
@@ -78,7 +89,7 @@ def read_keyword_file(path: Path) -> KeywordFile:
             data.append((i, text))
     if header:
         blocks.append(_block(header, line, data))
-    return KeywordFile(file.lines, tuple(blocks))
+    return KeywordFile(path, file.lines, tuple(blocks))
 
 
 def fields(text: str) -> list[str]:
@@ -102,12 +113,20 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
     rows = [fields(text) for _, text in block.data]
     lines = np.array([i for i, _ in block.data], dtype=np.int64)
     for i, row in zip(lines, rows, strict=True):
-        if len(row) != 4:
+        # Coordinates that are not given are 0, and a normal may follow; in the last line of all, a cut.
+        if not 2 <= len(row) <= 7 or (len(row) < 4 and i == len(file.lines) - 1):
             raise file.error(i, f"{len(row)} fields; a node is id, x, y, z (is the file cut short?)")
+        row[:] = [*(word or "0" for word in row), "0", "0"][:4]
     ids = _converted(file, [row[0] for row in rows], lines, np.int64)
     words = [word.upper().replace("D", "E") for row in rows for word in row[1:]]  # Fortran writes 1.D0
     positions = _converted(file, words, np.repeat(lines, 3), np.float64)
     return NumberedPoints(ids, positions.reshape(-1, 3), lines)
+
+
+def numbers(file: KeywordFile, line: int, words: list[str]) -> list[float]:
+    """Words of a data line as numbers; an empty one counts as 0."""
+    plain = [(word or "0").upper().replace("D", "E") for word in words]
+    return _converted(file, plain, np.full(len(plain), line), np.float64).tolist()
 
 
 def _converted(file: KeywordFile, words: list[str], lines: NDArray[np.int64], dtype: type) -> NDArray:
@@ -155,7 +174,7 @@ def _block(header: str, line: int, data: list[tuple[int, str]]) -> KeywordBlock:
     pairs = [option.partition("=") for option in options if option.strip()]
     return KeywordBlock(
         " ".join(name[1:].upper().split()),
-        {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs},
+        {"".join(key.upper().split()): value.strip().strip('"') for key, _, value in pairs},
         line,
         tuple(data),
     )

@@ -6,15 +6,15 @@ from pathlib import Path
 
 from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
-from supple.importers.abaqus import read_abaqus
+from supple.importers.abaqus.mesh_view import read_abaqus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
-from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_mesh
+from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES, read_nastran
 from supple.mesh import Mesh
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
-READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_mesh)
+READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran)
 
 MESH_SUFFIXES = tuple(READERS)
 """Files that `read_mesh` reads."""

@@ -24,6 +24,20 @@ def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -
     return np.where(take_02[:, None, None], quads[:, _ALONG_02], quads[:, _ALONG_13]).reshape(-1, 3)
 
 
+def split_quadratic_surfaces(nodes: NDArray[np.float64], surfaces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Triangles over all nodes of six-node triangles (4 each) or eight-node quadrilaterals (6 each).
+
+    Corners come first, then the middles of the edges from each corner to the next. Each corner is cut off;
+    the quadrilateral between four middles is cut along its shorter diagonal.
+    """
+    n = surfaces.shape[1] // 2
+    corners = [(i, n + i, n + (i - 1) % n) for i in range(n)]
+    outer = surfaces[:, corners]
+    middles = surfaces[:, n:]
+    inner = split_quadrilaterals(nodes, middles).reshape(-1, 2, 3) if n == 4 else middles[:, None]
+    return np.concatenate([outer, inner], axis=1).reshape(-1, 3)
+
+
 def crossed_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
     """Numbers (k,) of the quadrilaterals that neither diagonal cuts into triangles that turn the same way."""
     corners = nodes[quads]

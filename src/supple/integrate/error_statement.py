@@ -17,7 +17,7 @@ PARTS = ("basis", "step", "newton", "model")
 class ErrorPart:
     """One part of the error of a run.
 
-    value : float   in the unit of what is stated; infinite where it cannot be told
+    value : float   in the unit of what is stated; infinite where it is not known
     how : str       how it was found, in words
     remedy : str    what makes it smaller, in words
     """
@@ -52,18 +52,18 @@ class ErrorStatement:
 
     @property
     def parts(self) -> dict[str, ErrorPart]:
-        """The parts that were looked at, by name, in the order of `PARTS`."""
+        """The parts that were estimated, by name, in the order of `PARTS`."""
         every = {name: getattr(self, name) for name in PARTS}
         return {name: part for name, part in every.items() if part is not None}
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Names of the parts that nobody looked at."""
+        """Names of the parts that were not estimated."""
         return tuple(name for name in PARTS if name not in self.parts)
 
     @property
     def at_least(self) -> float:
-        """Sum of the parts that were looked at: they may all err to one side."""
+        """Sum of the parts that were estimated: they may all err to one side."""
         return sum((part.value for part in self.parts.values()), 0.0)
 
     @property
@@ -98,7 +98,7 @@ class ErrorStatement:
 
     @property
     def is_met(self) -> bool:
-        """Whether the parts looked at keep to what is allowed; true where nothing was asked for."""
+        """Whether the estimated parts keep to what is allowed; true where nothing was asked for."""
         return self.allowed is None or self.at_least <= self.allowed
 
     def plain(self) -> dict[str, Any]:
@@ -119,7 +119,7 @@ class ErrorStatement:
 
     @classmethod
     def from_plain(cls, numbers: Mapping[str, Any]) -> ErrorStatement:
-        """The statement that `plain` told."""
+        """The statement of which `plain` made the mapping."""
         parts = {
             name: ErrorPart(
                 float("inf") if part["value"] is None else part["value"], part["how"], part["remedy"]

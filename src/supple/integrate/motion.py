@@ -84,13 +84,13 @@ class FloatingMotion(StackedMotion):
     coordinate_accelerations: np.ndarray
     """(t, r)."""
     error: ClassVar[ErrorStatement | None] = None
-    """How wrong the motion is, where somebody looked; no array, and not told by `arrays`."""
+    """How wrong the motion is, where it was estimated; no array, and not in `arrays`."""
 
     def with_error(self, error: ErrorStatement | None) -> Self:
         """The same motion, which knows how wrong it is."""
-        judged = replace(self)
-        object.__setattr__(judged, "error", error)
-        return judged
+        assessed = replace(self)
+        object.__setattr__(assessed, "error", error)
+        return assessed
 
     def at(self, rows: slice | np.ndarray) -> Self:
         """The motion at some of its output times, by their numbers; the error remains that of the whole."""

@@ -82,20 +82,20 @@ class Solution:
     series: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
     """Name to (t, c) numbers of the whole machine, such as its energies; which, the method says."""
     errors: Mapping[str, ErrorStatement] = field(default_factory=lambda: MappingProxyType({}))
-    """How wrong the run is, by body, or by what else was judged; empty where nobody looked."""
+    """How wrong the run is, by body, or by quantity of interest; empty where it was not estimated."""
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
     """By intrinsic body: what the modes that it leaves out change, as the end of the run found it."""
 
     def with_errors(self, errors: Mapping[str, ErrorStatement]) -> Solution:
         """The same run with what is known of its error; bodies find theirs in `motion.error` as well."""
 
-        def judged(name: str, motion: Any) -> Any:
+        def assessed(name: str, motion: Any) -> Any:
             known = isinstance(motion, FloatingMotion) and name in errors
             return motion.with_error(errors[name]) if known else motion
 
         return replace(
             self,
-            bodies={name: judged(name, motion) for name, motion in self.bodies.items()},
+            bodies={name: assessed(name, motion) for name, motion in self.bodies.items()},
             errors=dict(errors),
         )
 

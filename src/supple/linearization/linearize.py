@@ -22,8 +22,7 @@ from supple.equations.steady_motion import (
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
-from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
-from supple.machine.forces import JointFriction
+from supple.machine import GROUND, Joint, JointFriction, PrescribedRotation, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equations_of import equations_of
 from supple.simulation.equilibrium import warn_of_rest

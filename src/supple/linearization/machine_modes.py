@@ -87,7 +87,7 @@ class MachineModes:
 
 @checked_arguments
 def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = None) -> MachineModes:
-    """The slowest modes of a linearised machine, all of them unless told how many.
+    """The slowest modes of a linearised machine, all of them unless a number is given.
 
         ( s^2 M + s C + K ) y = H z,        ( s - E_z ) z = ( E_p + s E_v ) y
 
@@ -105,7 +105,7 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     Raises
     ------
     ModelError      a number that is not positive; all modes of a large machine with full bodies
-    AccuracyError   modes of such a machine that do not settle
+    AccuracyError   modes of such a machine that do not converge
     """
     if n_modes is not None and not (n_modes >= 1 and n_modes == int(n_modes)):
         raise ModelError(f"number of modes must be a whole number, at least 1, got {n_modes}")

@@ -45,7 +45,7 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     Raises
     ------
     ModelError      all modes of a large machine
-    AccuracyError   modes that do not settle
+    AccuracyError   modes that do not converge
     """
     most = machine.size // 4 - _GUARD
     if n_modes is None or n_modes > most:
@@ -77,7 +77,7 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     if machine.size <= LARGEST_DENSE:
         return machine.all_motions
     raise AccuracyError(
-        f"the {n_modes} slowest modes have not settled: {left:.1e} of a mode is missing; ask for another "
+        f"the {n_modes} slowest modes have not converged: {left:.1e} of a mode is missing; ask for another "
         "number of modes, or reduce the bodies"
     )
 

@@ -15,16 +15,18 @@ from supple.body import FlexibleBody, RigidBody
 from supple.body.full_body import FullBody
 from supple.errors import ModelError, did_you_mean
 from supple.machine.contacts import Contact, Support, SurfaceContact
-from supple.machine.control import Controller, EndReading, SampledController
+from supple.machine.control.controller import Controller, SampledController
+from supple.machine.control.readings import EndReading
 from supple.machine.ends import GROUND, At
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.forces.joint_friction import JointFriction
 from supple.machine.joints.joint import Joint
 from supple.machine.laws.time_law import check_law_shape
-from supple.machine.nodal_loads import BaseAcceleration, NodalLoad
+from supple.machine.nodal_loads.base_acceleration import BaseAcceleration
+from supple.machine.nodal_loads.nodal_load import NodalLoad
 from supple.machine.placement import rotation_matrix, space_vector
-from supple.machine.ties import Tie
+from supple.machine.ties.tie import Tie
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
 

@@ -1,7 +1,7 @@
 """What a compiled program depends on, as a digest that two processes agree about.
 
 Of the arguments: their structure with all that is fixed in it, shapes and types. Of everything else: the
-sources of this package, the versions of JAX and of the machine, and what tells the compiler how to work. What
+sources of this package, the versions of JAX and of the machine, and the options of the compiler. What
 is fixed in a structure counts if it is this package's own or a plain value. Of a stranger's function nothing
 is known but its name, and a program with one has no digest.
 """

@@ -1,7 +1,7 @@
 """Kept programs read from their files, here and by a process that runs one for this one.
 
 As a script it is that process (`worker_processes`). It needs JAX and nothing of supple: it is ready in the
-time that JAX takes to be imported. By its input it is told the file of the program, the numbers of arrays
+time that JAX takes to be imported. Its input states the file of the program, the numbers of arrays
 that go in and come out, and then arguments; by its output it answers with seconds and results. It ends with
 its input.
 """
@@ -39,7 +39,7 @@ def program_of_file(file: Path, taken: Any, given: Any = None) -> Any:
     program = pickle.load(content)
     if given is None:
         given = jax.tree.structure(pickle.load(content))
-    # Without being told, for all processors that JAX has.
+    # By default for all processors that JAX has.
     devices = jax.devices()[:1]
     return serialize_executable.deserialize_and_load(program, taken, given, execution_devices=devices)
 

@@ -116,7 +116,7 @@ def on_all_cores(program: KeptProgram, tasks: Sequence[Task]) -> Iterator[Finish
 def shared_out(work: Work, tasks: Sequence[Task]) -> Iterator[Finished]:
     """Work for many arguments; what is finished first is given first.
 
-    The first one tells how long the others will take, and how many processes are worth it: none where they
+    The time of the first one predicts the others, and what number of processes is worth it: none where they
     are over soon, where no process can do the work, on other devices than a processor. What a process that
     ends before its time has left undone, this one does.
     """
@@ -195,12 +195,12 @@ class _Worker:
             done.put(None)
 
     def _ask(self, question: Any) -> Any:
-        ask, hear = self._process.stdin, self._process.stdout
-        assert ask is not None
-        assert hear is not None
-        pickle.dump(question, ask, pickle.HIGHEST_PROTOCOL)
-        ask.flush()
-        return pickle.load(hear)
+        request, response = self._process.stdin, self._process.stdout
+        assert request is not None
+        assert response is not None
+        pickle.dump(question, request, pickle.HIGHEST_PROTOCOL)
+        request.flush()
+        return pickle.load(response)
 
     def end(self) -> None:
         """Of the process, at once, and of the thread."""

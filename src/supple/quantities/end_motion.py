@@ -8,8 +8,7 @@ import numpy as np
 from supple.equations.build_model import initial_points
 from supple.errors import ModelError, did_you_mean
 from supple.integrate import Solution
-from supple.machine import GROUND, At, Joint, System
-from supple.machine.forces import ForceElement
+from supple.machine import GROUND, At, ForceElement, Joint, System
 from supple.machine.pose import Pose
 from supple.quantities.place import body_named
 

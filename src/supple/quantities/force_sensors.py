@@ -16,8 +16,7 @@ from supple.arguments import check_fields
 from supple.equations import balances
 from supple.equations.build_model import initial_points
 from supple.integrate import JOINT_AXES, Solution
-from supple.machine import Joint, System
-from supple.machine.forces import ForceElement, JointFriction
+from supple.machine import ForceElement, Joint, JointFriction, System
 from supple.machine.pose import Pose, Wrench
 from supple.quantities.end_motion import both_ends, check_ends, joint_named
 from supple.quantities.reading import Channel, QuantityKind

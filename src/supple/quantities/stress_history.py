@@ -12,10 +12,10 @@ from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
 from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
 from supple.fem import FiniteElementModel, StressRecovery, stress_recovery, von_mises
-from supple.quantities.tensor_modes import STRAIN, STRESS, NodalTensor, tensor_modes
+from supple.quantities.tensor_modes import STRESS, NodalTensor, tensor_modes
 from supple.reduction import ReducedBody
 
-__all__ = ["LargestStress", "largest_stress", "von_mises_history", "von_mises_strain_history"]
+__all__ = ["LargestStress", "largest_stress", "von_mises_history"]
 
 Array = NDArray[np.float64]
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
@@ -56,17 +56,13 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    return _equivalent(STRESS, body, model, coordinates, nodes)
-
-
-def von_mises_strain_history(
-    body: BodyForm,
-    model: FiniteElementModel,
-    coordinates: Array,
-    nodes: ArrayLike | None = None,
-) -> Array:
-    """Von Mises equivalent strain (t, N): as von_mises_history, with the same parameters and errors."""
-    return _equivalent(STRAIN, body, model, coordinates, nodes)
+    if _has_modes(body):
+        return tensor_modes(STRESS, body, model, nodes).von_mises(coordinates)
+    n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
+    found = np.zeros((len(coordinates), n_nodes))
+    for block in _recovered(body, STRESS.recovery(model), coordinates, nodes):
+        found[block.times, block.nodes] = STRESS.equivalent(block.field).max(axis=2)
+    return found
 
 
 def tensor_blocks(
@@ -100,7 +96,7 @@ class LargestStress(NamedTuple):
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes of cells, layers and instants; errors as that history.
 
-    At a hundred instants, evenly spread, all nodes are looked at; at all instants the hundred nodes whose
+    At a hundred instants, evenly spread, all nodes are evaluated; at all instants the hundred nodes whose
     stress is largest then. So it is exact of runs of a hundred outputs.
     """
     nodes = np.unique(np.concatenate([section.nodes(model.mesh).ravel() for section in model.sections]))
@@ -117,23 +113,6 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
             number = int(candidates[some][node])
             largest = LargestStress(float(values[instant, node]), int(instant) + times.start, number)
     return largest
-
-
-def _equivalent(
-    tensor: NodalTensor,
-    body: BodyForm,
-    model: FiniteElementModel,
-    coordinates: Array,
-    nodes: ArrayLike | None,
-) -> Array:
-    """The equivalent of von Mises (t, N), the largest over the layers."""
-    if _has_modes(body):
-        return tensor_modes(tensor, body, model, nodes).von_mises(coordinates)
-    n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
-    found = np.zeros((len(coordinates), n_nodes))
-    for block in _recovered(body, tensor.recovery(model), coordinates, nodes):
-        found[block.times, block.nodes] = tensor.equivalent(block.field).max(axis=2)
-    return found
 
 
 def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:

@@ -93,7 +93,7 @@ class TensorModes:
         memory.
 
         It is convex and the field linear through a shell, so that the largest lies on its bottom or its top:
-        no other layer is looked at.
+        no other layer is evaluated.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)

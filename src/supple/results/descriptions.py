@@ -71,7 +71,7 @@ def describe_result(path: Path) -> Iterator[Row]:
     yield "what", "complete" if header.complete else unfinished
     units = UnitSystem.parsed(str(header.metadata.get("units", "")))
     for name, value in header.metadata.items():
-        if name != column_measures.KEY:  # numbers that say nothing to anybody
+        if name != column_measures.KEY:  # numbers without a meaning for readers
             yield name, str(value)
     if header.n_times:
         solution = read_solution(path)

@@ -12,7 +12,7 @@ __all__ = ["rest_error_table"]
 
 
 def rest_error_table(numbers: Mapping[str, Any]) -> TextTable:
-    """What the basis of each reduced body misses at rest; `numbers["errors"]` as of `RestError.plain`."""
+    """Error by the basis of each reduced body at rest; `numbers["errors"]` as of `RestError.plain`."""
     length = numbers["units"].get("length", "")
     rows = [
         [

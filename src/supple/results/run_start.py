@@ -16,7 +16,7 @@ __all__ = ["first_swing", "start_lines", "start_numbers"]
 FALLEN = 0.7
 """Of its largest size so far: a deformation that is smaller has begun to swing back."""
 NOTED = 0.5
-"""Of the largest deformation of the run: from this part in the first swing on it is told."""
+"""Of the largest deformation of the run: from this part in the first swing on it is reported."""
 
 
 def start_numbers(system: System, solution: Solution) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from supple.arguments import checked_arguments
-from supple.body import FullBody, RigidBody
+from supple.body import BodyForm, FullBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution, Statistics
 from supple.machine import System
@@ -74,7 +74,7 @@ def stress_numbers(
 ) -> dict[str, Any]:
     """By body: its largest von Mises stress over all nodes and output times, and at which of them.
 
-    elements : of the bodies, by name; one whose sections do not say where their stress acts is left out
+    elements : of the bodies, by name; one whose sections do not state where their stress acts is left out
     """
     found = {}
     for placed in system.bodies:
@@ -120,17 +120,17 @@ def body_numbers(
     full: FullBody | None = None,
     motion: Any = None,
 ) -> dict[str, Any]:
-    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is said) of a body.
+    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is stated) of a body.
 
     full : what a reduced body was made of: the frequencies are its own, not those of the basis
     motion : of a part of an explicit march
     """
     if motion is not None and body.kind in ("modal", "explicit"):
         return {"kind": body.kind, **part_numbers(body, motion)}
-    return {"kind": body.kind, **_NUMBERS_OF[body.kind](body, units, full)}
+    return {"kind": body.kind, **_NUMBERS_OF.get(body.kind, _numbers_of_any)(body, units, full)}
 
 
-def _numbers_of_rigid(body: RigidBody, *_: Any) -> dict[str, Any]:
+def _numbers_of_any(body: BodyForm, *_: Any) -> dict[str, Any]:
     return {"mass": body.mass}
 
 
@@ -193,13 +193,12 @@ def _locking_numbers(locking: Locking) -> dict[str, Any]:
 
 _NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
     {
-        "rigid": _numbers_of_rigid,
         "intrinsic": _numbers_of_intrinsic,
         "full": _numbers_of_full,
         "reduced": _numbers_of_reduced,
     }
 )
-"""What there is to say of a body of each form."""
+"""Numbers of forms that have more than a mass."""
 
 
 def _shown(omega: np.ndarray, units: UnitSystem) -> np.ndarray:

@@ -88,32 +88,32 @@ def energy_table(numbers: Mapping[str, Any]) -> TextTable:
 def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
     """What each channel of each sensor read, smallest, largest and last; numbers as of its `plain`.
 
-    Where a sensor reads at nodes, a last column says at which the magnitude was largest.
+    Where a sensor reads at nodes, a last column names the one at which the magnitude was largest.
     """
-    located = any("place" in told for each in numbers["sensors"].values() for told in each.values())
+    located = any("place" in reading for each in numbers["sensors"].values() for reading in each.values())
     rows = []
     for name, channels in numbers["sensors"].items():
-        for row, (channel, told) in enumerate(channels.items()):
-            alike = [each for each in channels.values() if each["quantity"] == told["quantity"]]
+        for row, (channel, reading) in enumerate(channels.items()):
+            alike = [each for each in channels.values() if each["quantity"] == reading["quantity"]]
             scale = [each[extreme] for each in alike for extreme in ("smallest", "largest")]
-            cells = [name if row == 0 else "", headed(channel, told["unit"])]
+            cells = [name if row == 0 else "", headed(channel, reading["unit"])]
             for extreme in ("smallest", "largest"):
-                value = float(without_noise(told[extreme], like=scale))
-                cells += [_number(value), _number(told[f"time of {extreme}"] if value else 0.0)]
-            where = [_place_words(told)] if located else []
-            rows.append([*cells, _number(float(without_noise(told["last"], like=scale))), *where])
+                value = float(without_noise(reading[extreme], like=scale))
+                cells += [_number(value), _number(reading[f"time of {extreme}"] if value else 0.0)]
+            where = [_place_words(reading)] if located else []
+            rows.append([*cells, _number(float(without_noise(reading["last"], like=scale))), *where])
     time = headed("at time", numbers["units"].get("time", ""))
     heads = ("sensor", "channel", "smallest", time, "largest", time, "at the end")
     return TextTable("Sensors", (*heads, "where the magnitude is largest") if located else heads, rows)
 
 
-def _place_words(told: Mapping[str, Any]) -> str:
+def _place_words(reading: Mapping[str, Any]) -> str:
     """The node at which a channel has its largest magnitude, and of how many; numbers as of a reading."""
-    extreme = "smallest" if abs(told["smallest"]) > abs(told["largest"]) else "largest"
-    words = told.get("place", "")
-    if f"node of {extreme}" not in told or "node " in words:
+    extreme = "smallest" if abs(reading["smallest"]) > abs(reading["largest"]) else "largest"
+    words = reading.get("place", "")
+    if f"node of {extreme}" not in reading or "node " in words:
         return words
-    node, point = told[f"node of {extreme}"], told[f"point of {extreme}"]
+    node, point = reading[f"node of {extreme}"], reading[f"point of {extreme}"]
     return f"{point_words(node, point)}, {words}"
 
 
@@ -226,7 +226,7 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
     rows = []
     for name, stated in numbers["errors"].items():
         parts = [
-            _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not looked at"
+            _error(stated["parts"][part]["value"]) if part in stated["parts"] else "not estimated"
             for part in PARTS
         ]
         total = _error(stated["at_least"])

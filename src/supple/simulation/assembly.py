@@ -13,7 +13,7 @@ from supple.equations.build_model import build_model
 from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.consistent_start import placed_configuration
 from supple.equations.joint_closure import joints_assembled
-from supple.equations.start_change import Moved
+from supple.equations.start_change import PositionCorrection
 from supple.equations.starting_machine import StartingMachine
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
@@ -27,11 +27,11 @@ class AssembledMachine:
     """A machine whose joints fit.
 
     system : System
-    moved : tuple of Moved      how far each body was moved (unit of length), and turned (rad)
+    moved : tuple of PositionCorrection   how far each body was moved (unit of length), and turned (rad)
     """
 
     system: System
-    moved: tuple[Moved, ...]
+    moved: tuple[PositionCorrection, ...]
 
 
 @checked_arguments
@@ -59,5 +59,5 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
         bodies.append(placed.moved_to(position, rotation))
         angle = Rotation.from_matrix(placed.rotation.T @ bodies[-1].rotation).magnitude()
         distance = float(np.linalg.norm(position - placed.position))
-        moved.append(Moved(placed.body.name, distance, float(angle)))
+        moved.append(PositionCorrection(placed.body.name, distance, float(angle)))
     return AssembledMachine(replace(system, bodies=tuple(bodies)), tuple(moved))

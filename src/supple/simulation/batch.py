@@ -31,7 +31,7 @@ from supple.integrate import (
     Statistics,
     damps_joint_forces,
 )
-from supple.machine.control import SampledController
+from supple.machine import SampledController
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
 from supple.methods.floating.compiled.batch_start import Axes, BatchStart, batch_start, differing

@@ -92,7 +92,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
 def _solution(
     engine: IntrinsicEngine, start: MarchState, reached: MarchState, times: np.ndarray, seconds: float
 ) -> Solution:
-    """The start, and what a case reached, as the engine tells it."""
+    """The start, and what a case reached, as the engine gives it."""
     whole = jax.tree.map(lambda first, leaf: np.concatenate([np.asarray(first)[None], leaf]), start, reached)
     leg = engine.leg(start, whole, times, seconds)
     return replace(engine.solution(leg), stopped=leg.stopped)

@@ -1,4 +1,4 @@
-"""Which engine a machine needs: the form of its bodies says, unless nothing is to be integrated."""
+"""The engine of a machine, chosen by the form of its bodies unless nothing is to be integrated."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
 
 
 def is_explicit(system: System, run: Run) -> bool:
-    """Whether a run is an explicit march: its method says so, or a body that knows no other."""
+    """Whether a run is an explicit march: by its method, or by a body that has no other."""
     kinds = {placed.body.kind for placed in system.bodies}
     return isinstance(run.method, ExplicitRule) or any(_ENGINES.get(kind) is ExplicitEngine for kind in kinds)
 

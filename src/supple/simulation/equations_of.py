@@ -1,4 +1,4 @@
-"""The equations of a machine at rest: the form of its bodies says by which method."""
+"""The equations of a machine at rest: the form of its bodies chooses the method."""
 
 from __future__ import annotations
 

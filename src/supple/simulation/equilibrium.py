@@ -81,9 +81,9 @@ def equilibrium(
     spin : Spin       of the machine, or of the bodies that it names; the others stand
     search : StaticSearch       accuracy and step
     fulls : FullBody            the bodies with all their coordinates, which reduced ones were made of: one
-        factorisation says what their bases miss (`Equilibrium.errors`). None: those that the reduced bodies
+        factorisation gives the error of the bases (`Equilibrium.errors`). None: those that the reduced bodies
         know, all but those read from files; (): the factorisation is saved, and nothing is known of it
-    progress : hears of each iteration and its largest relative residual
+    progress : called with each iteration and its largest relative residual
 
     Controllers act as in a run, and their states rest with the machine: `f(0, q, z) = 0`, from which those of
     the equilibrium's system begin.
@@ -94,8 +94,8 @@ def equilibrium(
         sampled; a full body that is not the one that was reduced; an intrinsic body whose support holds it
         against the spin
     ConvergenceError    no equilibrium was found, or a controller's state has none
-    Warns BasisWarning where a body misses 1 % of its largest displacement or more.
-    Source: Kelley & Keyes (1998) for the search.
+    Warns BasisWarning where a body lacks 1 % of its largest displacement or more.
+    Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
@@ -115,7 +115,7 @@ def equilibrium(
 
 
 def warn_of_rest(errors: Mapping[str, RestError]) -> None:
-    """BasisWarning for each body whose basis misses a part of the rest that matters."""
+    """BasisWarning for each body whose basis lacks a part of the rest that matters."""
     for name, error in errors.items():
         if not error.known:
             seen = "no equilibrium was found with all its coordinates"

@@ -6,7 +6,7 @@ At the equilibrium of a reduced machine, expanded to all coordinates, the full e
     [ G              0  ] [ lambda ]  =  - [ g ],       k long against all vibrations,
 
 G of joints and frames. The factor is kept for the sweeps that follow about the corrected place: what the
-second moves over the first says whether first order is enough, and their sum is the whole error. Where a
+second moves over the first shows whether first order is enough, and their sum is the whole error. Where a
 sweep is over a third of the one before, the full machine's equilibrium is searched from there instead.
 """
 
@@ -42,7 +42,7 @@ SLOWNESS = 1e3
 """How many times slower than the lowest vibration the correction is taken to be."""
 CONTRACTS = 1 / 3
 """What a sweep may move over the one before."""
-SETTLED = 1e-4
+CONVERGED = 1e-4
 """Of the first sweep: one that moves as little is the last."""
 NOTHING = 1e-8
 """Of the size of the machine: a sweep that moves less is the last, whatever the first."""
@@ -253,7 +253,7 @@ def _swept(
         if not np.isfinite(size) or rate > CONTRACTS:
             return None, second
         state = moved_state(statics, state, change)
-        if size <= max(SETTLED * first, NOTHING):
+        if size <= max(CONVERGED * first, NOTHING):
             return state, second
         found = statics.unbalance(state, time)
     return state, second

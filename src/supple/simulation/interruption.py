@@ -1,4 +1,4 @@
-"""Runs that are ended from outside, by Ctrl-C (SIGINT) or by the system (SIGTERM): they say what is kept."""
+"""Runs that are ended from outside, by Ctrl-C (SIGINT) or by the system (SIGTERM), and what is kept."""
 
 from __future__ import annotations
 

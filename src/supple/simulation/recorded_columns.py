@@ -30,7 +30,7 @@ _ARRAYS = (
 
 
 def columns_of(system: System) -> Metadata:
-    """Metadata that tell elastic bodies apart: products of their arrays with random vectors."""
+    """Metadata that distinguish elastic bodies: products of their arrays with random vectors."""
     measured = {
         placed.body.name: {name: values.tolist() for name, values in _measures(placed)}
         for placed in system.bodies
@@ -70,7 +70,7 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
 
 
 def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
-    """Name of an array of an elastic body and what tells it from others; nothing of a rigid one."""
+    """Name of an array of an elastic body and what distinguishes it from others; nothing of a rigid one."""
     body = placed.body
     match body:
         case ReducedBody():

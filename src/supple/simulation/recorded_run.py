@@ -42,7 +42,7 @@ def begin_recorded(
     case, metadata : kept in the file, for the record; "units", `str` of a UnitSystem, name the units of its
         arrays
     inputs : what the motion depends on, kept in the file to continue it; by default what the system, the run
-        and the case tell (`inputs_of`)
+        and the case give (`inputs_of`)
     overwrite : replace what is there; otherwise only a run without any output is replaced
 
     Raises
@@ -62,7 +62,7 @@ def begin_recorded(
 
 
 def joint_ends(system: System) -> Metadata:
-    """Metadata that say which end the forces of each joint act on."""
+    """Metadata that state which end the forces of each joint act on."""
     return {second_end_key(joint.name): str(joint.second) for joint in system.joints}
 
 
@@ -107,7 +107,7 @@ def simulate_recorded(
     ----------
     system, run, progress, check : as for `simulate`
     path : file to write; its folder is made
-    case : str      says what is simulated, in words
+    case : str      what is simulated, in words
     inputs : as for `begin_recorded`; a file of another run is never overwritten nor continued
     overwrite : begin anew, whatever is there
 
@@ -150,7 +150,7 @@ def recorded(
     """Simulate what a result file does not hold yet, into it; the whole run, as it is read back."""
     start = file.last_instant() if file.header.n_times else None
     stopped, truncation = None, {}
-    # Cut off between its last output time and its end, a run has nothing left to do but to say so.
+    # Cut off between its last output time and its end, a run has nothing left to do but to be complete.
     if start is None or _is_something_left(run, start):
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)

@@ -18,8 +18,7 @@ from supple.equations.static_search import (
 )
 from supple.equations.steady_motion import Turning
 from supple.errors import ModelError
-from supple.machine import Placed, Spin, System
-from supple.machine.control import Controller, SampledController
+from supple.machine import Controller, Placed, SampledController, Spin, System
 from supple.simulation.equations_of import equations_of
 
 __all__ = ["RestingState", "at_rest", "check_time", "placed_at_rest", "resting_state"]
@@ -85,7 +84,7 @@ def at_rest(placed: Placed) -> Placed:
 
 
 def placed_at_rest(found: RestingState) -> System:
-    """The system with its bodies where the state says, turning steadily."""
+    """The system with its bodies as in the state, turning steadily."""
     bodies, first = [], 0
     system, (velocities, point), configuration = found.system, found.turning, found.configuration
     for index, placed in enumerate(system.bodies):

@@ -1,8 +1,8 @@
 """Cases of a batch in shares, each marched by one call of a compiled program.
 
 Cases are mapped together, as many as a chunk holds, but for the solution of Newton's equations, where they
-take turns and converged ones have none (`in_turn`). A last share that is smaller repeats its last case, so
-that one program marches all.
+take turns and converged ones have none (`sequential_vmap`). A last share that is smaller repeats its last
+case, so that one program marches all.
 
 Where a run keeps the tangent of its steps, cases that are mapped together would each make one at every
 iterate: which case needs a new one is a branch that a map does not have. Of a body with 25 coordinates that

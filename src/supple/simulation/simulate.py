@@ -40,7 +40,7 @@ def simulate(
     overwrite : bool        begin anew, whatever the file holds
     resume : Solution       go on from the end of an earlier part of the same run
     progress, record : called as the run goes on; `record` receives every completed leg
-    check : bool            raise where the run ends early; otherwise `Solution.stopped` says why
+    check : bool            raise where the run ends early; otherwise `Solution.stopped` is the reason
 
     Returns
     -------

@@ -50,9 +50,9 @@ def open_settled(path: Path) -> Iterator[h5py.File]:
     """
     with (
         path.open("rb") as file,
-        h5py.File(_SettledFile(file, _without_mark(file)), "r", driver="fileobj") as settled,
+        h5py.File(_UnmarkedFile(file, _without_mark(file)), "r", driver="fileobj") as unmarked,
     ):
-        yield settled
+        yield unmarked
 
 
 def is_marked(path: Path) -> bool:
@@ -70,7 +70,7 @@ def _fields(path: Path) -> tuple[Any, ...]:
         return _FORM.unpack(file.read(_FORM.size))
 
 
-class _SettledFile(io.RawIOBase):
+class _UnmarkedFile(io.RawIOBase):
     """A file whose first bytes are replaced; reading beyond its end is an error, never a guess."""
 
     def __init__(self, file: BinaryIO, first: bytes) -> None:

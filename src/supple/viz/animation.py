@@ -148,7 +148,7 @@ def animate(
 
 
 class _Pixels(Artist):
-    """A picture whose pixels are those of the film: matplotlib's own images are resampled for every frame."""
+    """A picture with the pixels of the animation: matplotlib's own images are resampled for every frame."""
 
     zorder = 2.0
 
@@ -198,7 +198,7 @@ def _save_gif(path: Path, frames: list[Array8], frames_per_second: float) -> Non
             append_images=indexed[1:],
             duration=round(1000.0 / frames_per_second),
             loop=0,
-            # A third smaller otherwise, for half of the time that all of the film takes.
+            # A third smaller otherwise, for half of the time that all of the animation takes.
             optimize=False,
         )
 
@@ -250,7 +250,7 @@ def _check(
     frames_per_second: float,
 ) -> None:
     if Path(path).suffix.lower() != ".gif":
-        raise ModelError(f"cannot animate {path}: films are GIF files; end the path in .gif")
+        raise ModelError(f"cannot animate {path}: animations are GIF files; end the path in .gif")
     if positions.ndim != 3 or len(positions) != len(times) or not len(times):
         raise ModelError(
             f"cannot animate positions of shape {np.shape(positions)} at {len(times)} times: "

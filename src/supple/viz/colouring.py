@@ -1,4 +1,4 @@
-"""What colours a film."""
+"""What colours an animation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Colouring:
-    """What colours the bodies of a film.
+    """What colours the bodies of an animation.
 
     values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame; None of a body
         that has no such values

@@ -1,4 +1,4 @@
-"""Nodes in contact as a film shows them: a hair before what they touch.
+"""Nodes in contact as an animation shows them: a hair before what they touch.
 
 A penalty lets nodes enter a little, and faces that touch lie in each other: which of both is seen would
 change from frame to frame, and a nose would shine through the wall.
@@ -22,7 +22,7 @@ __all__ = ["clear_of_contact"]
 FloatArray = NDArray[np.float64]
 
 CLEARANCE = 5e-4
-"""Of the largest extent of all that moves: about a third of a pixel of a film."""
+"""Of the largest extent of all that moves: about a third of a pixel of an animation."""
 
 
 def clear_of_contact(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.viz.rms_error import drawable
 from supple.viz.style import (
     INK,
     REFERENCE,
@@ -54,11 +55,11 @@ def plot_eigenvalue_error(
         for rank, (n_kept, errors) in enumerate(estimates.items()):
             label = f"{n_kept} modes"
             marked = Stroke(colour=SOLID.colour, width=1.1, marker="osD^vP"[rank % 6])
-            draw_curve(axes, np.arange(1, len(errors) + 1), _drawable(errors, label), marked, rank, label)
+            draw_curve(axes, np.arange(1, len(errors) + 1), drawable(errors, label), marked, rank, label)
         for n_kept, errors in (exact or {}).items():
             label = f"{n_kept} modes, exact"
             numbers = np.arange(1, len(errors) + 1)
-            draw_curve(axes, numbers, _drawable(errors, label), REFERENCE, 0, label)
+            draw_curve(axes, numbers, drawable(errors, label), REFERENCE, 0, label)
         axes.axhline(tolerance, color=INK, linewidth=0.9, dashes=(1.5, 1.5))
         axes.annotate(
             f"tolerance {100 * tolerance:g} %",
@@ -73,10 +74,3 @@ def plot_eigenvalue_error(
         axes.set_ylabel("relative error")
         legend_above(axes, len(estimates) + len(exact or {}))
         return save_figure(figure, path)
-
-
-def _drawable(errors: Array, label: str) -> Array:
-    values = np.where(np.isfinite(errors) & (np.asarray(errors) > 0), errors, np.nan)
-    if np.isnan(values).all():
-        raise ModelError(f"errors of {label}: none is positive and finite, so there is nothing to draw")
-    return values

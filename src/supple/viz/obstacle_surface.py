@@ -1,4 +1,4 @@
-"""Rigid obstacles as surfaces of a film: a patch of a plane, a piece of a cylinder, a ball."""
+"""Rigid obstacles as surfaces of an animation: a patch of a plane, a piece of a cylinder, a ball."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def plot_rms_error(
         figure = new_figure(height=3.1)
         axes = figure.subplots()
         for rank, (label, error) in enumerate(errors.items()):
-            draw_curve(axes, error.times, _positive(error.rms, label), Stroke(width=1.1), rank, label)
+            draw_curve(axes, error.times, drawable(error.rms, label), Stroke(width=1.1), rank, label)
         _draw_bounds(axes, published, list(errors))
         axes.set_yscale("log")
         axes.set_xlim(min(e.times[0] for e in errors.values()), max(e.times[-1] for e in errors.values()))
@@ -95,7 +95,7 @@ def plot_error_over_parameter(
                     f"error '{label}': {len(values)} values for {len(parameter)} {parameter_label}"
                 )
             marked = Stroke(colour=SOLID.colour, marker="osD^vP"[rank % 6])
-            draw_curve(axes, parameter, _positive(values, label), marked, rank, label)
+            draw_curve(axes, parameter, drawable(values, label), marked, rank, label)
         axes.set_yscale("log")
         axes.set_xticks(np.asarray(parameter))
         axes.set_xlabel(parameter_label)
@@ -104,12 +104,12 @@ def plot_error_over_parameter(
         return save_figure(figure, path)
 
 
-def _positive(values: NDArray[np.float64], label: str) -> NDArray[np.float64]:
+def drawable(values: NDArray[np.float64], label: str) -> NDArray[np.float64]:
     """Values with gaps where a logarithmic axis has no place for them, as at an exact start."""
-    positive = np.where(np.asarray(values) > 0.0, values, np.nan)
-    if np.isnan(positive).all():
-        raise ModelError(f"error '{label}' is nowhere positive, so a logarithmic axis cannot show it")
-    return positive
+    drawn = np.where(np.isfinite(values) & (np.asarray(values) > 0.0), values, np.nan)
+    if np.isnan(drawn).all():
+        raise ModelError(f"error '{label}' is nowhere positive and finite: a logarithmic axis cannot show it")
+    return drawn
 
 
 def _draw_bounds(axes: Axes, published: Bounds, labels: list[str]) -> None:

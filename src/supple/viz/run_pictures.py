@@ -1,4 +1,4 @@
-"""The pictures of a run: meshes, modes, deformation, the machine, tracked motion, joint forces, a film."""
+"""Pictures of a run: meshes, modes, deformation, machine, tracked motion, joint forces, animation."""
 
 from __future__ import annotations
 

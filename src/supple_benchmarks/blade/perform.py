@@ -27,7 +27,7 @@ def perform(benchmark: BladeBenchmark, json: Path | None, folder: Path) -> None:
         drawn = bar(bars, "pictures")
         pictures = draw_figures(run, folder)
         drawn(1.0)
-        pictures.append(animation(run, folder / "blade.gif", bar(bars, "film of the blade")))
+        pictures.append(animation(run, folder / "blade.gif", bar(bars, "animation of the blade")))
     print_tables(tables(run))
     if run.batch is not None:
         batch = run.batch

@@ -11,7 +11,7 @@ from scipy.linalg import eigh
 
 from supple.fem import Isotropic, lumped_mass, solid_model
 from supple.mesh import CellType, Mesh, block
-from supple.methods.explicit.coupling import (
+from supple_benchmarks.explicit.dual_coupling import (
     CoupledMotion,
     Coupling,
     ElementSide,

@@ -26,6 +26,8 @@ def perform(machine: FlexibleMachine, tolerances: tuple[float, ...], json: Path 
         if study is None:
             return
         pictures = draw_figures(study, folder)
-        pictures.append(animation(study, folder / f"{machine.name}.gif", bar(bars, "film of the machine")))
+        pictures.append(
+            animation(study, folder / f"{machine.name}.gif", bar(bars, "animation of the machine"))
+        )
     print_tables(tables(study))
     print_files(target, pictures, motions=folder / "motions")

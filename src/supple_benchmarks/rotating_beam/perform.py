@@ -27,7 +27,7 @@ def perform(problem: RotatingBeam, json: Path | None, folder: Path) -> None:
         if run is None:
             return
         pictures = draw_figures(run, folder)
-        pictures.append(animation(run, folder / "beam.gif", bar(bars, "film of the beam")))
+        pictures.append(animation(run, folder / "beam.gif", bar(bars, "animation of the beam")))
     print_tables(tables(run))
     print_files(target, pictures, motions=folder / "motions")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from supple.errors import ImportFormatError
-from supple.importers.nastran.bulk_data import bulk_real, read_bulk_data
+from supple.importers.nastran.bulk_data import bulk_real, integers, read_bulk_data, reals
 
 
 @pytest.fixture
@@ -27,10 +27,13 @@ LARGE = """\
 GRID*                  7               3             1.5             2.0
 *                    3.0               4             123"""
 FREE = "GRID,7,3,1.5,2.0,3.0,4,123"
+LATE = "GRID    7,  3, 1.5, 2.0, 3.0, 4, 123"
 TABS = "GRID\t7\t3\t1.5\t2.0\t3.0\t4\t123"
 
 
-@pytest.mark.parametrize("text", [SMALL, LARGE, FREE, TABS], ids=["small", "large", "free", "tabs"])
+@pytest.mark.parametrize(
+    "text", [SMALL, LARGE, FREE, LATE, TABS], ids=["small", "large", "free", "late", "tabs"]
+)
 def test_all_forms_of_fields_say_the_same(read, text):
     (card,) = read(text + "\n").cards
     assert card.name == "GRID"
@@ -118,15 +121,16 @@ def test_line_ends_of_windows(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("BEGIN BULK\nGRID,1\n", r"model\.bdf, line 1: BEGIN BULK, but no ENDDATA.*cut short"),
-        ("BEGIN BULK\nBEGIN SUPER=2\nENDDATA\n", r"line 2: parts \(BEGIN SUPER\).*export each"),
         ("+,7,8\n", r"line 1: a continuation without a card"),
         (
             f"{'GRID           1':72}+A\n+B             7\n",
-            r"line 2: GRID: continues 'B', but the line above announces 'A'",
+            r"line 2: continues '\+B', which no card announces; is a line missing",
         ),
         ("<html>\n", r"line 1: '<html>' is not the name of a card; is this a Nastran"),
-        ("GRID,1,2,3,4,5,6,7,8,9,10\n", r"line 1: 11 fields; a line has at most 10"),
+        ("GRID,1,2,3,4,5,6,7,8,9,10\n", r"line 1: 11 fields; a line has a name, 8 of them and a label"),
+        ("=,*(1)\n", "line 1: '=' repeats the card above, and there is none"),
+        ("GRID,1,,0.\n=,*(1),,*(x)\n", r"line 2: '\*\(x\)' adds to '0\.'; both must be numbers"),
+        ("GRID,1\n=,*(1)\n=9999999\n", "line 3: '=9999999' repeats over"),
         ("RBE2,1,2,3,4,5,6,7,8,9\n", r"line 1: '9' stands where only a continuation label may; write it on"),
         ("GRID*,1,2,3,4,5,6\n", r"line 1: 7 large fields; a line has a name, 4"),
         ("INCLUDE 'model.bdf'\n", "does a file include itself"),
@@ -144,6 +148,88 @@ def test_line_ends_of_windows(tmp_path):
 def test_what_breaks_the_grammar_is_named_with_its_line(read, text, message):
     with pytest.raises(ImportFormatError, match=message):
         read(text)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("=,*(1),=,*(0.5),==", "=(2)"),
+        ("=,*1,=,*.5,==", "=2"),
+        ("=       *(1)    =       *(0.5)  ==", "=(2)"),
+    ],
+    ids=["free", "without brackets", "small"],
+)
+def test_replication(read, lines):
+    cards = read("\n".join(["GRID,5,7,1.,2.,,8", *lines, "GRID,20"])).cards
+    assert [card.integer(0, "id") for card in cards] == [5, 6, 7, 8, 20]
+    assert [card.real(2, "x") for card in cards[:4]] == [1.0, 1.5, 2.0, 2.5]
+    assert {card.fields[1:2] + card.fields[3:6] for card in cards[:4]} == {("7", "2.", "", "8")}
+
+
+def test_labels_find_their_continuation_in_any_order_and_case(read):
+    head = f"{'CHEXA          1       1       1       2       3       4       5       6':72}"
+    parts = [
+        f"{head}+aB",
+        "GRID,9",
+        f"{'+CD           11      12':72}",
+        f"{'+Ab            7       8       9      10      13      14      15      16':72}+cd",
+    ]
+    file = read("\n".join(parts))
+    assert [card.name for card in file.cards] == ["CHEXA", "GRID"]
+    assert fields(file.cards[0])[8:] == ["7", "8", "9", "10", "13", "14", "15", "16", "11", "12"]
+
+
+def test_a_label_without_its_plus(read):
+    """Column 73 of the label is the place of its '+'."""
+    head = f"{'CHEXA          1       1       1       2       3       4       5       6':72}"
+    (card,) = read(f"{head}XAB\n+AB            7       8\n").cards
+    assert fields(card)[-2:] == ["7", "8"]
+
+
+@pytest.mark.parametrize(
+    ("end", "ended"), [("ENDDATA 1b2c\nGRID,9\n", True), ("enddata,x\n", True), ("", False)]
+)
+def test_the_end_of_the_cards(read, end, ended):
+    """Checksums stand behind it; a punched file has none."""
+    file = read(f"BEGIN BULK\nGRID,1\n{end}")
+    assert [card.integer(0, "id") for card in file.cards] == [1]
+    assert file.ended is ended
+
+
+def test_parts_stand_beside_the_residual(read):
+    text = "SOL 101\nCEND\nSPC = 2\nBEGIN BULK\nGRID,1\nBEGIN SUPER=3\nGRID,2\nBEGIN BULK SUPER = 4\nGRID,3\n"
+    file = read(text + "ENDDATA\n")
+    assert [card.fields[0] for card in file.cards] == ["1"]
+    assert {part: of.cards[0].fields[0] for part, of in file.parts.items()} == {
+        ("SUPER", "3"): "2",
+        ("SUPER", "4"): "3",
+    }
+    assert file.above == ("SOL 101", "CEND", "SPC = 2")
+
+
+@pytest.mark.parametrize("name", ["'PART.INC'", "'HERE:part.inc'", "'sub/../Part.inc'"])
+def test_included_files_are_found_by_other_spellings(read, tmp_path, name):
+    """In any case of letters, behind a logical name, from a folder below in that of the main file."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "part.inc").write_text("GRID,2\n")
+    (tmp_path / "sub" / "below.inc").write_text(f"INCLUDE {name}\n")
+    for text in (f"INCLUDE {name}\n", "INCLUDE 'sub/below.inc'\n", f"INCLUDE\n  {name}\n"):
+        assert [card.integer(0, "id") for card in read(text).cards] == [2]
+
+
+def test_columns_of_many_cards(read):
+    cards = read("GRID,1,,1.5+1\nGRID,2\n").cards
+    assert integers(cards, 0, "the id").tolist() == [1, 2]
+    assert reals(cards, 2, "X1", 0.25).tolist() == [15.0, 0.25]
+    with pytest.raises(ImportFormatError, match=r"line 2: GRID: X1 \(field 4\) is blank"):
+        reals(cards, 2, "X1")
+    with pytest.raises(ImportFormatError, match=r"line 1: GRID: X1 \(field 4\) is '1.5\+1', not a whole"):
+        integers(cards, 2, "X1", 0)
+
+
+def test_what_is_skipped(read):
+    cards = read("GRID,1\nSKIPON\nGRID,2\nSKIPOFF\n/ 5\nGRID,3\n").cards
+    assert [card.integer(0, "id") for card in cards] == [1, 3]
 
 
 def test_a_binary_file_is_recognised(tmp_path):

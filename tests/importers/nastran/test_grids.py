@@ -85,6 +85,14 @@ def test_directions_are_those_of_growing_coordinates():
             np.testing.assert_allclose(axes[:, i], tangent / np.linalg.norm(tangent), atol=1e-8)
 
 
+def test_what_grids_leave_blank_is_that_of_grdset(read):
+    system = "CORD2R,3,,1.,0.,0.,1.,0.,1.\n,1.,1.,0.\n"
+    short = read(system + "GRDSET,,3,,,,3,345\nGRID,1,,1.,2.,3.\nGRID,2,0,1.,2.,3.,0,6\nGRID,2,0,1,2,3,0,6\n")
+    long = read(system + "GRID,1,3,1.,2.,3.,3,345\nGRID,2,0,1.,2.,3.,0,6\n")
+    for name in ("ids", "positions", "axes", "supports"):
+        np.testing.assert_array_equal(getattr(short, name)[:2], getattr(long, name))
+
+
 def test_on_the_axis_the_angle_counts_as_zero():
     system = through_points(
         Coordinates.CYLINDRICAL, np.zeros(3), np.array([0, 0, 1.0]), np.array([1.0, 0, 0])
@@ -97,10 +105,10 @@ def test_on_the_axis_the_angle_counts_as_zero():
     ("text", "message"),
     [
         ("MAT1,5\n", r"grids\.bdf: no GRID card"),
-        ("GRID,1\nGRID,1\n", r"line 2: GRID: grid 1 is defined a second time; renumber"),
+        ("GRID,1\nGRID,1,,1.\n", r"line 2: GRID: grid 1 is defined a second time and differs from.*line 1"),
+        ("GRDSET,,3\nGRDSET,,3\nGRID,1\n", r"line 2: GRDSET: stands a second time"),
         ("GRID,1,9\n", r"line 1: GRID: names coordinate system 9.*add its CORD card"),
         ("GRID,1,,0.,0.,0.,9\n", r"line 1: GRID: names coordinate system 9"),
-        ("GRDSET,,3\nGRID,1\n", r"line 1: GRDSET: is not read; write CP, CD and PS on every GRID"),
         (
             "GRID,1\nCORD2R,3,3,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
             r"line 2: CORD2R: coordinate system 3 rests on",

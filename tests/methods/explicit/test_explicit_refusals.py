@@ -29,10 +29,10 @@ from supple.machine import (
     Spin,
     Support,
     System,
+    Table,
     Tie,
     TorsionSpringDamper,
 )
-from supple.machine.laws import Table
 from supple.mesh import CellType, Mesh, strip
 from supple.methods.explicit import (
     BulkViscosity,

@@ -10,9 +10,9 @@ from fixtures.beam_lines import beam_line, straight
 from supple.body import LinearRayleighDamping, ModalDamping, RayleighDamping
 from supple.errors import ModelError
 from supple.methods.intrinsic import BALL, CLAMPED, FREE, condensed_line, intrinsic_modes, line_equations
-from supple.methods.intrinsic import dense_couplings as dense
 from supple.methods.intrinsic.line_model import line_model
 from supple.methods.intrinsic.strain_integration import rotation_of, station_places
+from supple_benchmarks.intrinsic import dense_couplings as dense
 
 SECTION = {"EA": 1e5, "EI": (10.0, 4.0), "GJ": 8.0, "mass_per_length": 1.3, "radius": 0.02}
 # Compiled as a whole: one by one, their operations are hundreds of programs.

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import Run
-from supple.machine import System
-from supple.machine.laws import Constant, TimeLaw
+from supple.machine import Constant, System, TimeLaw
 from supple.machine.laws.instants import KnownLaw, instants_of, shortest_scale_of
 from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, sampled
 
@@ -20,7 +19,7 @@ __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 SPEED, ACCELERATION = 1e-6, 1e-3
 """Of the largest speed, or acceleration, of the run: what jumps by less is rounding."""
 BESIDE = 1e-7
-"""Of the shortest scale of a law: how near to an instant its sides are looked at."""
+"""Of the shortest scale of a law: how near to an instant its sides are sampled."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ def warn_of_rate_jumps(system: System, run: Run) -> set[str]:
         found, _, _ = rate_jumps(joint.law, begin, end)
         if found:
             named.add(joint.name)
-            say(_message(joint.name, found), ResolutionWarning, run.validity)
+            warn_or_raise(_message(joint.name, found), ResolutionWarning, run.validity)
     return named
 
 

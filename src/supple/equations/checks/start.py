@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from supple.equations.checks.strictness import say
-from supple.equations.start_change import Open, Slowed, StartChange
+from supple.equations.checks.strictness import warn_or_raise
+from supple.equations.start_change import ConstraintViolation, StartChange, VelocityCorrection
 from supple.errors import StartWarning
 from supple.integrate import Validity
 
@@ -29,7 +29,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
             f"joint '{worst.joint}' is open by {worst.gap:.3g} in the initial configuration ({worst.row})"
             f"{others}: {bodies} to close it. Place the bodies so that both ends meet"
         )
-        say(message, StartWarning, validity)
+        warn_or_raise(message, StartWarning, validity)
     if change.slowed:
         before, after = change.energies
         bodies = ", ".join(map(_slowed, change.slowed[:MOST_NAMES]))
@@ -40,7 +40,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
             f"against {_joints(change.against)}. Give velocities that the joints allow, or none to a body "
             "that joints drive"
         )
-        say(message, StartWarning, validity)
+        warn_or_raise(message, StartWarning, validity)
     if change.deforming:
         bodies = ", ".join(
             f"body '{each.body}' deforms at a rate of kinetic energy {each.energy:.3g}"
@@ -51,21 +51,21 @@ def report_start(change: StartChange, validity: Validity) -> None:
             f"{bodies}; by {_joints(change.unmet)}. Let the prescribed motion begin from rest, or prescribe "
             "what the bodies can follow without deformation"
         )
-        say(message, StartWarning, validity)
+        warn_or_raise(message, StartWarning, validity)
 
 
-def _joints(joints: Sequence[Open]) -> str:
+def _joints(joints: Sequence[ConstraintViolation]) -> str:
     return ", ".join(f"'{each.joint}' ({each.row})" for each in joints[:MOST_NAMES])
 
 
-def _others(joints: Sequence[Open]) -> str:
+def _others(joints: Sequence[ConstraintViolation]) -> str:
     if not joints:
         return ""
     names = ", ".join(f"'{each.joint}'" for each in joints[:MOST_NAMES])
     return f", and so are {len(joints)} others ({names})" if len(joints) > 1 else f", and so is {names}"
 
 
-def _slowed(body: Slowed) -> str:
+def _slowed(body: VelocityCorrection) -> str:
     (speed, new_speed), (spin, new_spin) = body.speeds, body.spins
     changes = [
         f"a {what} of {new:.4g} instead of {old:.4g}"

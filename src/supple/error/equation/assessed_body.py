@@ -42,7 +42,7 @@ class AssessedBody:
 
 
 class MissedAtRest(NamedTuple):
-    """Motion that the run of a body misses, at some times (k,): displacements (n, k)."""
+    """Motion outside the basis of a body, at some times (k,): displacements (n, k)."""
 
     times: Array
     deformation: Array

@@ -26,7 +26,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 SMALLEST_MONOMIAL = 1e-6
-"""Of the largest change of the monomials along the run: what instants need not tell. Of strips that bend far,
+"""Of the largest change of the monomials along the run: what instants need not show. Of strips that bend far,
 ten times as much changes estimates by 0.2 %; with a thousand times as much, what is missed of a membrane's
 stiffness locks their bending."""
 SMALLEST_RATE = 3e-3

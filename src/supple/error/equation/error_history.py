@@ -123,7 +123,7 @@ class ErrorEquation:
         return self._march(self.point, *self.start_vectors(), tangents)
 
     def with_missed(self, missed: Mapping[str, MissedAtRest]) -> TangentMotion:
-        """The deformation of the bodies with what the run misses at rest, to take tangents at."""
+        """The deformation of the bodies with the motion outside the bases at rest, to take tangents at."""
         return self._corrected(self._at_rest(missed)).bodies
 
     def _at_rest(self, missed: Mapping[str, MissedAtRest]) -> ErrorState:
@@ -138,7 +138,7 @@ class ErrorEquation:
         none = np.zeros_like(position)
         return ErrorState(position, none, none, none, np.zeros_like(self.point.motion.multipliers))
 
-    # Where differences grow out of bounds, the result says so by not being finite.
+    # Where differences grow out of bounds, the result is not finite.
     @np.errstate(over="ignore", invalid="ignore")
     def again(self, found: ErrorState, tangents: TangentMotion | None = None) -> ErrorState:
         """The differences once more, from the equation about the corrected motion; tangents as for `first`.
@@ -370,7 +370,7 @@ class ErrorEquation:
         def padded(samples: Array) -> Array:
             return np.pad(samples, ((0, _more(len(samples))), (0, size - k), (0, size - k)))
 
-        def with_room(weights: Array) -> Array:
+        def filled(weights: Array) -> Array:
             return np.pad(weights, ((0, 0), (0, _more(weights.shape[1]))))
 
         gain = ElasticGain(
@@ -380,7 +380,7 @@ class ErrorEquation:
             viscous_stiffness=time * padded(rates.samples),
         )
         return gain, GainHistory(
-            np.pad(force, ((0, 0), (0, size - k))), with_room(tangents.weights), with_room(rates.weights)
+            np.pad(force, ((0, 0), (0, size - k))), filled(tangents.weights), filled(rates.weights)
         )
 
     def _history(self, name: str, errors: Array) -> ErrorHistory:

@@ -76,7 +76,7 @@ def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed
     ----------
     modes : ModesInFrame
     motion : (n, s)         columns in which the run moves, M-orthonormal
-    corrections : (n, c)    motion that the run misses, at some instants
+    corrections : (n, c)    motion outside the basis, at some instants
     deformed : (n, i)       coordinates of the body at some instants of the run
 
     Returns

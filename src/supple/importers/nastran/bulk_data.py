@@ -3,26 +3,39 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.inclusion import Inclusions
+from supple.importers.inclusion import Inclusions, included_file
+from supple.importers.nastran.without_effect import has_no_effect
 from supple.importers.plain_number import is_plain, plain_integer
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
-_BEGIN = re.compile(r"\s*BEGIN[\s,]+(BULK|SUPER)\b(.*)", re.IGNORECASE)
-_INCLUDE = re.compile(r"\s*INCLUDE\s+(.*)", re.IGNORECASE)
+_BEGIN = re.compile(r"\s*BEGIN\b[\s,]*(?:BULK\b)?[\s,]*(?:([A-Z]+)\s*=\s*(\w+))?", re.IGNORECASE)
+_INCLUDE = re.compile(r"\s*INCLUDE\b\s*(.*)", re.IGNORECASE)
 _PARAM_ABOVE = re.compile(r"\s*PARAM\s*,", re.IGNORECASE)
+_END = re.compile(r"\s*ENDDATA", re.IGNORECASE)
+_REPEATS = re.compile(r"=\s*\(?\s*([0-9]+)\s*\)?$")
+_GROWS = re.compile(r"\*\s*\(?\s*([^()]+?)\s*\)?$")
+
+MOST_REPETITIONS = 10**6
+"""Of one card by `=n`; more is a misprint."""
 
 RawLine = tuple[Path, int, str]
 
 
-@dataclass(frozen=True)
-class BulkCard:
+class BulkCard(NamedTuple):
     """A card with its data fields as written: `fields[0]` is Nastran's field 2, eight to a row.
 
     A blank field is an empty string; fields beyond the last written one count as blank.
@@ -70,6 +83,10 @@ class BulkCard:
                 f"{what} (field {self._field(place)}) is '{word[:40]}', not a number; correct it"
             ) from None
 
+    def is_blank(self, start: int, stop: int) -> bool:
+        """Whether the fields from `start` to before `stop` are all blank."""
+        return not any(self.fields[start:stop])
+
     def _field(self, place: int) -> int:
         """Nastran's number of the field on its own row: 2 to 9."""
         return place % 8 + 2
@@ -77,10 +94,18 @@ class BulkCard:
 
 @dataclass(frozen=True)
 class BulkFile:
-    """All cards of a file and of those it includes, in their order."""
+    """All cards of a file and of those it includes, in their order.
+
+    above : lines of executive and case control, above the cards
+    parts : {kind and name: cards} of what stands behind BEGIN SUPER = 1 and its kin
+    ended : whether ENDDATA ends it, as it does in all that Nastran runs
+    """
 
     path: Path
     cards: tuple[BulkCard, ...]
+    above: tuple[str, ...] = ()
+    parts: dict[tuple[str, str], BulkFile] = field(default_factory=dict)
+    ended: bool = True
 
     @cached_property
     def by_name(self) -> dict[str, list[BulkCard]]:
@@ -95,16 +120,46 @@ class BulkFile:
         return [card for name in names for card in self.by_name.get(name, [])]
 
 
+def integers(cards: Sequence[BulkCard], place: int, what: str, default: int | None = None) -> IntArray:
+    """One field of many cards as whole numbers, as `BulkCard.integer` reads it."""
+    words = _column(cards, place)
+    if is_plain("".join(words)):
+        try:
+            return np.array([int(w) if w else default for w in words], dtype=np.int64)
+        except (ValueError, TypeError, OverflowError):
+            pass
+    return np.array([card.integer(place, what, default) for card in cards], dtype=np.int64)
+
+
+def reals(cards: Sequence[BulkCard], place: int, what: str, default: float | None = None) -> FloatArray:
+    """One field of many cards as numbers, as `BulkCard.real` reads it."""
+    words = _column(cards, place)
+    try:
+        if default is None and not all(words):
+            raise ValueError
+        return np.array([_quick_real(w) if w else default for w in words], dtype=np.float64)
+    except ValueError:
+        return np.array([card.real(place, what, default) for card in cards], dtype=np.float64)
+
+
+def _column(cards: Sequence[BulkCard], place: int) -> list[str]:
+    return [card.fields[place] if place < len(card.fields) else "" for card in cards]
+
+
 def bulk_real(word: str) -> float:
     """A number as Nastran writes it: 1.5, 1.5E3, 1.5D3 or 1.5+3; ValueError for anything else."""
     if not is_plain(word):
         raise ValueError(word)
+    return _quick_real(word)
+
+
+def _quick_real(word: str) -> float:
     try:
         value = float(word)
     except ValueError:
         match = _EXPONENT_WITHOUT_E.match(word)
         value = float(f"{match[1]}E{match[2]}" if match else word.upper().replace("D", "E"))
-    if value - value != 0:  # nan and inf are words that float() knows and Nastran does not
+    if value - value != 0 or "_" in word:  # nan, inf and 1_0, which float() knows and Nastran does not
         raise ValueError(word)
     return value
 
@@ -112,53 +167,159 @@ def bulk_real(word: str) -> float:
 def read_bulk_data(path: str | Path) -> BulkFile:
     """Cards of a Nastran file: from BEGIN BULK to ENDDATA, or the whole file where it has neither.
 
-    A PARAM may stand above BEGIN BULK, too, among the cards of case control.
+    A PARAM may stand above BEGIN BULK, too, among the cards of case control. What follows ENDDATA is no
+    part of the file.
 
-    Small fields (8 columns), large fields (16, NAME*), free fields (commas), tabs, comments and INCLUDE are
-    understood. A continuation stands right below the line it continues.
+    Small fields (8 columns), large fields (16, NAME*), free fields (commas), tabs, comments, INCLUDE and
+    replication (=, ==, *(x), =n) are understood. A continuation stands right below the line it continues, or
+    anywhere with the label which that line announces.
 
     Raises
     ------
-    ImportFormatError   missing, cut or binary file, or one that includes itself; what is no card;
-                        continuations out of order
+    ImportFormatError   missing or binary file, or one that includes itself; what is no card; a continuation
+                        of nothing
     """
     path = Path(path)
-    cards: list[BulkCard] = []
-    name, fields, start, mnemonic = "", [], (path, 0), ""
-    for file, number, text in _bulk_lines(path):
-        first, data, last = _split(file, number, text)
-        continues = not first or first[0] in "+*"
-        if continues:
-            if not name:
-                raise _error(file, number, "a continuation without a card above it; is a line missing?")
-            label = first.strip("+* ")
-            if label and mnemonic and label != mnemonic:
-                raise _error(
-                    file,
-                    number,
-                    f"{name}: continues '{label}', but the line above announces '{mnemonic}'; write "
-                    "continuations in order, right below their card",
-                )
-            if len(data) == 8 and len(fields) % 8:
-                raise _error(
-                    file,
-                    number,
-                    f"{name}: small fields continue a single large line; write a row as two large lines",
-                )
-            fields += data
+    above, sections, ended = _sections(path)
+    main = [line for line in above if _PARAM_ABOVE.match(line[2])]
+    parts: dict[tuple[str, str], BulkFile] = {}
+    for kind, name, lines in sections:
+        if not kind:
+            main += lines
         else:
-            if name:
-                cards.append(BulkCard(name, tuple(fields), *start))
-            name, fields, start = _card_name(file, number, first), data, (file, number)
-        mnemonic = last.strip("+* ") if last[:1] in ("+", "*") else ""
-    if name:
-        cards.append(BulkCard(name, tuple(fields), *start))
-    return BulkFile(path, tuple(cards))
+            parts[kind, name] = BulkFile(path, tuple(_cards(lines)))
+    return BulkFile(path, tuple(_cards(main)), tuple(text for _, _, text in above), parts, ended)
+
+
+@dataclass(eq=False)
+class _Piece:
+    """A card, or rows that continue one elsewhere (`label`), up to the next break; what it announces."""
+
+    name: str
+    fields: list[str]
+    path: Path
+    line: int
+    label: str
+    announces: str
+
+
+def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
+    pieces: list[_Piece] = []
+    orphans: dict[str, _Piece] = {}
+    piece: _Piece | None = None
+    skipping = False
+    rows = [(file, number, *_split(file, number, text)) for file, number, text in lines]
+    announced = {last[1:].strip().upper() for *_, last in rows if last}
+    for file, number, first, data, last in rows:
+        if first.upper() in ("SKIPON", "SKIPOFF"):
+            skipping = first.upper() == "SKIPON"
+            continue
+        if skipping or first.startswith("/"):  # '/' deletes cards of an earlier run
+            continue
+        announces = last[1:].strip().upper()
+        starts = first and first[0] not in "+*"
+        if (
+            last
+            and last[0] not in "+*"
+            and not has_no_effect(first.upper() if starts else piece.name if piece else "")
+        ):
+            raise _error(
+                file,
+                number,
+                f"'{last}' stands where only a continuation label may; write it on the next line",
+            )
+        if starts:
+            piece = _Piece(_card_name(file, number, first), data, file, number, "", announces)
+            pieces.append(piece)
+            continue
+        label = first[1:].strip().upper()
+        if piece is None or (label and label != piece.announces and (piece.announces or label in announced)):
+            if not label:
+                raise _error(file, number, "a continuation without a card above it; is a line missing?")
+            if label in orphans:
+                raise _error(file, number, f"'+{label}' continues a second time; give it a label of its own")
+            piece = orphans[label] = _Piece("", data, file, number, label, announces)
+            continue
+        _append(piece, file, number, data)
+        piece.announces = announces
+    for piece in pieces:
+        while piece.announces and (more := orphans.pop(piece.announces, None)):
+            _append(piece, more.path, more.line, more.fields)
+            piece.announces = more.announces
+    for left in orphans.values():
+        raise _error(
+            left.path,
+            left.line,
+            f"continues '+{left.label}', which no card announces; is a line missing, or its label misspelt?",
+        )
+    return _replicated(pieces)
+
+
+def _append(piece: _Piece, file: Path, number: int, data: list[str]) -> None:
+    if len(data) == 8 and len(piece.fields) % 8:
+        raise _error(
+            file,
+            number,
+            f"{piece.name}: small fields continue a single large line; write a row as two large lines",
+        )
+    piece.fields += data
+
+
+def _replicated(pieces: list[_Piece]) -> list[BulkCard]:
+    """Cards with those that `=` repeats."""
+    cards: list[BulkCard] = []
+    pattern: list[str] = []
+    for piece in pieces:
+        if piece.name[:1] != "=":
+            cards.append(BulkCard(piece.name, tuple(piece.fields), piece.path, piece.line))
+            continue
+        if not cards:
+            raise _error(piece.path, piece.line, "'=' repeats the card above, and there is none")
+        repeats = _REPEATS.match(piece.name)
+        if not repeats:
+            pattern = piece.fields
+        elif int(repeats[1]) > MOST_REPETITIONS:
+            raise _error(piece.path, piece.line, f"'{piece.name}' repeats over {MOST_REPETITIONS} times")
+        for _ in range(int(repeats[1]) if repeats else 1):
+            cards.append(_repeated(cards[-1], pattern, piece))
+    return cards
+
+
+def _repeated(above: BulkCard, pattern: list[str], piece: _Piece) -> BulkCard:
+    """The card above once more: '=' copies a field, '==' all that follow, '*(x)' adds x, others replace."""
+    fields: list[str] = []
+    for place in range(max(len(above.fields), len(pattern))):
+        old = above.fields[place] if place < len(above.fields) else ""
+        word = pattern[place] if place < len(pattern) else ""
+        if word == "==":
+            fields += above.fields[place:]
+            break
+        grows = _GROWS.match(word)
+        if word == "=":
+            fields.append(old)
+        elif grows:
+            fields.append(_sum(old, grows[1], piece))
+        else:
+            fields.append(word)
+    return BulkCard(above.name, tuple(fields), piece.path, piece.line)
+
+
+def _sum(old: str, step: str, piece: _Piece) -> str:
+    try:
+        return str(plain_integer(old) + plain_integer(step))
+    except ValueError:
+        pass
+    try:
+        return repr(bulk_real(old) + bulk_real(step))
+    except ValueError:
+        raise _error(
+            piece.path, piece.line, f"'*({step[:20]})' adds to '{old[:20]}'; both must be numbers"
+        ) from None
 
 
 def _card_name(file: Path, number: int, first: str) -> str:
     name = first.rstrip("* ").upper()
-    if not _CARD_NAME.match(name):
+    if not _CARD_NAME.match(name) and name != "=" and not _REPEATS.match(name):
         raise _error(
             file, number, f"'{first[:20]}' is not the name of a card; is this a Nastran bulk data file?"
         )
@@ -167,53 +328,63 @@ def _card_name(file: Path, number: int, first: str) -> str:
 
 def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     """First field, data fields (8, or 4 large ones) and continuation label of a line."""
-    if "," in text[:10] or (text[0] in "+*," and "," in text):
+    if "," in text and _is_free(text):
         words = [word.strip() for word in text.split(",")]
-        if len(words) > 10:
-            raise _error(
-                file, number, f"{len(words)} fields; a line has at most 10: continue it on the next line"
-            )
+        if " " in words[0] and words[0][0] not in "+*":  # blanks part the name from the first field
+            words[:1] = words[0].split()
         width = 4 if "*" in words[0] else 8
-        if width == 4 and len(words) > 6:
-            raise _error(file, number, f"{len(words)} large fields; a line has a name, 4 fields and a label")
-        data = words[1 : width + 1]
-        last = words[width + 1] if len(words) > width + 1 else ""
-        if last and last[0] not in "+*":
+        if any(words[width + 2 :]) and not has_no_effect(_name_of(words[0])):
+            what = "large fields" if width == 4 else "fields"
             raise _error(
                 file,
                 number,
-                f"'{last}' stands where only a continuation label may; write it on the next line",
+                f"{len(words)} {what}; a line has a name, {width} of them and a label: continue it on the "
+                "next line",
             )
+        data = words[1 : width + 1]
+        last = words[width + 1] if len(words) > width + 1 else ""
         return words[0], data + [""] * (width - len(data)), last
     first = text[:8].strip()
-    width, count = (16, 4) if "*" in first else (8, 8)
-    return (
-        first,
-        [text[8 + width * i : 8 + width * (i + 1)].strip() for i in range(count)],
-        text[72:80].strip(),
-    )
+    if "*" in first:
+        data = [text[i : i + 16].strip() for i in (8, 24, 40, 56)]
+    else:
+        data = [text[i : i + 8].strip() for i in range(8, min(len(text), 72), 8)]
+        data += [""] * (8 - len(data))
+    # A label may stand in column 73 without its '+': the continuation then has '+' for its first letter.
+    label = text[72:80].strip()
+    return first, data, label and f"+{label[1:]}"
 
 
-def _bulk_lines(path: Path) -> Iterator[RawLine]:
-    """Lines of the bulk data section that mean something."""
+def _is_free(text: str) -> bool:
+    """Whether the commas of a line part its fields; further on they may stand in the text of an equation."""
+    name = _name_of(text)
+    return "," in text[:10] or text[0] in "+*" or (name != "" and not has_no_effect(name))
+
+
+def _name_of(text: str) -> str:
+    """Name of the card that a line begins with."""
+    return text[:8].partition(" ")[0].rstrip("*").upper()
+
+
+def _sections(path: Path) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
+    """Lines above the cards; lines of cards by kind and name of their part; whether ENDDATA ends them."""
     inclusions = Inclusions("export the model as text (.bdf)")
-    lines = _meaning(path, inclusions.lines(path), inclusions, 0)
+    lines = _meaning(path, path.parent, inclusions.lines(path), inclusions, 0)
+    last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
+    ended, lines = last < len(lines), lines[:last]
     starts = [i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)]
-    if len(starts) > 1 or any("SUPER" in lines[i][2].upper() for i in starts):
-        file, number, _ = lines[starts[-1]]
-        raise _error(file, number, "parts (BEGIN SUPER) are not read; export each as a file of its own")
-    first = starts[0] + 1 if starts else 0
-    yield from (line for line in lines[:first] if _PARAM_ABOVE.match(line[2]))
-    for file, number, text in lines[first:]:
-        if text.strip().upper() == "ENDDATA":
-            return
-        yield file, number, text
-    if starts:
-        file, number, _ = lines[starts[0]]
-        raise _error(file, number, "BEGIN BULK, but no ENDDATA follows; is the file cut short?")
+    above = lines[: starts[0]] if starts else []
+    found: list[tuple[str, str, list[RawLine]]] = []
+    if not starts:
+        return above, [("", "", lines)], ended
+    for start, stop in zip(starts, [*starts[1:], len(lines)], strict=True):
+        match = _BEGIN.match(lines[start][2])
+        kind, name = ((match[1] or "").upper(), (match[2] or "").upper()) if match else ("", "")
+        found.append((kind, name, lines[start + 1 : stop]))
+    return above, found, ended
 
 
-def _meaning(path: Path, read: list[str], inclusions: Inclusions, depth: int) -> list[RawLine]:
+def _meaning(path: Path, main: Path, read: list[str], inclusions: Inclusions, depth: int) -> list[RawLine]:
     """Lines without comments and blank ones, with those of included files in place."""
     found: list[RawLine] = []
     lines = enumerate(read, start=1)
@@ -221,18 +392,20 @@ def _meaning(path: Path, read: list[str], inclusions: Inclusions, depth: int) ->
         text = line.partition("$")[0].rstrip()
         if not text:
             continue
-        text = text.expandtabs(8)
-        included = _INCLUDE.match(text)
+        if "\t" in text:
+            text = text.expandtabs(8)
+        included = _INCLUDE.match(text) if text.lstrip()[:7].upper() == "INCLUDE" else None
         if not included:
             found.append((path, number, text))
             continue
-        name = included[1].strip()
-        while name[0] in "'\"" and name.count(name[0]) == 1:  # a name in quotes may run over several lines
+        name = included[1].strip() or next(lines, (0, ""))[1].strip()
+        while name[:1] in ("'", '"') and name.count(name[0]) == 1:
+            # A name in quotes may run over several lines.
             _, more = next(lines, (0, name[0]))
             name += more.strip()
-        target = path.parent / name.strip("'\"").replace("\\", "/")
+        target = included_file(name.strip("'\" "), path.parent, main)
         below = inclusions.included(path, number, target, depth + 1)
-        found += _meaning(target, below, inclusions, depth + 1)
+        found += _meaning(target, main, below, inclusions, depth + 1)
     return found
 
 

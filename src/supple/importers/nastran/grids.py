@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.nastran.bulk_data import BulkCard, BulkFile
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, bulk_real, integers, reals
 from supple.importers.nastran.coordinate_system import (
     BASIC,
     Coordinates,
     CoordinateSystem,
     through_points,
 )
-from supple.importers.numbering import first_repeated, numbers_of
+from supple.importers.numbering import numbers_of
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -33,6 +33,7 @@ class GridPoints:
     axes      : (N, 3, 3)   directions of the displacements (CD) as columns, in basic axes
     supports  : (N,)        permanent supports (PS), components as written; empty where none
     cards     : the card of each
+    systems   : {id: coordinate system}, 0 the basic one
     """
 
     ids: IntArray
@@ -40,6 +41,7 @@ class GridPoints:
     axes: FloatArray
     supports: NDArray[np.str_]
     cards: tuple[BulkCard, ...]
+    systems: dict[int, CoordinateSystem]
 
     def lookup(self, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
         """Numbers from 0 of grid ids, and whether there are such grids."""
@@ -65,23 +67,18 @@ def read_grids(file: BulkFile) -> GridPoints:
     ImportFormatError   no GRID card; a grid id given twice; coordinate systems that are missing, given twice,
                         circular or flat; fields that are no numbers
     """
-    if "GRDSET" in file.by_name:
-        raise file.named("GRDSET")[0].error("is not read; write CP, CD and PS on every GRID card")
-    cards = file.named("GRID")
+    cards = _once(file.named("GRID"))
     if not cards:
         raise ImportFormatError(f"{file.path}: no GRID card; is this a mesh file, and whole?")
-    ids = np.array([card.integer(0, "the grid id") for card in cards], dtype=np.int64)
-    second = first_repeated(ids)
-    if second is not None:
-        raise cards[second].error(f"grid {ids[second]} is defined a second time; renumber or remove it")
-    given_in, moved_in = (
-        np.array([card.integer(place, what, 0) for card in cards], dtype=np.int64)
-        for place, what in ((1, "the coordinate system CP"), (5, "the coordinate system CD"))
-    )
-    local = np.array([[card.real(2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)] for card in cards])
+    ids = integers(cards, 0, "the grid id")
+    given_in, moved_in, supported = _defaults(file)
+    given_in = integers(cards, 1, "the coordinate system CP", given_in)
+    moved_in = integers(cards, 5, "the coordinate system CD", moved_in)
+    moved_in[moved_in == -1] = 0  # -1 marks a grid of a fluid
+    local = np.stack([reals(cards, 2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)], axis=1)
     systems, positions = _resolve(file, ids, given_in, local)
     axes = np.broadcast_to(np.eye(3), (len(ids), 3, 3)).copy()
-    for system in np.unique(np.concatenate([given_in, moved_in])):
+    for system in np.unique(np.concatenate([given_in, moved_in])).tolist():
         if system not in systems:
             wrong = int(np.flatnonzero((given_in == system) | (moved_in == system))[0])
             raise cards[wrong].error(
@@ -89,15 +86,53 @@ def read_grids(file: BulkFile) -> GridPoints:
             )
         members = moved_in == system
         axes[members] = systems[system].directions(positions[members])
-    supports = np.array([card.word(6) for card in cards])
-    return GridPoints(ids, positions, axes, supports, tuple(cards))
+    supports = np.array([card.word(6) or supported for card in cards])
+    return GridPoints(ids, positions, axes, supports, tuple(cards), systems)
+
+
+def _defaults(file: BulkFile) -> tuple[int, int, str]:
+    """CP, CD and PS of grids that leave them blank: those of GRDSET."""
+    cards = file.named("GRDSET")
+    if not cards:
+        return 0, 0, ""
+    if len(cards) > 1:
+        raise cards[1].error("stands a second time; keep one of the two")
+    return cards[0].integer(1, "CP", 0), cards[0].integer(5, "CD", 0), cards[0].word(6)
+
+
+def _once(cards: list[BulkCard]) -> list[BulkCard]:
+    """The cards without those that repeat an earlier one; of one id, they must say the same."""
+    ids = integers(cards, 0, "the grid id")
+    if np.unique(ids).size == len(ids):
+        return cards
+    found: dict[int, BulkCard] = {}
+    for card, number in zip(cards, ids.tolist(), strict=True):
+        first = found.setdefault(number, card)
+        if first is not card and _content(first) != _content(card):
+            raise card.error(
+                f"grid {number} is defined a second time and differs from that of line {first.line}; "
+                "renumber or remove it"
+            )
+    return list(found.values())
+
+
+def _content(card: BulkCard) -> list[str | float]:
+    """The fields by value, without the blank ones at the end."""
+    values: list[str | float] = []
+    for word in card.fields:
+        try:
+            values.append(bulk_real(word))
+        except ValueError:
+            values.append(word.upper())
+    while values and values[-1] == "":
+        values.pop()
+    return values
 
 
 def _resolve(
     file: BulkFile, ids: IntArray, given_in: IntArray, local: FloatArray
 ) -> tuple[dict[int, CoordinateSystem], FloatArray]:
-    """Every coordinate system in the basic one, and the positions; each system waits for those it rests "
-    "on."""
+    """Coordinate systems in the basic one, and the positions; each waits for what it rests on."""
     systems = {0: BASIC}
     positions = np.full(local.shape, np.nan)
     waiting = _definitions(file)

@@ -19,6 +19,9 @@ ZERO: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 class CheckedTable(BaseModel):
-    """A table of a TOML file: unknown keys are mistakes, values cannot change, numbers are finite."""
+    """A table of a TOML file: unknown keys are mistakes, values cannot change, numbers are finite.
+
+    Its schema may state `json_schema_extra={"renamed": {former key: message}}`.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

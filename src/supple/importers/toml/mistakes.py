@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -31,7 +31,19 @@ def checked(
     try:
         return root.model_validate(raw), mistakes
     except ValidationError as error:
-        return None, [*(_schema_mistake(root, each) for each in error.errors(include_url=False)), *mistakes]
+        errors = error.errors(include_url=False)
+        # Of a renamed key alone: other mistakes follow from it.
+        renamed = list(_renamed(root, errors))
+        return None, renamed or [*(_schema_mistake(root, each) for each in errors), *mistakes]
+
+
+def _renamed(root: type[CheckedTable], errors: Iterable[ErrorDetails]) -> Iterator[tuple[KeyPath, str]]:
+    """Keys that have another name now, and that name."""
+    for item in errors:
+        *within, key = item["loc"]
+        now = _follow(_tree(root), tuple(within))[1].get("renamed", {}).get(key)
+        if item["type"] == "extra_forbidden" and now is not None:
+            yield _follow(_tree(root), item["loc"])[0], now
 
 
 def listed_mistakes(path: Path, lines: LineIndex, mistakes: Iterable[tuple[KeyPath, str]]) -> str:

@@ -1,4 +1,4 @@
-"""A motor: torque over the speed it runs at, and over what it is told."""
+"""A motor: torque over the speed it runs at, and over its command."""
 
 from __future__ import annotations
 

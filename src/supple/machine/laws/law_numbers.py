@@ -10,7 +10,7 @@ from supple.algebra import read_only
 from supple.arguments import check_number, check_numbers, given
 from supple.errors import ArgumentError, ModelError
 
-__all__ = ["are_numbers", "finite", "finite_and_positive", "increasing_rows"]
+__all__ = ["OfRows", "are_numbers", "finite", "finite_and_positive", "increasing_rows"]
 
 
 def are_numbers(*values: Any) -> bool:
@@ -58,3 +58,23 @@ def increasing_rows(times: Any, values: Any) -> tuple[np.ndarray, np.ndarray]:
         row = int(np.argmax(np.diff(times) <= 0)) + 1
         raise ModelError(f"times of a table must increase: row {row} has {times[row]} after {times[row - 1]}")
     return times, values
+
+
+class OfRows:
+    """A law of rows: its span, and how near they are."""
+
+    times: Any
+
+    @property
+    def begin(self) -> float:
+        """First time at which the law is defined."""
+        return float(self.times[0])
+
+    @property
+    def end(self) -> float:
+        """Last time at which the law is defined."""
+        return float(self.times[-1])
+
+    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - of the whole table
+        """The least distance of two rows."""
+        return float(np.diff(self.times).min())

@@ -12,13 +12,13 @@ from scipy.interpolate import CubicSpline
 
 from supple.algebra import read_only
 from supple.machine.laws.instants import rows_that_bend, within
-from supple.machine.laws.law_numbers import increasing_rows
+from supple.machine.laws.law_numbers import OfRows, increasing_rows
 
 __all__ = ["Spline"]
 
 
 @dataclass(frozen=True, eq=False)
-class Spline:
+class Spline(OfRows):
     """Natural cubic spline through rows.
 
     Value, first and second derivative are continuous between the first row and the last; there the second
@@ -47,25 +47,11 @@ class Spline:
         piece = jnp.clip(jnp.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)
         return jnp.polyval(jnp.asarray(self.coefficients)[:, piece], t - starts[piece])
 
-    @property
-    def begin(self) -> float:
-        """First time at which the law is defined."""
-        return float(self.times[0])
-
-    @property
-    def end(self) -> float:
-        """Last time at which the law is defined."""
-        return float(self.times[-1])
-
     def instants(self, begin: float, end: float) -> np.ndarray:
         """The rows, but those at which the curve goes on as the cubic before them."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         third = 6.0 * np.asarray(self.coefficients)[0].reshape(len(times) - 1, -1)
         return within(rows_that_bend(times, values, np.diff(third, axis=0), 3), begin, end)
-
-    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - of the whole table
-        """The least distance of two rows."""
-        return float(np.diff(self.times).min())
 
     def excursions(self) -> np.ndarray:
         """By how much each piece leaves the range of the rows around it, (k - 1,), in parts of all values'.

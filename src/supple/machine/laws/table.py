@@ -10,14 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.machine.laws.instants import rows_that_bend, within
-from supple.machine.laws.law_numbers import are_numbers, increasing_rows
+from supple.machine.laws.law_numbers import OfRows, are_numbers, increasing_rows
 
 __all__ = ["Table"]
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class Table:
+class Table(OfRows):
     """Linear interpolation between rows.
 
     The second derivative is zero between rows, and the first one jumps at them: fit for loads, not for a
@@ -44,22 +44,8 @@ class Table:
         v0, v1 = jnp.asarray(self.values)[upper - 1], jnp.asarray(self.values)[upper]
         return v0 + (v1 - v0) * ((time - t0) / (t1 - t0))
 
-    @property
-    def begin(self) -> float:
-        """First time at which the law is defined."""
-        return float(self.times[0])
-
-    @property
-    def end(self) -> float:
-        """Last time at which the law is defined."""
-        return float(self.times[-1])
-
     def instants(self, begin: float, end: float) -> np.ndarray:
         """The rows, but those in line with their neighbours."""
         times, values = np.asarray(self.times), np.asarray(self.values, dtype=float)
         slopes = np.diff(values.reshape(len(times), -1), axis=0) / np.diff(times)[:, None]
         return within(rows_that_bend(times, values, np.diff(slopes, axis=0), 1), begin, end)
-
-    def shortest_scale(self, begin: float, end: float) -> float:  # noqa: ARG002 - of the whole table
-        """The least distance of two rows."""
-        return float(np.diff(self.times).min())

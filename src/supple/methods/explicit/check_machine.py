@@ -6,9 +6,19 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.integrate import ExplicitRule, GeneralizedAlpha, Run, Tolerances
-from supple.machine import GROUND, At, DeadForce, ForceElement, Mortar, NodalLoad, Support, System, Tie
-from supple.machine.control import EndReading
-from supple.machine.forces import JointFriction
+from supple.machine import (
+    GROUND,
+    At,
+    DeadForce,
+    EndReading,
+    ForceElement,
+    JointFriction,
+    Mortar,
+    NodalLoad,
+    Support,
+    System,
+    Tie,
+)
 from supple.methods.explicit.explicit_shell import ExplicitShell
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_subdomain import ModalSubdomain

@@ -1,4 +1,4 @@
-"""A modal sub-domain with what hangs on it: modes for the whole mass, step limit, contacts."""
+"""A modal sub-domain with what is tied to it: modes for the whole mass, step limit, contacts."""
 
 from __future__ import annotations
 
@@ -104,15 +104,15 @@ class ModalFrame:
 
 
 def modal_frame(body: ModalSubdomain, points: FloatArray, shapes: FloatArray, mass: FloatArray) -> ModalFrame:
-    """The frame of a sub-domain on which points with mass hang.
+    """The frame of a sub-domain on which points with mass are tied.
 
         K T = (M_V + sum m Phi^T Phi) T diag(omega^2),   T^T (..) T = I
 
     points : (n, 3) undeformed, in the mesh axes;   shapes : (n, 3, k);   mass : (n,) kg
     """
     frame = body.points
-    hung = MassFields(frame.weights(points), shapes, sparse.csr_array(sparse.diags_array(mass)))
-    sums = body.moments + moments(hung) if len(mass) else body.moments
+    tied = MassFields(frame.weights(points), shapes, sparse.csr_array(sparse.diags_array(mass)))
+    sums = body.moments + moments(tied) if len(mass) else body.moments
     K = np.diag(body.frequencies**2)
     squares, T = (
         linalg.eigh(K, local_mass(sums, frame.arm)) if body.n_modes else (np.zeros(0), np.zeros((0, 0)))

@@ -61,6 +61,6 @@ def _combined(side: TiedSide, at: FrameState) -> Array:
 
 
 def _rows(side: TiedSide, at: FrameState, P: Array) -> Generalized:
-    hung = side.weights + (side.shapes @ at.y) @ jnp.asarray(CORNERS).T
+    tied = side.weights + (side.shapes @ at.y) @ jnp.asarray(CORNERS).T
     turned = P.T @ arms(at.p)
-    return Generalized(jnp.einsum("ji,ria->raj", P, hung), jnp.einsum("im,rimk->rk", turned, side.shapes))
+    return Generalized(jnp.einsum("ji,ria->raj", P, tied), jnp.einsum("im,rimk->rk", turned, side.shapes))

@@ -32,7 +32,7 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 class CentrifugalStiffness:
     """The stress of free spin about the centre of mass, as stiffness of the modes.
 
-    Of the body alone: neither ties, contacts and loads nor the mass of what hangs on it add to the stress.
+    Of the body alone: neither ties, contacts and loads nor the mass of what is tied to it add to the stress.
     """
 
     def matrices(self, body: FlexibleBody, vectors: FloatArray) -> FloatArray:

@@ -17,4 +17,3 @@ from supple.methods.intrinsic.released import *
 from supple.methods.intrinsic.root_support import *
 from supple.methods.intrinsic.section_line import *
 from supple.methods.intrinsic.truncation_error import *
-from supple.methods.intrinsic.velocity_integration import *

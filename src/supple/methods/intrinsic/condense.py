@@ -10,7 +10,7 @@ from supple.arguments import checked_arguments
 from supple.body import Damping, FlexibleBody
 from supple.errors import ModelError
 from supple.methods.intrinsic.condensed_line import condensed_line
-from supple.methods.intrinsic.expansion import hung_on_stations
+from supple.methods.intrinsic.expansion import carried_by_stations
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
 from supple.methods.intrinsic.intrinsic_modes import intrinsic_modes
 from supple.methods.intrinsic.load_path import StationPlan
@@ -74,7 +74,7 @@ def condense(
     modes = intrinsic_modes(line, support)
     elastic = modes.velocities[..., modes.n_rigid :]
     nodal = body.expansion @ (shapes @ elastic.reshape(6 * line.n, -1))
-    expansion = hung_on_stations(
+    expansion = carried_by_stations(
         tree, body.nodes, nodal.reshape(len(body.nodes), body.dofs_per_node, -1), elastic
     )
     names = {interface.name: number for number, interface in enumerate(interfaces)}

@@ -121,7 +121,7 @@ class IntrinsicEngine:
     def leg(
         self, state: MarchState, reached: MarchState, times: np.ndarray, seconds: float
     ) -> Leg[MarchState]:
-        """What a march from a state reached (leading axis: time), judged; it may go on beyond the times."""
+        """What a march from a state reached (leading axis: time), checked; it may go on beyond the times."""
         good = self._good(reached)[: len(times)]
         n_reached = len(times) if good.all() else int(np.argmin(good))
         stopped = None if good.all() else self._why(reached, n_reached)

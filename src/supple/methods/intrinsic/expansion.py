@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from supple.algebra import read_only
 from supple.methods.intrinsic.load_path_tree import LoadPathTree
 
-__all__ = ["Expansion", "expansion_of_stations", "hung_on_stations", "shares_of_stations"]
+__all__ = ["Expansion", "carried_by_stations", "expansion_of_stations", "shares_of_stations"]
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,9 @@ def expansion_of_stations(tree: LoadPathTree, velocities: Array) -> Expansion:
     return Expansion(tree.points, own, weights, velocities, np.zeros((tree.n, 3, velocities.shape[2])))
 
 
-def hung_on_stations(tree: LoadPathTree, nodes: Array, nodal_modes: Array, station_modes: Array) -> Expansion:
+def carried_by_stations(
+    tree: LoadPathTree, nodes: Array, nodal_modes: Array, station_modes: Array
+) -> Expansion:
     """Nodes carried by the two stations of the nearest segment, by where along it they lie.
 
     nodal_modes : (N, d, e)     linear displacement of the nodes in elastic modes

@@ -312,7 +312,7 @@ def body_of(placed: Placed) -> IntrinsicBody:
     body = placed.body
     if not isinstance(body, IntrinsicBody):
         raise ModelError(
-            f"body '{body.name}' is {body.kind}, and only intrinsic bodies are looked at without a march: "
+            f"body '{body.name}' is {body.kind}, and only intrinsic bodies have this without a march: "
             "simulate, which takes bodies of both kinds, with damping where rest is wanted"
         )
     return body

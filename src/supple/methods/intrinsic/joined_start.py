@@ -52,7 +52,7 @@ __all__ = [
 
 OPEN = 1e-6
 """Of the machine's size, and rad."""
-MOST_REACTIONS, SETTLED = 100, 1e-12
+MOST_REACTIONS, CONVERGED = 100, 1e-12
 """Iterations for joint forces under friction, and their change over the largest in the last."""
 
 
@@ -275,7 +275,7 @@ def instant_rates(
 
             def goes_on(carry: tuple[jax.Array, Any, Any]) -> jax.Array:
                 known, change, count = carry
-                return (count < MOST_REACTIONS) & (change > SETTLED * jnp.max(jnp.abs(known)))
+                return (count < MOST_REACTIONS) & (change > CONVERGED * jnp.max(jnp.abs(known)))
 
             solved, *_ = jax.lax.while_loop(goes_on, again, (solved, jnp.asarray(jnp.inf), 0))
         found, multipliers = solved[: len(flat)], solved[len(flat) :]

@@ -35,7 +35,7 @@ class RootSupport:
 
 
 CLAMPED = RootSupport(np.zeros((6, 0)))
-"""The root does not move, or as it is told."""
+"""The root does not move, or moves as prescribed."""
 FREE = RootSupport(np.eye(6))
 """The body flies."""
 BALL = RootSupport(np.eye(6)[:, 3:])

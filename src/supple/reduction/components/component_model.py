@@ -77,7 +77,7 @@ class ReducedMatrices:
         if self.n_forces and not kept.all():
             raise AccuracyError(
                 f"the residual shapes of {self.n_forces} interface forces depend on one another: some "
-                "forces cannot be told apart; keep fewer modes, or use Rubin"
+                "forces cannot be distinguished; keep fewer modes, or use Rubin"
             )
         return scale[:, None] * directions[:, kept] / np.sqrt(squares[kept])
 

@@ -12,9 +12,9 @@ from supple.fem import Isotropic
 from supple.methods.explicit.elements.bulk_viscosity import BulkArrays, bulk_pressure
 from supple.methods.explicit.elements.incidence import gathered, incidence
 from supple.methods.explicit.elements.mean_gradient import SolidPoints
+from supple.methods.explicit.fusion_barrier import fusion_barrier
 from supple.methods.explicit.materials.law import Law, viscous_stress
 from supple.methods.explicit.tensor3 import Tensor, as_array, cofactor, tensor
-from supple.methods.explicit.worked_out import worked_out
 
 __all__ = ["BlockForce", "SolidBlock", "block_force", "solid_block"]
 
@@ -115,10 +115,10 @@ def block_force(
     """
     g, gamma = block.gradients, block.gamma
     # Apart, so that an increment which the law does not read is not worked out.
-    corners = worked_out(lambda of: of[:, block.nodes], x)
-    moves = worked_out(lambda of: of[:, block.nodes], dx)
-    F = worked_out(lambda of: deformation(block, of), corners)
-    dF = worked_out(lambda of: deformation(block, of), moves)
+    corners = fusion_barrier(lambda of: of[:, block.nodes], x)
+    moves = fusion_barrier(lambda of: of[:, block.nodes], dx)
+    F = fusion_barrier(lambda of: deformation(block, of), corners)
+    dF = fusion_barrier(lambda of: deformation(block, of), moves)
     P, state, dissipated, J = law.respond(F, dF, state)
     lost = jnp.zeros_like(J)
     if beta is not None:
@@ -126,22 +126,22 @@ def block_force(
         P = tensor(lambda i, j: P[i][j] + viscous[i][j])
     if block.bulk is not None:
         bulk = block.bulk
-        q, against = worked_out(lambda of: bulk_pressure(bulk, *of, h), (J, ratios))
+        q, against = fusion_barrier(lambda of: bulk_pressure(bulk, *of, h), (J, ratios))
         lost = lost + against
         cof = cofactor(F)
         P = tensor(lambda i, j: P[i][j] - q * cof[i][j])
     volumes = block.volumes * alive
-    stress = worked_out(lambda of: as_array(tensor(lambda i, j: volumes * of[i][j])), P)
-    forces = worked_out(
+    stress = fusion_barrier(lambda of: as_array(tensor(lambda i, j: volumes * of[i][j])), P)
+    forces = fusion_barrier(
         lambda of: -_summed([of[:, None, j] * g[None, :, j] for j in range(3)]).sum(axis=2), stress
     )
     against = jnp.zeros_like(x)
     if len(gamma):
         kappa = block.hourglass * alive
-        amplitudes = worked_out(
+        amplitudes = fusion_barrier(
             lambda of: kappa * _summed([of[None, :, k] * gamma[:, None, k] for k in range(len(g))]), corners
         )
-        corner = worked_out(
+        corner = fusion_barrier(
             lambda of: -_summed([of[a][:, None] * gamma[None, a] for a in range(4)]), amplitudes
         )
         against = gathered(corner, block.table)

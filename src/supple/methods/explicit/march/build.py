@@ -1,4 +1,4 @@
-"""From a system to the arrays of its march: common nodes, mass that hangs on frames, contacts."""
+"""From a system to the arrays of its march: common nodes, mass tied to frames, contacts."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from supple.machine.ties.meeting import meeting_nodes
 from supple.methods.explicit.march.build_blocks import explicit_blocks
 from supple.methods.explicit.march.build_frames import Framed, MarchNodes, build_frames, check_outside
 from supple.methods.explicit.march.build_shells import explicit_shells
-from supple.methods.explicit.march.build_surfaces import Hanging, modal_skins
+from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
 from supple.methods.explicit.march.build_ties import met_material, within
-from supple.methods.explicit.march.frame_step import hanging as hung_places
+from supple.methods.explicit.march.frame_step import tied_positions
 from supple.methods.explicit.march.march_step import with_forces
 from supple.methods.explicit.march.model import (
     Energies,
@@ -80,13 +80,14 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     short = min(made.step_limit, shells.step_limit)
     movable = _movable(system, numbers, v)
     obstacles = tuple(contact.obstacle for contact in system.rigid_contacts)
-    hanging = [hung for tie in system.ties if (hung := _hung(system, tie, numbers, x)) is not None]
-    hanging += [
-        Hanging(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1))) for skin in skins
+    tied = [tied_here for tie in system.ties if (tied_here := _tied(system, tie, numbers, x)) is not None]
+    tied += [
+        TiedNodes(skin.part, skin.nodes, skin.corners[:, None], np.ones((len(skin.nodes), 1)))
+        for skin in skins
     ]
-    _check_hung_once(hanging, x)
-    _check_not_held(system, hanging, numbers)
-    framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, hanging, short), time)
+    _check_tied_once(tied, x)
+    _check_not_held(system, tied, numbers)
+    framed = build_frames(system, method, MarchNodes(numbers, x, mass, skins, tied, short), time)
     touching, obstacle_of, on_obstacles = _touching(system, numbers, x, mass, short)
     model = MarchModel(
         (*made.blocks, *shells.blocks),
@@ -118,7 +119,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
     )
     for arrays, state in zip(framed.arrays, framed.states, strict=True):
         if state.y.any() or system.joints:  # deformed, or moved by joints, at the start
-            x[np.asarray(arrays.nodes)] = hung_places(arrays, state).T
+            x[np.asarray(arrays.nodes)] = tied_positions(arrays, state).T
     start = _start(model, methods, x, v, framed, shells.start())
     start = with_forces(model, methods, start._replace(time=jnp.asarray(time)))
     first = len(made.blocks)
@@ -228,33 +229,33 @@ def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> 
     return numbers[found]
 
 
-def _hung(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> Hanging | None:
+def _tied(system: System, tie: Tie, numbers: dict[str, IntArray], x: FloatArray) -> TiedNodes | None:
     """The explicit nodes of a tie on a modal part; None of other ties."""
     if tie.on in numbers or tie.nodes.body not in numbers:
         return None
     nodes = numbers[tie.nodes.body][system.node_numbers(tie.nodes)]
     corners, weights = met_material(system, tie, x[nodes])
-    return Hanging(tie.on, nodes, corners, weights)
+    return TiedNodes(tie.on, nodes, corners, weights)
 
 
-def _check_hung_once(hanging: list[Hanging], x: FloatArray) -> None:
+def _check_tied_once(tied: list[TiedNodes], x: FloatArray) -> None:
     """An explicit node on two frames would give both its mass, and stand where the last one puts it."""
-    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
+    nodes = np.concatenate([each.nodes for each in tied] or [np.empty(0, dtype=np.int64)])
     found, counts = np.unique(nodes, return_counts=True)
     if (counts > 1).any():
         at = np.array2string(x[found[counts > 1][0]], precision=6)
-        on = " and ".join(f"'{each.part}'" for each in hanging if found[counts > 1][0] in each.nodes)
+        on = " and ".join(f"'{each.part}'" for each in tied if found[counts > 1][0] in each.nodes)
         raise ModelError(
-            f"the explicit node at {at} is tied on {on}: a node hangs on one modal part, once; tie the modal "
-            "parts to each other, and leave the node out of one of the sets"
+            f"the explicit node at {at} is tied on {on}: a node is tied to one modal part, once; tie the "
+            "modal parts to each other, and leave the node out of one of the sets"
         )
 
 
-def _check_not_held(system: System, hanging: list[Hanging], numbers: dict[str, IntArray]) -> None:
+def _check_not_held(system: System, tied: list[TiedNodes], numbers: dict[str, IntArray]) -> None:
     """A support of nodes that a modal part leads would have no effect."""
     for support in system.supports:
         held = numbers[support.nodes.body][system.node_numbers(support.nodes)]
-        for each in hanging:
+        for each in tied:
             if min(support.axes, default=3) < 3 and np.isin(each.nodes, held).any():
                 raise ModelError(
                     f"support of '{support.nodes}': some of its nodes are tied on '{each.part}', which leads "

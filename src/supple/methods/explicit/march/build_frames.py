@@ -25,7 +25,7 @@ from supple.machine import Contact, ForceElement, Placed, System
 from supple.methods.explicit.frame_chart import frame_chart, placed_state
 from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_joined import JoinedFrames, joined_frames
-from supple.methods.explicit.march.build_surfaces import Hanging, ModalSkin, touching_surfaces
+from supple.methods.explicit.march.build_surfaces import ModalSkin, TiedNodes, touching_surfaces
 from supple.methods.explicit.march.frame_forces import frame_motion, stored_energy, storing_elements
 from supple.methods.explicit.march.model import FrameArrays, NodesTouching
 from supple.methods.explicit.march.touching_surface import TouchingSurface
@@ -45,7 +45,7 @@ class MarchNodes:
     """The nodes of a march.
 
     numbers : of the nodes of each explicit part;   x : (N, 3) at the start;   mass : (N,) kg
-    skins : points of modal parts in contact;   hanging : nodes that hang on frames
+    skins : points of modal parts in contact;   tied : nodes tied to frames
     short : step limit of the explicit nodes, s
     """
 
@@ -53,7 +53,7 @@ class MarchNodes:
     x: FloatArray
     mass: FloatArray
     skins: Sequence[ModalSkin]
-    hanging: Sequence[Hanging]
+    tied: Sequence[TiedNodes]
     short: float
 
 
@@ -90,7 +90,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
     frames, arrays, states, obstacles, penalties = {}, [], [], [], {}
     for part in (placed for placed in system.bodies if placed.body.has_frame):
         name = part.body.name
-        own = [each for each in nodes.hanging if each.part == name]
+        own = [each for each in nodes.tied if each.part == name]
         frames[name], own_arrays, state, touched, penalties[name] = _frame(
             system, part, own, nodes.mass, nodes.x
         )
@@ -98,7 +98,7 @@ def build_frames(system: System, method: Explicit, nodes: MarchNodes, time: floa
         states.append(state)
         obstacles.append(touched)
     surfaces, contact_rate, between = touching_surfaces(
-        system, nodes.numbers, nodes.skins, nodes.hanging, frames, nodes.mass, nodes.x, nodes.short
+        system, nodes.numbers, nodes.skins, nodes.tied, frames, nodes.mass, nodes.x, nodes.short
     )
     pressed = {}
     for place, (name, frame) in enumerate(frames.items()):
@@ -185,13 +185,13 @@ def _places(model: Model, where: Configuration) -> Iterator[tuple[FloatArray, Fl
 
 
 def _frame(
-    system: System, part: Placed, hanging: list[Hanging], mass: FloatArray, x: FloatArray
+    system: System, part: Placed, tied: list[TiedNodes], mass: FloatArray, x: FloatArray
 ) -> tuple[ModalFrame, FrameArrays, FrameState, tuple[int, ...], FloatArray | None]:
     body: Any = RigidFrame(part.body) if isinstance(part.body, RigidBody) else part.body
-    nodes = np.concatenate([each.nodes for each in hanging] or [np.empty(0, dtype=np.int64)])
+    nodes = np.concatenate([each.nodes for each in tied] or [np.empty(0, dtype=np.int64)])
     local = (x[nodes] - part.position) @ part.rotation
     shapes = np.concatenate(
-        [np.einsum("nc,ncik->nik", each.weights, body.shapes[each.corners]) for each in hanging]
+        [np.einsum("nc,ncik->nik", each.weights, body.shapes[each.corners]) for each in tied]
         or [np.empty((0, 3, body.n_modes))]
     )
     frame = modal_frame(body, local, shapes, mass[nodes])

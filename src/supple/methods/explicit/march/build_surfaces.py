@@ -24,14 +24,14 @@ from supple.methods.explicit.march.touching_surface import (
 )
 from supple.methods.explicit.modal_frame import ModalFrame
 
-__all__ = ["Hanging", "ModalSkin", "modal_skins", "touching_surfaces"]
+__all__ = ["ModalSkin", "TiedNodes", "modal_skins", "touching_surfaces"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Hanging:
+class TiedNodes:
     """Explicit nodes on a modal part: their numbers, and their corners among its nodes with weights."""
 
     part: str
@@ -66,7 +66,7 @@ def touching_surfaces(
     system: System,
     numbers: Mapping[str, IntArray],
     skins: Sequence[ModalSkin],
-    hanging: Sequence[Hanging],
+    tied: Sequence[TiedNodes],
     frames: Mapping[str, ModalFrame],
     mass: FloatArray,
     x: FloatArray,
@@ -75,14 +75,14 @@ def touching_surfaces(
     """The contacts between parts, and what they do to the step limits with all of them closed.
 
     numbers : of the nodes of each explicit part;   short : step limit of the explicit nodes, s
-    Returns the surfaces; the largest stiffness over mass of explicit nodes that hang nowhere, 1/s^2; and for
+    Returns the surfaces; the largest stiffness over mass of explicit nodes tied nowhere, 1/s^2; and for
     each frame the stiffness (6 + k, 6 + k) of its penalties.
     """
     place = {part: np.full(len(system.placed(part).body.nodes), -1) for part in (skin.part for skin in skins)}
     for skin in skins:
         place[skin.part][skin.corners] = skin.nodes
     number = {**numbers, **place}
-    bears = _bearing(hanging, frames, mass, short)
+    bears = _bearing(tied, frames, mass, short)
     on_nodes = np.zeros(len(x))
     surfaces = []
     for contact in system.surface_contacts:
@@ -103,27 +103,27 @@ def touching_surfaces(
             on_nodes[node] += bound
     # Twice: the bound of a difference by the sum of both sides.
     on_nodes *= 2.0
-    hung = np.zeros(len(x), dtype=bool)
+    tied_here = np.zeros(len(x), dtype=bool)
     penalties: dict[str, FloatArray] = {}
-    for each in hanging:
-        hung[each.nodes] = True
+    for each in tied:
+        tied_here[each.nodes] = True
         # (sum w u)^2 <= sum |w| sum |w| u^2; weights of a mortar have both signs.
         shares = np.abs(each.weights)
         spread = (on_nodes[each.nodes][:, None] * shares.sum(axis=1, keepdims=True) * shares).ravel()
         if spread.any():
             own = frames[each.part].penalty_stiffness(each.corners.ravel(), spread)
             penalties[each.part] = penalties[each.part] + own if each.part in penalties else own
-    free = ~hung & (mass > 0)
+    free = ~tied_here & (mass > 0)
     rate = float((on_nodes[free] / mass[free]).max(initial=0.0))
     return tuple(surfaces), rate, penalties
 
 
 def _bearing(
-    hanging: Sequence[Hanging], frames: Mapping[str, ModalFrame], mass: FloatArray, short: float
+    tied: Sequence[TiedNodes], frames: Mapping[str, ModalFrame], mass: FloatArray, short: float
 ) -> FloatArray:
     """Stiffness (N,) at which each node alone would vibrate at the step limit, N/m."""
     bears = mass * (2 / short) ** 2
-    for each in hanging:
+    for each in tied:
         own = frames[each.part].stiffness_at(each.corners.ravel(), 1.0).reshape(each.corners.shape)
         bears[each.nodes] = own.min(axis=1)
     return bears

@@ -27,7 +27,7 @@ def within(tie: Tie, points: FloatArray) -> float:
 
 
 def met_material(system: System, tie: Tie, x: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Nodes (n, c) of the modal part that points x (n, 3) in space hang on, and their weights (n, c)."""
+    """Nodes (n, c) of the modal part that points x (n, 3) in space are tied to, and their weights (n, c)."""
     part, tied = system.placed(tie.on), system.mesh_of(tie.nodes.body)
     local = (x - part.position) @ part.rotation
     nodes = system.node_numbers(tie.nodes)

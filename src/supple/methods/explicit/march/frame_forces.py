@@ -17,8 +17,7 @@ from supple.equations.joint_force import constraints
 from supple.equations.marker import Marker, pose
 from supple.equations.model import Model
 from supple.equations.places import Places, assembled_vector, over
-from supple.machine import ForceElement
-from supple.machine.laws import Constant
+from supple.machine import Constant, ForceElement
 from supple.methods.explicit.frame_chart import configuration, on_points, velocity
 from supple.methods.explicit.frame_model import FrameState, Generalized
 from supple.methods.explicit.march.model import FrameArrays, MarchModel

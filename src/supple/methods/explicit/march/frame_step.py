@@ -1,4 +1,4 @@
-"""A step of the modal sub-domains, with what the explicit nodes that hang on them pass on."""
+"""A step of the modal sub-domains, with what the explicit nodes tied to them pass on."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from supple.methods.explicit.projected_difference import ProjectedDifference
 
 T = TypeVar("T")
 
-__all__ = ["FrameStep", "frame_step", "hanging", "joining_rows"]
+__all__ = ["FrameStep", "frame_step", "joining_rows", "tied_positions"]
 
 
 class FrameStep(NamedTuple):
@@ -53,7 +53,7 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
     forces = []
     on_obstacles = jnp.zeros((len(methods.obstacles), 3))
     gravity = gravity_at(model, state.time)
-    # Weight of the nodes that hang on a frame is in the frame's own mass already.
+    # Weight of the nodes tied to a frame is in the frame's own mass already.
     pulls = state.forces.sum(axis=0) - model.mass * gravity[:, None]
     assert model.machine is not None
     acting = frame_forces(
@@ -160,8 +160,8 @@ def _gaps(
     return jnp.concatenate(found)
 
 
-def hanging(arrays: FrameArrays, frame: FrameState) -> Array:
-    """Positions (3, n) of the explicit nodes that hang on a frame."""
+def tied_positions(arrays: FrameArrays, frame: FrameState) -> Array:
+    """Positions (3, n) of the explicit nodes tied to a frame."""
     return material_points(arrays.weights, arrays.shapes, frame.p, frame.y).T
 
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from supple.methods.explicit.march.element_block import with_contact
-from supple.methods.explicit.march.frame_step import frame_step, hanging
+from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_step import kinetic, march_step
 from supple.methods.explicit.march.model import MarchModel, MarchState, Methods
 from supple.methods.explicit.spin_stiffness import spun_limit
@@ -248,7 +248,7 @@ def recorded(
             change = new.vp - at.vp, new.vy - at.vy
             rates = tuple(own + share * by for own, by in zip((at.vp, at.vy), change, strict=True))
             frames.append((at.p, at.y, *rates, *(by / mean for by in change)))
-            led = (hanging(arrays, new) - state.x[:, arrays.nodes]) / long
+            led = (tied_positions(arrays, new) - state.x[:, arrays.nodes]) / long
             acceleration = acceleration.at[:, arrays.nodes].set((led - state.v[:, arrays.nodes]) / mean)
     return Recorded(
         state.x,

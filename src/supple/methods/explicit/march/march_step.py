@@ -1,6 +1,6 @@
 """One step of the march: the frames by a long step, the explicit nodes by several short ones within it.
 
-The frames step first, from the forces of t_n; so the path of the nodes that hang on them is known, and they
+The frames step first, from the forces of t_n; so the path of the nodes tied to them is known, and they
 follow it at a constant rate while the explicit nodes go on by their own steps (constant-velocity subcycling:
 W. J. T. Daniel, Comput. Struct. 65 (1997) 613-623, and references there). In equal steps the result is the
 leap-frog of both parts as one. What subcycling loses at the interface stands in the energy balance.
@@ -15,7 +15,7 @@ from supple.equations.control_force import stepped
 from supple.methods.explicit.frame_invariants import kinetic_energy
 from supple.methods.explicit.march.element_block import Instant
 from supple.methods.explicit.march.frame_forces import frame_motion, gravity_at
-from supple.methods.explicit.march.frame_step import frame_step, hanging
+from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
 from supple.methods.explicit.march.nodal_forces import nodal_forces
 from supple.methods.explicit.march.turning import turned
@@ -33,7 +33,7 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
     done = frame_step(model, methods, state, long)
     led = state.v
     for arrays, frame in zip(model.frames, done.frames, strict=True):
-        led = led.at[:, arrays.nodes].set((hanging(arrays, frame) - state.x[:, arrays.nodes]) / long)
+        led = led.at[:, arrays.nodes].set((tied_positions(arrays, frame) - state.x[:, arrays.nodes]) / long)
     old = state.energies
     energies = old._replace(
         internal=old.internal + done.internal,
@@ -50,26 +50,26 @@ def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array,
     state = lax.fori_loop(
         0, ratio, lambda _, s: nodal_step(model, methods, s, h, led, done.on_obstacles), state
     )
-    # Nodes end where they hang, to round-off.
+    # Nodes end where they are tied, to round-off.
     x = state.x
     for arrays, frame in zip(model.frames, done.frames, strict=True):
-        x = x.at[:, arrays.nodes].set(hanging(arrays, frame))
+        x = x.at[:, arrays.nodes].set(tied_positions(arrays, frame))
     return state._replace(x=x, frames=done.frames, frame_before=long)
 
 
 def nodal_step(
     model: MarchModel, methods: Methods, state: MarchState, h: Array, led: Array, from_frames: Array
 ) -> MarchState:
-    """The explicit nodes a step h on; those that hang on frames move at the rates `led` (3, N)."""
+    """The explicit nodes a step h on; those tied to frames move at the rates `led` (3, N)."""
     mean = 0.5 * (state.before + h)
     drag = 0.5 * mean * model.alpha
     # Points of modal surfaces have no mass: they are led.
     acceleration = state.forces.sum(axis=0) / jnp.where(model.mass > 0, model.mass, 1.0)
     v = model.movable * ((1 - drag) * state.v + mean * acceleration) / (1 + drag)
-    hangs = jnp.zeros(len(model.mass), dtype=bool)
+    tied = jnp.zeros(len(model.mass), dtype=bool)
     for arrays in model.frames:
-        hangs = hangs.at[arrays.nodes].set(True)
-    v = jnp.where(hangs, led, v)
+        tied = tied.at[arrays.nodes].set(True)
+    v = jnp.where(tied, led, v)
     middle = 0.5 * (state.v + v)
     obstacles, driven, given = _moved(model, state, from_frames, mean, h)
     x = state.x + h * v
@@ -77,9 +77,9 @@ def nodal_step(
     at = Instant(x, h * v, h, turning.triads)
     out = nodal_forces(model, methods, state.time + h, at, state.blocks, obstacles)
     works = mean * (state.forces * middle).sum(axis=(1, 2))
-    on_hanging = mean * jnp.sum(jnp.where(hangs, state.forces.sum(axis=0) * middle, 0.0))
+    on_tied = mean * jnp.sum(jnp.where(tied, state.forces.sum(axis=0) * middle, 0.0))
     gravity = gravity_at(model, state.time)
-    weight = mean * jnp.sum(jnp.where(hangs, model.mass * gravity[:, None] * middle, 0.0))
+    weight = mean * jnp.sum(jnp.where(tied, model.mass * gravity[:, None] * middle, 0.0))
     old = state.energies
     energies = Energies(
         kinetic=old.kinetic,
@@ -90,8 +90,8 @@ def nodal_step(
         damping=old.damping
         + out.viscous
         + dragged
-        + mean * jnp.sum(jnp.where(hangs, 0.0, model.alpha * model.mass * middle**2)),
-        interface=old.interface + on_hanging - weight,
+        + mean * jnp.sum(jnp.where(tied, 0.0, model.alpha * model.mass * middle**2)),
+        interface=old.interface + on_tied - weight,
         external=old.external + works[3] - weight + driven,
     )
     return state._replace(
@@ -141,7 +141,7 @@ def with_forces(model: MarchModel, methods: Methods, state: MarchState) -> March
 
 
 def kinetic(model: MarchModel, state: MarchState) -> Array:
-    """Of explicit nodes, frames and free obstacles, J; nodes that hang on frames count with these."""
+    """Of explicit nodes, frames and free obstacles, J; nodes tied to frames count with these."""
     own = model.mass
     for arrays in model.frames:
         own = own.at[arrays.nodes].set(0.0)

@@ -43,8 +43,8 @@ class NodesTouching(NamedTuple):
 class FrameArrays(NamedTuple):
     """A modal sub-domain in the march.
 
-    model : FrameModel      with the mass of the nodes that hang on it
-    nodes : (n,)            explicit nodes that hang on it, at weights (n, 4) and shapes (n, 3, k)
+    model : FrameModel      with the mass of the nodes tied to it
+    nodes : (n,)            explicit nodes tied to it, at weights (n, 4) and shapes (n, 3, k)
     touching : tuple of NodesTouching       contacts of its own points
     chart : the floating frame of its points
     step_limit : at rest, s;   spin_bound : of what a spin of 1 rad/s adds to squared frequencies, or None

@@ -22,6 +22,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from supple.fem import Isotropic
+from supple.methods.explicit.fusion_barrier import fusion_barrier
 from supple.methods.explicit.materials.hardening import Hardening
 from supple.methods.explicit.materials.law import Response, lame, linear_stress
 from supple.methods.explicit.tensor3 import (
@@ -36,7 +37,6 @@ from supple.methods.explicit.tensor3 import (
     tensor,
     transposed,
 )
-from supple.methods.explicit.worked_out import worked_out
 
 __all__ = ["J2Plasticity"]
 
@@ -66,18 +66,18 @@ class J2Plasticity:
     def respond(self, F: Tensor, dF: Tensor, state: PlasticState) -> Response:
         """Stress at F after the increment dF."""
         # By stages: else the compiler works out each tensor again for every component that reads it.
-        inverse = worked_out(_middle_inverse, (F, dF))
-        L = worked_out(lambda of: product(*of), (dF, inverse))
-        Q = worked_out(_turn, L)
-        half = worked_out(lambda of: product(of[0], _symmetric(of[1])), (Q, state.stress))
-        trial = worked_out(
+        inverse = fusion_barrier(_middle_inverse, (F, dF))
+        L = fusion_barrier(lambda of: product(*of), (dF, inverse))
+        Q = fusion_barrier(_turn, L)
+        half = fusion_barrier(lambda of: product(of[0], _symmetric(of[1])), (Q, state.stress))
+        trial = fusion_barrier(
             lambda of: added(
                 product(of[0], transposed(of[1])), linear_stress(self.elastic, symmetric_part(of[2]))
             ),
             (half, Q, L),
         )
-        stress, strain, dissipated = worked_out(lambda of: self._returned(*of), (trial, state.strain))
-        cof, J = worked_out(_cofactor_and_determinant, F)
+        stress, strain, dissipated = fusion_barrier(lambda of: self._returned(*of), (trial, state.strain))
+        cof, J = fusion_barrier(_cofactor_and_determinant, F)
         kept = jnp.stack([stress[0][0], stress[1][1], stress[2][2], stress[1][2], stress[0][2], stress[0][1]])
         return Response(product(stress, cof), PlasticState(kept, strain), J * dissipated, J)
 

@@ -96,7 +96,7 @@ def batch_start(cases: Sequence[System], run: Run) -> BatchStart:
 
 
 def _initial_state(system: System, run: Run) -> tuple[Model, State]:
-    """As of one case; without a kept tangent on other devices than a processor, which map cases together."""
+    """As of one case; without a frozen tangent on devices that map cases together, all but processors."""
     model, state = initial_state(system, run.times[0], run.step_control.first, run.validity)
     return model, state if jax.default_backend() == "cpu" else state._replace(kept=None)
 

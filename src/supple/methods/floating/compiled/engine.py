@@ -26,12 +26,12 @@ from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
 from supple.machine import System
 from supple.methods.floating.compiled.contraction import Contraction, no_estimate
-from supple.methods.floating.compiled.inert_motion import (
+from supple.methods.floating.compiled.frozen_tangent import FrozenTangent, freezes_tangent, no_tangent
+from supple.methods.floating.compiled.padded_motion import (
     in_all_coordinates,
     in_own_coordinates,
-    with_inert_coordinates,
+    with_padding_coordinates,
 )
-from supple.methods.floating.compiled.kept_tangent import KeptTangent, keeps_tangent, no_tangent
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
 from supple.methods.floating.compiled.sampling import sampled
 from supple.methods.floating.compiled.state import Controls, State
@@ -73,7 +73,7 @@ def initial_state(
         auxiliary=start.acceleration,
         multipliers=start.multipliers,
         control=start.control,
-        kept=no_tangent(start.model) if keeps_tangent(start.model) else None,
+        kept=no_tangent(start.model) if freezes_tangent(start.model) else None,
     )
 
 
@@ -93,31 +93,31 @@ def _state(**known: Any) -> State:
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
 
-def _kept_tangent(kept: KeptTangent | None) -> dict[str, np.ndarray]:
+def _tangent_arrays(kept: FrozenTangent | None) -> dict[str, np.ndarray]:
     """By name, for result files."""
     if kept is None:
         return {}
     return {f"tangent.{name}": np.asarray(leaf) for name, leaf in kept._asdict().items()}
 
 
-def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> KeptTangent | None:
+def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenTangent | None:
     """As it was kept; none yet where a recorded part kept nothing."""
-    if not keeps_tangent(model):
+    if not freezes_tangent(model):
         return None
     fresh = no_tangent(model)
     found = {name: known.get(f"tangent.{name}", leaf) for name, leaf in fresh._asdict().items()}
-    return KeptTangent(**found)
+    return FrozenTangent(**found)
 
 
 class CompiledEngine:
     """An `Engine` whose steps are one compiled program; `State` is its state.
 
-    It marches bodies with their inert coordinates, and tells their motion without; `engine_state` is of all.
+    It marches bodies with their padding coordinates; motions are without, `engine_state` is of all.
     """
 
     def __init__(self, system: System, run: Run) -> None:
         self._own = system
-        self._system = with_inert_coordinates(system)
+        self._system = with_padding_coordinates(system)
         self._run = run
         self._controls = jax.device_put(controls(run))
         self._model: Model | None = None
@@ -137,7 +137,7 @@ class CompiledEngine:
 
         Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
         one, which keeps the order of accuracy but not the last digits; and where it is of the same bodies
-        with other inert coordinates.
+        with other padding coordinates.
         """
         known = last.engine_state
         if "active" in known:
@@ -228,7 +228,7 @@ def tangents_made(state: State) -> int:
 
 
 def as_solution(
-    system: System, model: Model, states: State, statistics: Statistics, kept: KeptTangent | None = None
+    system: System, model: Model, states: State, statistics: Statistics, kept: FrozenTangent | None = None
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution.
 
@@ -246,13 +246,13 @@ def system_motion(states: State) -> SystemMotion:
     )
 
 
-def engine_state(model: Model, states: State, kept: KeptTangent | None = None) -> dict[str, np.ndarray]:
+def engine_state(model: Model, states: State, kept: FrozenTangent | None = None) -> dict[str, np.ndarray]:
     """What an exact resume needs besides the motion at the end of stacked states; `kept` as above."""
     return {
         "active": np.array(model.active, dtype=float),
         "auxiliary": states.auxiliary[-1],
         "step": states.step[-1],
         "contraction": np.array([own[-1] for own in states.contraction]),
-        **_kept_tangent(kept),
+        **_tangent_arrays(kept),
         **kept_control(jax.tree.map(lambda leaf: leaf[-1], states.control)),
     }

@@ -13,7 +13,7 @@ import numpy as np
 from supple.equations.balance import balance, constraint_jacobian
 from supple.equations.build_model import build_model
 from supple.equations.checks.start import report_start
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import AnyArray, Configuration, SystemMotion, advance
@@ -33,7 +33,7 @@ __all__ = ["KinematicEngine"]
 _HELD = ("rigid", "reduced", "full", "intrinsic")
 _INSTANTS_AT_ONCE = 128
 MOST_ITERATIONS = 20
-_REACTIONS, _SETTLED = 60, 1e-9
+_REACTIONS, _CONVERGED = 60, 1e-9
 """Iterations for friction that depends on the joints' forces, and by what part the last may change these."""
 DEAD_POINT = 1e-9
 """Smallest singular value of the joints' Jacobian over its largest, turns times the machine's size."""
@@ -70,7 +70,7 @@ def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
 
 
 class _HeldMachine(CompiledMachine):
-    """Which equations are independent the frames say: in a closed loop bodies that deform have more."""
+    """Independent equations are those of the frames: in a closed loop bodies that deform have more."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Of bodies that keep their shape."""
@@ -93,9 +93,9 @@ def check_held(system: System, run: Run) -> None:
         if placed.body.n_coordinates:
             message = (
                 f"body '{placed.body.name}' is held in the shape in which it is placed: a kinematic run "
-                "tells the forces on a rigid body of its mass. To see it deform, integrate"
+                "gives the forces on a rigid body of its mass. To see it deform, integrate"
             )
-            say(message, ValidityWarning, run.validity)
+            warn_or_raise(message, ValidityWarning, run.validity)
 
 
 def check_determined(system: System, active: Sequence[int]) -> None:
@@ -103,7 +103,7 @@ def check_determined(system: System, active: Sequence[int]) -> None:
     free = 6 * len(system.bodies) - len(active)
     if free:
         raise ModelError(
-            f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot tell: "
+            f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot find: "
             "prescribe one for each (PrescribedRotation in the place of Revolute, PrescribedTranslation "
             "in that of Prismatic), or simulate the machine with an integrator"
         )
@@ -249,17 +249,17 @@ def _next_instant(model: Model, before: Instant, time: jax.Array) -> Instant:
         terms = balance(model, SystemMotion(time, configuration, velocity, acceleration, multipliers))
         return jnp.linalg.solve(jacobian.T, -(terms.residual - terms.joint)[frames])
 
-    multipliers, unsettled = carried(jnp.zeros(len(model.active))), jnp.zeros(())
+    multipliers, last_change = carried(jnp.zeros(len(model.active))), jnp.zeros(())
     if model.reads_reactions:
         multipliers, last = jax.lax.fori_loop(
             0, _REACTIONS, lambda _, at: (carried(at[0]), at[0]), (multipliers, multipliers)
         )
-        unsettled = jnp.linalg.norm(multipliers - last) / (jnp.linalg.norm(multipliers) + 1e-300)
+        last_change = jnp.linalg.norm(multipliers - last) / (jnp.linalg.norm(multipliers) + 1e-300)
     scale = jnp.tile(jnp.array([1.0, 1.0, 1.0, model.length, model.length, model.length]), len(model.sizes))
     sizes = jnp.linalg.svd(jacobian / scale, compute_uv=False)
     rounding = model.length * position_rounding(model.length, configuration.origins)
     good = (gap <= rounding) & (sizes[-1] > DEAD_POINT * sizes[0]) & jnp.all(jnp.isfinite(acceleration))
-    good = good & (unsettled <= _SETTLED)
+    good = good & (last_change <= _CONVERGED)
     turned = jnp.einsum("bji,bjk->bik", before.configuration.rotations, configuration.rotations)
     cosine = jnp.clip((jnp.trace(turned, axis1=1, axis2=2) - 1) / 2, -1.0, 1.0)
     after = Instant(
@@ -287,8 +287,8 @@ def _closed(
     def unfinished(at: tuple[Configuration, jax.Array, jax.Array, jax.Array]) -> jax.Array:
         configuration, gap, before, iterations = at
         rounding = model.length * position_rounding(model.length, configuration.origins)
-        settled = (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
-        return ~settled & jnp.isfinite(gap) & (iterations < MOST_ITERATIONS)
+        closed = (gap <= 0.01 * rounding) | ((gap <= rounding) & (gap > 0.1 * before))
+        return ~closed & jnp.isfinite(gap) & (iterations < MOST_ITERATIONS)
 
     def corrected(
         at: tuple[Configuration, jax.Array, jax.Array, jax.Array],

@@ -1,7 +1,7 @@
 """Modified Newton's iteration within a step: a tangent kept over iterations and steps.
 
 A tangent that does not gain tenfold in an iteration is made anew at its iterate; one whose single correction
-no longer surely reaches the tolerance, in the next step (`kept_tangent`).
+no longer surely reaches the tolerance, in the next step (`frozen_tangent`).
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from supple.equations.model import Model
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import Contraction, predicted_to_converge
 from supple.methods.floating.compiled.elimination import Elimination
-from supple.methods.floating.compiled.iterate import Trial, motion_of
-from supple.methods.floating.compiled.kept_tangent import (
+from supple.methods.floating.compiled.frozen_tangent import (
     SHARE,
     SLOWEST,
-    KeptTangent,
+    FrozenTangent,
     bodies_inverse,
     predicted_to_suffice,
     serves,
     solution_by_parts,
     used,
 )
+from supple.methods.floating.compiled.iterate import Trial, motion_of
 from supple.methods.floating.compiled.newton import Assessed, Iteration, Modified
 from supple.methods.floating.compiled.state import State
 
@@ -45,11 +45,11 @@ def modified_pass(
     trial: Trial,
     linearization: Linearization,
     size: jax.Array,
-    settled: jax.Array,
+    stagnant: jax.Array,
 ) -> Assessed:
-    """The correction of an iterate that is not good enough, with the kept tangent where it serves.
+    """The correction of an iterate that is not good enough, with the frozen tangent where it serves.
 
-    size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
+    size : of its residual, in parts of the tolerance; stagnant : whether the last correction moved nothing
     """
     assert old.modified is not None
     assert start.kept is not None
@@ -58,7 +58,7 @@ def modified_pass(
     rate = jnp.where(first, 0.0, size / old.sizes[1])
     gains = rate <= SLOWEST
     share = jnp.where(before.own | (old.evaluations > _SOON), 1.0, SHARE)
-    converged = (trial.converged & (size <= share)) | (settled & (gains | before.own))
+    converged = (trial.converged & (size <= share)) | (stagnant & (gains | before.own))
     anew = ~converged & ~jnp.where(first, serves(start.kept, rule.h), gains)
     change, multiplier_change, inverse = jax.lax.cond(
         converged,
@@ -108,7 +108,7 @@ def _correction(
 
 def used_in_step(
     model: Model, start: State, step: jax.Array, end: Iteration, contraction: Contraction
-) -> tuple[Contraction, KeptTangent]:
+) -> tuple[Contraction, FrozenTangent]:
     """What is known behind an accepted step, of new tangents and of the kept one.
 
     contraction : what its last correction tells, if it was made with a new tangent

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -13,8 +13,8 @@ from supple.equations.model import Model
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, predicted_to_converge
 from supple.methods.floating.compiled.elimination import Elimination
-from supple.methods.floating.compiled.in_turn import in_turn
 from supple.methods.floating.compiled.iterate import Place, Trial, motion_of
+from supple.methods.floating.compiled.sequential_vmap import sequential_vmap
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, correction
 
@@ -43,10 +43,10 @@ class Iteration(NamedTuple):
 
 
 class Modified(NamedTuple):
-    """What an iteration with a kept tangent knows besides."""
+    """What an iteration with a frozen tangent knows besides."""
 
     inverse: jax.Array
-    """As in `KeptTangent`"""
+    """As in `FrozenTangent`"""
     own: jax.Array
     """Whether the last correction was made with a tangent of its own iterate"""
     made: jax.Array
@@ -74,13 +74,13 @@ def newton_pass(
     trial: Trial,
     linearization: Linearization,
     size: jax.Array,
-    settled: jax.Array,
+    stagnant: jax.Array,
 ) -> Assessed:
     """Newton's correction of an iterate that is not good enough.
 
-    size : of its residual, in parts of the tolerance; settled : whether the last correction moved nothing
+    size : of its residual, in parts of the tolerance; stagnant : whether the last correction moved nothing
     """
-    converged = trial.converged | settled
+    converged = trial.converged | stagnant
     trial = trial._replace(converged=converged)
     correct = _correction_where_needed if model.n_velocities < _FEWEST_IN_TURN else _correction_in_turn
     predicted = jnp.zeros((), dtype=bool)
@@ -93,21 +93,6 @@ def newton_pass(
     )
 
 
-def _newton_correction(
-    elimination: Elimination,
-    model: Model,
-    rule: StepRule,
-    start: State,
-    trial: Trial,
-    linearization: Linearization,
-) -> tuple[jax.Array, jax.Array]:
-    motion = motion_of(rule, start, trial)
-    step = LinearizedStep(motion, linearization, trial.increments, rule.factors)
-    change = correction(elimination, model, step, trial.residual, trial.constraint_residual)
-    n = model.n_velocities
-    return change[:n], change[n:]
-
-
 def _correction_where_needed(
     elimination: Elimination,
     model: Model,
@@ -117,24 +102,25 @@ def _correction_where_needed(
     linearization: Linearization,
 ) -> tuple[jax.Array, jax.Array]:
     """The next correction; none of a converged trial."""
+
+    def corrected() -> tuple[jax.Array, jax.Array]:
+        step = LinearizedStep(motion_of(rule, start, trial), linearization, trial.increments, rule.factors)
+        change = correction(elimination, model, step, trial.residual, trial.constraint_residual)
+        return change[: model.n_velocities], change[model.n_velocities :]
+
     return jax.lax.cond(
         trial.converged,
         lambda: (jnp.zeros_like(trial.acceleration), jnp.zeros_like(trial.multipliers)),
-        lambda: _newton_correction(elimination, model, rule, start, trial, linearization),
+        corrected,
     )
 
 
 def _correction_in_turn(
-    elimination: Elimination,
-    model: Model,
-    rule: StepRule,
-    start: State,
-    trial: Trial,
-    linearization: Linearization,
+    elimination: Elimination, model: Model, rule: StepRule, start: State, *evaluated: Any
 ) -> tuple[jax.Array, jax.Array]:
     """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
     held = model.loads_at(start.time + rule.h)
-    return in_turn(partial(_correction_where_needed, elimination), held, rule, start, trial, linearization)
+    return sequential_vmap(partial(_correction_where_needed, elimination), held, rule, start, *evaluated)
 
 
 _FEWEST_IN_TURN = 16

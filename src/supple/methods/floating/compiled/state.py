@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from supple.equations.configuration import AnyArray, Configuration, ControlState
 from supple.integrate import Coefficients
 from supple.methods.floating.compiled.contraction import Contraction
-from supple.methods.floating.compiled.kept_tangent import KeptTangent
+from supple.methods.floating.compiled.frozen_tangent import FrozenTangent
 
 __all__ = ["Controls", "State"]
 
@@ -50,5 +50,5 @@ class State(NamedTuple):
     """Largest rotation of a body within an accepted step so far, rad."""
     control: ControlState | None = None
     """None where there are no controllers"""
-    kept: KeptTangent | None = None
+    kept: FrozenTangent | None = None
     """None where every iterate has its own tangent"""

@@ -20,8 +20,8 @@ from supple.equations.step_size import next_step, position_rounding
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, measured
 from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.frozen_tangent import predicted
 from supple.methods.floating.compiled.iterate import Place, evaluate, motion_of, place
-from supple.methods.floating.compiled.kept_tangent import predicted
 from supple.methods.floating.compiled.modified_newton import modified_pass, used_in_step
 from supple.methods.floating.compiled.newton import Iteration, Modified, newton_pass
 from supple.methods.floating.compiled.state import Controls, State
@@ -52,7 +52,7 @@ def _try_step(
     """
     rule = StepRule(controls.coefficients, h)
     scale = position_scale(model)
-    judged = newton_pass if start.kept is None else modified_pass
+    newton = newton_pass if start.kept is None else modified_pass
 
     def unfinished(old: Iteration) -> jax.Array:
         finite = jnp.all(jnp.isfinite(old.relative_residual))
@@ -63,9 +63,9 @@ def _try_step(
         trial, linearization = evaluate(model, rule, start, old.acceleration, old.multipliers, tolerance)
         # Below rounding error no residual can tell a better answer from a worse one.
         rounding = position_rounding(model.length, trial.configuration.origins)
-        settled = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
+        stagnant = (old.evaluations > 0) & (old.moved <= rounding) & (trial.relative_residual[3] <= 1e-6)
         size = jnp.max(trial.relative_residual) / tolerance
-        found = judged(elimination, model, rule, start, old, trial, linearization, size, settled)
+        found = newton(elimination, model, rule, start, old, trial, linearization, size, stagnant)
         return Iteration(
             acceleration=old.acceleration + found.change,
             multipliers=old.multipliers + found.multiplier_change,
@@ -186,7 +186,7 @@ def march(
     """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
 
     It ends with the first stop that repeats the one before; the rows behind it are zero. After a failure the
-    state stays where it was: the caller looks at `failed`.
+    state stays where it was: the caller checks `failed`.
     """
     shown = start._replace(kept=None)
     rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)

@@ -23,11 +23,11 @@ from supple.equations.step_size import next_step
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, StepRule, damps_joint_forces
 from supple.machine import System
+from supple.methods.floating.full.frozen_tangent import FrozenTangent, numbers_of, tangent_of
 from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.implicit_step import ImplicitStep
-from supple.methods.floating.full.kept_tangent import KeptTangent, numbers_of, tangent_of
 from supple.methods.floating.full.newton import NewtonIteration, modified_newton
 from supple.methods.floating.full.predictor import (
     Earlier,
@@ -54,7 +54,7 @@ class March(NamedTuple):
     largest_turn: float = 0.0
     earlier: Earlier | None = None
     """None before the first step"""
-    kept: KeptTangent | None = None
+    kept: FrozenTangent | None = None
 
 
 class FullEngine:

@@ -32,10 +32,10 @@ from supple.equations.build_model import is_on_full_nodes, station_model
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion
 from supple.equations.control_start import control_after, fresh_control
+from supple.equations.converged_reactions import converged_reactions
 from supple.equations.inertia import mass_matrix
 from supple.equations.joint_force import constraint_rows
 from supple.equations.model import Model
-from supple.equations.settled_reactions import settled_reactions
 from supple.equations.starting_machine import JointTerms, joint_terms
 from supple.equations.station_body import BodyState, SeenMachine, Stations
 from supple.equations.step_size import position_rounding
@@ -519,7 +519,7 @@ class FullSystem:
         )
 
     def metric(self, configuration: Configuration) -> np.ndarray:  # noqa: ARG002
-        """One: rows are judged by the motions of the interfaces, which here have no mass of their own."""
+        """One: motions of the interfaces, which have no mass of their own, scale the rows."""
         return np.eye(max(part.stop for part in self.seen_slices))
 
     def _border_mass(self, configuration: Configuration) -> np.ndarray:
@@ -644,7 +644,7 @@ class FullSystem:
 
         acceleration, multipliers, frame_multipliers = found = answered(np.zeros(len(bias)))
         if self.model.reads_reactions:
-            acceleration, multipliers, frame_multipliers = settled_reactions(answered, found)
+            acceleration, multipliers, frame_multipliers = converged_reactions(answered, found)
         return state._replace(
             acceleration=acceleration,
             auxiliary=acceleration,

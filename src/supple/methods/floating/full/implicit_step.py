@@ -8,10 +8,10 @@ import numpy as np
 
 from supple.equations.step_size import position_rounding
 from supple.integrate import StepRule, Tolerances
+from supple.methods.floating.full.frozen_tangent import FrozenTangent, frozen_tangent
 from supple.methods.floating.full.full_state import Evaluation, FullState
 from supple.methods.floating.full.full_system import FullSystem
 from supple.methods.floating.full.full_tangent import FullTangent
-from supple.methods.floating.full.kept_tangent import KeptTangent, kept_tangent
 from supple.methods.floating.full.predictor import Unknowns
 
 __all__ = ["ImplicitStep", "Iterate", "Stepped"]
@@ -27,7 +27,7 @@ class Stepped(NamedTuple):
     factorizations: int
     decades: float
     """Of the residual, gained by all iterations together"""
-    kept: KeptTangent | None
+    kept: FrozenTangent | None
     """For the next step; None where it shall make its own"""
 
 
@@ -80,14 +80,14 @@ class ImplicitStep(NamedTuple):
         evaluation = machine.evaluate(state, rule.factors.by_position)
         relative = evaluation.relative_residual
         rounding = position_rounding(machine.model.length, state.configuration.origins)
-        settled = trusted and moved <= rounding and relative[3] <= 1e-6
-        reached = bool(np.all(relative <= self.tolerances.residual) or settled)
+        stagnant = trusted and moved <= rounding and relative[3] <= 1e-6
+        reached = bool(np.all(relative <= self.tolerances.residual) or stagnant)
         distance = float(np.max(relative)) / (self.share * self.tolerances.residual)
-        converged = reached and (distance <= 1 or settled)
+        converged = reached and (distance <= 1 or stagnant)
         return Iterate(unknowns, state, increments, evaluation, reached, converged, distance, moved)
 
-    def corrected(self, iterate: Iterate, tangent: KeptTangent | None, *, trusted: bool) -> Iterate:
-        """The next iterate, by a kept tangent or, where that is None, the exact one of this iterate.
+    def corrected(self, iterate: Iterate, tangent: FrozenTangent | None, *, trusted: bool) -> Iterate:
+        """The next iterate, by a frozen tangent or, where that is None, the exact one of this iterate.
 
         trusted : as of `at`
         """
@@ -112,10 +112,10 @@ class ImplicitStep(NamedTuple):
         moved = float(by_position * np.max(abs(change) / machine.position_scale))
         return self.at(unknowns, moved, trusted=trusted)
 
-    def tangent(self, iterate: Iterate, *, symmetric: bool) -> KeptTangent:
+    def tangent(self, iterate: Iterate, *, symmetric: bool) -> FrozenTangent:
         """A tangent at an iterate, factored, to be kept."""
         turns, states = self.machine.turns(iterate.increments), iterate.evaluation.interior_states
-        return kept_tangent(self.machine, states, turns, self.rule.factors, symmetric=symmetric)
+        return frozen_tangent(self.machine, states, turns, self.rule.factors, symmetric=symmetric)
 
     def ended(self, at: Iterate, began: float, iterations: int, factorizations: int) -> Stepped:
         """The outcome of an iteration that began at a distance."""

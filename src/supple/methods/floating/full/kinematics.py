@@ -15,8 +15,8 @@ import numpy as np
 from supple.equations.checks.start import report_start
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
+from supple.equations.converged_reactions import converged_reactions
 from supple.equations.floating_solution import last_instant
-from supple.equations.settled_reactions import settled_reactions
 from supple.equations.starting_machine import JointTerms
 from supple.equations.station_body import SeenMachine
 from supple.equations.step_size import position_rounding
@@ -47,7 +47,7 @@ class HeldInstant(NamedTuple):
 
 
 class _HeldSystem(FullSystem):
-    """Which equations are independent the frames say."""
+    """Independent equations are those of the frames."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Of bodies that keep their shape."""
@@ -166,7 +166,7 @@ class FullKinematicEngine:
             return None, multipliers - np.linalg.solve(jacobian.T, left)
 
         found = answered(np.zeros(len(machine.model.active)))
-        return (settled_reactions(answered, found) if machine.model.reads_reactions else found)[1]
+        return (converged_reactions(answered, found) if machine.model.reads_reactions else found)[1]
 
     @property
     def _frames(self) -> np.ndarray:

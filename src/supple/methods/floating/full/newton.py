@@ -1,4 +1,4 @@
-"""Iterations that solve a step: modified Newton's on a kept tangent, and Newton's own behind it.
+"""Iterations that solve a step: modified Newton's on a frozen tangent, and Newton's own behind it.
 
 Each iteration evaluates the exact equations and solves for a correction with a tangent that may be old:
 
@@ -11,7 +11,7 @@ takes its place and is kept in the same way. Corrections that do not become smal
 
 Where this does not converge, Newton's method with the exact tangent of every iterate does the step from its
 start. A tangent decides on the iterations alone: a step ends where the exact equations hold to the tolerance,
-with a kept tangent to a tenth of it if rounding allows, or where a correction moves nothing. A tangent is
+with a frozen tangent to a tenth of it if rounding allows, or where a correction moves nothing. A tangent is
 trusted to say the latter when it is new or has gained tenfold before: of a positive definite symmetric part
 with a skew rest, the correction bounds the true one.
 
@@ -25,14 +25,14 @@ from collections.abc import Callable
 import numpy as np
 
 from supple.errors import AccuracyError
+from supple.methods.floating.full.frozen_tangent import FrozenTangent, serves
 from supple.methods.floating.full.implicit_step import ImplicitStep, Stepped
-from supple.methods.floating.full.kept_tangent import KeptTangent, serves
 from supple.methods.floating.full.predictor import Unknowns, unknowns_of
 
 __all__ = ["SLOWEST", "NewtonIteration", "exact_newton", "modified_newton"]
 
 SLOWEST = 0.1
-"""Rate beyond which a kept tangent is renewed."""
+"""Rate beyond which a frozen tangent is renewed."""
 
 SHARE = 0.1
 """Of the tolerance, which an old tangent has to reach.
@@ -41,12 +41,12 @@ What it leaves of the residual lies where it is wrong, in stiff directions of li
 Newton's own, which converges quadratically, leaves far less than the tolerance.
 """
 
-NewtonIteration = Callable[[ImplicitStep, Unknowns, KeptTangent | None], Stepped]
+NewtonIteration = Callable[[ImplicitStep, Unknowns, FrozenTangent | None], Stepped]
 """Of a step, where the iteration starts, and the tangent of an earlier step."""
 
 
-def modified_newton(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent | None) -> Stepped:
-    """The kept tangent as far as it goes, then Newton's own."""
+def modified_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | None) -> Stepped:
+    """The frozen tangent as far as it goes, then Newton's own."""
     modified = _modified(step, predicted, kept)
     if modified.converged:
         return modified
@@ -57,7 +57,7 @@ def modified_newton(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent |
     )
 
 
-def exact_newton(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent | None) -> Stepped:  # noqa: ARG001
+def exact_newton(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | None) -> Stepped:  # noqa: ARG001
     """Newton's iteration with the exact tangent of every iterate, from the unknowns of the step's start."""
     at = step.at(unknowns_of(step.start))
     began, iterations = at.distance, 0
@@ -67,7 +67,7 @@ def exact_newton(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent | No
     return step.ended(at, began, iterations, iterations)
 
 
-def _modified(step: ImplicitStep, predicted: Unknowns, kept: KeptTangent | None) -> Stepped:
+def _modified(step: ImplicitStep, predicted: Unknowns, kept: FrozenTangent | None) -> Stepped:
     """Modified Newton's iteration."""
     step = step._replace(share=SHARE)
     at = first = step.at(predicted)

@@ -1,0 +1,500 @@
+"""Bodies from decks: the mesh, elements, springs, masses and ties that another program's file describes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.body.averaged_motion import averaged_motion
+from supple.body.deck_parts import deck_links, named_part
+from supple.body.finite_element_body import flexible_body
+from supple.body.flexible_body import FlexibleBody
+from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.errors import ModelError, SuppleWarning
+from supple.fem import (
+    GREEN_LAGRANGE,
+    Anisotropic,
+    Attached,
+    BeamSection,
+    Constraints,
+    FiniteElementModel,
+    HomogeneousSection,
+    Isotropic,
+    LaminateSection,
+    RigidPiece,
+    RodSection,
+    Section,
+    ShellKinematics,
+    finite_element_model,
+    linear_strains,
+)
+from supple.importers import Connection
+from supple.importers.deck import (
+    AnisotropicMaterial,
+    BeamProperty,
+    BeamValues,
+    Deck,
+    DeckElements,
+    IsotropicMaterial,
+    NodalMatrix,
+    Property,
+    RodProperty,
+    ScalarTerms,
+    ShellProperty,
+    SolidProperty,
+    WallProperty,
+)
+from supple.mesh import CellType, Mesh
+
+__all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_left_out"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Of what cancels when the ends of a spring move rigidly.
+_RIGID = 1e-6
+# Sine of the angle between a wall and the direction of its material: less has no projection.
+_ALONG = 2e-3
+
+
+def deck_body(
+    name: str,
+    deck: Deck,
+    interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
+    *,
+    part: str | None = None,
+    kinematics: ShellKinematics = GREEN_LAGRANGE,
+) -> FlexibleBody:
+    """A free body of what a deck describes; its supports are left to joints.
+
+    interfaces : with node sets of the deck; None takes its rigid ties and weighted means, by their names
+    part : where the deck falls into several (`deck_parts`)
+
+    Raises
+    ------
+    MeshError, ModelError   as for `deck_model` and `flexible_body`; springs that hold the body
+    """
+    own = named_part(deck, part)
+    model = deck_model(own, kinematics=kinematics)
+    if interfaces is None:
+        interfaces = [
+            RigidInterface(each.name, each.nodes, each.position)
+            if each.weights is None
+            else AveragingInterface(each.name, each.nodes, each.position, each.weights)
+            for each in deck_connections(own)
+        ]
+    return flexible_body(name, model, interfaces)
+
+
+def deck_model(
+    deck: Deck, *, kinematics: ShellKinematics = GREEN_LAGRANGE, held: bool = False
+) -> FiniteElementModel:
+    """Finite-element model of a deck that is one part: its cells, springs, masses and ties.
+
+    held : with the deck's own supports as constraints; a body is free, and leaves them and springs to ground,
+        which are supports too, to joints
+
+    Raises
+    ------
+    ModelError   properties that a cell cannot have; springs that resist rigid motion; several parts
+    MeshError    inverted or degenerate cells
+    Warns
+    -----
+    SuppleWarning   springs to ground that are left out; dashpots, which a body leaves to its damping
+    """
+    mesh = deck_mesh(deck)
+    springs = deck.springs
+    if not held:
+        _warn_of_what_is_left(deck)
+        springs = [_free(deck, terms) for terms in deck.springs]
+    sections = _sections(deck)
+    d = 6 if _turns(deck) or any(section.turns_nodes() for section in sections) else 3
+    attached = Attached(
+        springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
+        mass=_mass(deck, d),
+        rigid=tuple(
+            RigidPiece(tie.name, np.unique(np.append(tie.nodes, tie.reference)), deck.nodes[tie.reference])
+            for tie in deck.rigid
+        ),
+        constraints=_constraints(deck, d, (*deck.constraints, *deck.held) if held else deck.constraints),
+    )
+    return finite_element_model(mesh, sections, kinematics=kinematics, attached=attached, dofs_per_node=d)
+
+
+def deck_connections(deck: Deck) -> tuple[Connection, ...]:
+    """Its rigid ties and weighted means, which interfaces may be made of."""
+    rigid = (
+        Connection(tie.name, np.unique(np.append(tie.nodes, tie.reference)), deck.nodes[tie.reference], None)
+        for tie in deck.rigid
+    )
+    means = (
+        Connection(mean.name, mean.nodes, deck.nodes[mean.reference], mean.weights) for mean in deck.means
+    )
+    return (*rigid, *means)
+
+
+def refuse_left_out(deck: Deck, allowed: Sequence[str] = ()) -> None:
+    """ModelError where something that would change the body is not read, and is not allowed to be left out.
+
+    allowed : names of cards
+    """
+    left = [each for each in deck.left_out if each.card not in allowed]
+    if left:
+        listed = "; ".join(
+            f"{each.count} {each.card} (first on line {each.line}): {each.meaning}" for each in left[:8]
+        )
+        names = ", ".join(f'"{each.card}"' for each in left)
+        raise ModelError(
+            f"{deck.path}: the file has what is not read and would change the body: {listed}. To leave it "
+            f"out, say so: leave_out = [{names}]"
+        )
+
+
+def deck_mesh(deck: Deck) -> Mesh:
+    """The mesh of a deck that is one part, with its node sets, element sets and properties as cell sets."""
+    cells: dict[CellType, list[DeckElements]] = {}
+    for each in deck.elements:
+        cells.setdefault(each.kind, []).append(each)
+    ids = {kind: np.concatenate([each.ids for each in own]) for kind, own in cells.items()}
+    sets: dict[str, dict[CellType, IntArray]] = {}
+    for name, members in deck.element_sets.items():
+        inside = {kind: np.flatnonzero(np.isin(numbers, members)) for kind, numbers in ids.items()}
+        own = {kind: numbers for kind, numbers in inside.items() if len(numbers)}
+        if own:
+            sets[name] = own
+    for name in dict.fromkeys(each.property for each in deck.elements):
+        if name not in sets:
+            sets[name] = {
+                kind: np.concatenate([numbers for each, numbers in _numbered(own) if each.property == name])
+                for kind, own in cells.items()
+                if any(each.property == name for each in own)
+            }
+    node_sets = {name: np.unique(nodes) for name, nodes in deck.node_sets.items() if len(nodes)}
+    node_sets |= {each.name: each.nodes for each in deck_connections(deck)}
+    return Mesh(
+        deck.nodes,
+        {kind: np.concatenate([each.nodes for each in own]) for kind, own in cells.items()},
+        node_sets,
+        sets,
+        deck.node_ids,
+        ids,
+        deck_links(deck),
+    )
+
+
+def _numbered(own: Sequence[DeckElements]) -> Iterator[tuple[DeckElements, IntArray]]:
+    """Elements of one kind, and the numbers of their cells in the mesh."""
+    first = 0
+    for each in own:
+        yield each, np.arange(first, first + len(each.ids))
+        first += len(each.ids)
+
+
+def _sections(deck: Deck) -> tuple[Section, ...]:
+    made, first = [], dict.fromkeys(CellType, 0)
+    for each in deck.elements:
+        start = first[each.kind]
+        first[each.kind] += len(each.ids)
+        try:
+            own = _property(deck.properties[each.property])
+        except ModelError as error:
+            raise ModelError(f"{deck.path}: {each.property}: {error}") from error
+        except KeyError:
+            raise ModelError(
+                f"{deck.path}, line {each.lines[0]}: {each.name} {each.ids[0]} has no property "
+                f"'{each.property}'; add it, or remove the element"
+            ) from None
+        cells = np.arange(start, first[each.kind])
+        directions = _along_cells(deck, each) if each.kind.dimension == 2 else each.directions
+        made.append(Section(each.kind, cells, own, directions, each.offsets, each.released))
+    return tuple(made)
+
+
+def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
+    """Directions of walls; where one is normal to its cell, the first side of the cell in its place."""
+    if given.directions is None:
+        return None
+    corners, towards = deck.nodes[given.nodes], np.array(given.directions)
+    first = corners[:, 1] - corners[:, 0]
+    normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    sine = np.linalg.norm(np.cross(normal, towards), axis=1)
+    across = sine <= _ALONG * np.linalg.norm(normal, axis=1) * np.linalg.norm(towards, axis=1)
+    if across.any():
+        number = int(np.argmax(across))
+        warnings.warn(
+            f"{deck.path}, line {given.lines[number]}: the direction of the wall of {given.name} "
+            f"{given.ids[number]} (one of {across.sum()}) is normal to it; its first side is taken",
+            SuppleWarning,
+            stacklevel=5,
+        )
+        towards[across] = first[across]
+    return towards
+
+
+def _property(
+    given: Property,
+) -> Isotropic | Anisotropic | HomogeneousSection | LaminateSection | BeamSection | RodSection:
+    match given:
+        case SolidProperty():
+            return _material(given.material)
+        case ShellProperty():
+            return HomogeneousSection(
+                _isotropic(given.material),
+                given.thickness,
+                given.offset,
+                given.added_mass,
+                given.shear_factor,
+            )
+        case WallProperty():
+            return LaminateSection(
+                given.membrane,
+                given.coupling,
+                given.bending,
+                given.mass_per_area,
+                given.rotary_inertia_per_area,
+                shear=given.shear,
+                thickness=given.thickness or None,
+                mass_offset=given.mass_moment_per_area / (given.mass_per_area or 1.0),
+            )
+        case RodProperty():
+            material, J = _of_lines(given.material), given.J if _has_shear(given.material) else 0.0
+            return RodSection(material, given.area, J, given.mass_per_length)
+        case BeamProperty():
+            second = None if given.second is None else _beam(given.material, given.second, None)
+            return _beam(given.material, given.first, second)
+
+
+def _beam(material: IsotropicMaterial, values: BeamValues, second: BeamSection | None) -> BeamSection:
+    shears = _has_shear(material)
+    return BeamSection(
+        _of_lines(material),
+        values.area,
+        values.I1,
+        values.I2,
+        values.J if shears else 0.0,
+        values.K1 if shears else 0.0,
+        values.K2 if shears else 0.0,
+        mass_per_length=values.mass_per_length,
+        I12=values.I12,
+        neutral=values.neutral,
+        mass_centre=values.mass_centre,
+        rotary=values.rotary,
+        second=second,
+    )
+
+
+def _isotropic(material: IsotropicMaterial) -> Isotropic:
+    return Isotropic(
+        material.youngs_modulus, material.poissons_ratio, material.density, material.shear_modulus
+    )
+
+
+def _has_shear(material: IsotropicMaterial) -> bool:
+    """Whether it resists shear: lines of materials that do not carry no torsion."""
+    return material.shear_modulus is None or material.shear_modulus > 0
+
+
+def _of_lines(material: IsotropicMaterial) -> Isotropic:
+    """Of beams and rods E and G count alone: decks state G that no Poisson's ratio of solids gives."""
+    nu = material.poissons_ratio
+    G = material.shear_modulus if _has_shear(material) else None
+    if not -1 < nu < 0.5:
+        nu, G = 0.0, G or material.youngs_modulus / (2 * (1 + nu))
+    return Isotropic(material.youngs_modulus, nu, material.density, G)
+
+
+def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | Anisotropic:
+    if isinstance(material, AnisotropicMaterial):
+        return Anisotropic(material.elasticity, material.density)
+    return _isotropic(material)
+
+
+def _turns(deck: Deck) -> bool:
+    """Whether anything beside the elements has a freedom of rotation."""
+    matrices = (*deck.masses, *deck.stiffnesses)
+    terms = (*deck.springs, *deck.inertias, *deck.constraints)
+    return any((_rows(each)[0] % 6 > 2).any() for each in matrices) or any(
+        (each.freedoms % 6 > 2)[each.factors != 0].any() for each in terms
+    )
+
+
+def _rows(matrix: NodalMatrix) -> tuple[IntArray, FloatArray]:
+    """The freedoms and values of a matrix without its empty rows."""
+    there = np.flatnonzero(matrix.values.any(axis=1) | matrix.values.any(axis=0))
+    return matrix.freedoms[there], matrix.values[np.ix_(there, there)]
+
+
+def _at(freedoms: IntArray, dofs_per_node: int) -> IntArray:
+    """Freedoms 6 * node + component as those of the model."""
+    return freedoms // 6 * dofs_per_node + freedoms % 6
+
+
+def _spring_terms(
+    springs: Sequence[ScalarTerms], d: int
+) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
+    for terms in springs:
+        order = np.argsort(terms.rows, kind="stable")
+        bounds = np.flatnonzero(np.diff(terms.rows[order])) + 1
+        for own in np.split(order, bounds) if len(order) else ():
+            k = terms.values[terms.rows[own[0]]]
+            if k:
+                yield _at(terms.freedoms[own], d), terms.factors[own][None], np.array([k])
+
+
+def _matrix_terms(
+    matrices: Sequence[NodalMatrix], d: int
+) -> Iterator[tuple[IntArray, FloatArray, FloatArray]]:
+    """A stiffness between freedoms as springs along its eigenvectors."""
+    for matrix in matrices:
+        freedoms, values = _rows(matrix)
+        if not len(freedoms):
+            continue
+        stiffness, vectors = np.linalg.eigh(values)
+        counts = np.abs(stiffness) > 1e-14 * np.abs(stiffness).max()
+        yield _at(freedoms, d), vectors.T[counts], stiffness[counts]
+
+
+def _mass(deck: Deck, d: int) -> sparse.csc_array | None:
+    rows, columns, values = [], [], []
+    for matrix in deck.masses:
+        freedoms, own = _rows(matrix)
+        at = _at(freedoms, d)
+        rows.append(np.repeat(at, len(at)))
+        columns.append(np.tile(at, len(at)))
+        values.append(own.ravel())
+    for terms in deck.inertias:
+        if not len(terms.rows):
+            continue
+        B = _matrix(terms, len(deck.node_ids), d)
+        added = sparse.coo_array(B.T @ sparse.diags_array(terms.values) @ B)
+        rows.append(added.coords[0])
+        columns.append(added.coords[1])
+        values.append(added.data)
+    if not any(len(each) for each in values):
+        return None
+    n = len(deck.node_ids) * d
+    places = np.concatenate(rows), np.concatenate(columns)
+    return sparse.csc_array(sparse.coo_array((np.concatenate(values), places), shape=(n, n)))
+
+
+def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
+    """The sums as rows (rows, n) of the nodal freedoms, without rotations that no node has."""
+    there = terms.freedoms % 6 < d
+    places = terms.rows[there], _at(terms.freedoms[there], d)
+    return sparse.csr_array(
+        sparse.coo_array((terms.factors[there], places), shape=(len(terms.lines), n_nodes * d))
+    )
+
+
+def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object) -> Constraints | None:
+    """Sums that are zero, as rows."""
+    given = [each for each in given if len(each.lines)]
+    if not given:
+        return None
+    dependent = [
+        np.where(each.dependent >= 0, _at(np.maximum(each.dependent, 0), d), -1)
+        if len(each.dependent)
+        else np.full(len(each.lines), -1)
+        for each in given
+    ]
+    return Constraints(
+        sparse.csr_array(sparse.vstack([_matrix(each, n_nodes, d) for each in given])),
+        np.concatenate(dependent),
+        tuple(f"{path}, line {line}: the constraint" for each in given for line in each.lines),
+    )
+
+
+def _constraints(deck: Deck, d: int, given: Sequence[ScalarTerms]) -> Constraints | None:
+    """Those of the deck, and those by which reference nodes follow weighted means."""
+    n = len(deck.node_ids)
+    found = [_zero_sums(given, n, d, deck.path)]
+    means = [_mean_rows(deck, number, d) for number in range(len(deck.means))]
+    if means:
+        labels = tuple(
+            f"{deck.path}, line {mean.line}: {mean.name}"
+            for mean in deck.means
+            for _ in _followed(mean.components, d)
+        )
+        dependent = [
+            mean.reference * d + component
+            for mean in deck.means
+            for component in _followed(mean.components, d)
+        ]
+        rows = sparse.csr_array(sparse.vstack(means))
+        found.append(Constraints(rows, np.array(dependent, dtype=np.int64), labels))
+    there = [each for each in found if each is not None]
+    if not there:
+        return None
+    return Constraints(
+        sparse.csr_array(sparse.vstack([each.matrix for each in there])),
+        np.concatenate([each.dependent for each in there]),
+        tuple(label for each in there for label in each.labels),
+    )
+
+
+def _followed(components: Sequence[bool], d: int) -> list[int]:
+    return [component for component in range(d) if components[component]]
+
+
+def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
+    """u_ref - (mean motion of the nodes) = 0, of the components that follow."""
+    mean = deck.means[number]
+    used = np.flatnonzero(mean.weights > 0)
+    nodes = mean.nodes[used]
+    motion = averaged_motion(deck.nodes[nodes], mean.weights[used], deck.nodes[mean.reference], d)
+    rows = _followed(mean.components, d)
+    own = (nodes[:, None] * d + np.arange(d)).ravel()
+    values = -motion.reshape(6, -1)[rows]
+    i, j = np.nonzero(values)
+    places = (
+        np.concatenate([i, np.arange(len(rows))]),
+        np.concatenate([own[j], mean.reference * d + np.array(rows)]),
+    )
+    entries = np.concatenate([values[i, j], np.ones(len(rows))])
+    return sparse.csr_array(sparse.coo_array((entries, places), shape=(len(rows), len(deck.node_ids) * d)))
+
+
+def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:
+    """Rows of a single freedom: springs to ground."""
+    return np.bincount(terms.rows, minlength=len(terms.lines)) == 1
+
+
+def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
+    """Springs between nodes; ModelError where one resists rigid motion."""
+    kept = ~_ground(terms)[terms.rows] if len(terms.rows) else np.empty(0, dtype=bool)
+    own = ScalarTerms(terms.rows[kept], terms.freedoms[kept], terms.factors[kept], terms.lines, terms.values)
+    rows = _matrix(own, len(deck.node_ids), 6)
+    R = nodal_rigid_modes(deck.nodes - deck.nodes.mean(axis=0), 6)
+    R[:, 3:] /= max(float(np.ptp(deck.nodes, axis=0).max()), np.finfo(float).tiny)
+    moved, whole = np.abs(rows @ R), abs(rows) @ np.abs(R)
+    bad = np.flatnonzero((moved > _RIGID * np.maximum(whole, np.finfo(float).tiny)).any(axis=1))
+    bad = bad[terms.values[bad] != 0]
+    if bad.size:
+        raise ModelError(
+            f"{deck.path}, line {terms.lines[bad[0]]}: a spring (one of {bad.size}) resists rigid motion of "
+            "its body: its ends lie apart, and it acts across them. Let it act along the line between its "
+            "nodes, or let both lie in one place"
+        )
+    return own
+
+
+def _warn_of_what_is_left(deck: Deck) -> None:
+    ground = [int(line) for terms in deck.springs for line in terms.lines[_ground(terms)]]
+    if ground:
+        warnings.warn(
+            f"{deck.path}: {len(ground)} springs to ground, first on line {min(ground)}, are supports: a "
+            "free body leaves them to joints and springs of the machine",
+            SuppleWarning,
+            stacklevel=4,
+        )
+    if deck.dashpots or deck.dampings:
+        warnings.warn(
+            f"{deck.path}: its dashpots are left out: a body is damped as the case says (damping)",
+            SuppleWarning,
+            stacklevel=4,
+        )

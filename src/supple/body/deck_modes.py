@@ -1,0 +1,88 @@
+"""Mass and natural frequencies of a deck, of all its parts together, free or at its own supports."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra import lowest_modes
+from supple.body.coordinates import coordinates, rigid_sets
+from supple.body.deck_body import deck_model
+from supple.body.deck_parts import deck_parts, with_scalar_points, without_scalar_points
+from supple.body.free_body import RIGID_TOLERANCE
+from supple.body.mass_properties import MassProperties, rigid_mass_properties
+from supple.body.model_check import ZERO_MODE
+from supple.errors import SuppleWarning
+from supple.fem import FiniteElementModel
+from supple.importers.deck import Deck
+
+__all__ = ["deck_frequencies", "deck_mass", "deck_models", "mass_of_models"]
+
+FloatArray = NDArray[np.float64]
+
+MORE_MODES = 6
+"""Beside the six rigid ones, of mechanisms that a part may have."""
+
+
+def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementModel]:
+    """Of the parts of a deck, by their names, from the largest; springs may resist rigid motion.
+
+    Errors as for `deck_model`; its warnings are not given.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuppleWarning)
+        whole = with_scalar_points(deck) if held else deck
+        return {name: deck_model(part, held=held) for name, part in deck_parts(whole).items()}
+
+
+def mass_of_models(models: Sequence[FiniteElementModel]) -> MassProperties:
+    """Mass, centre and inertia about it of several models together."""
+    own = [rigid_mass_properties(each.mass, each.mesh.nodes, each.dofs_per_node) for each in models]
+    total = sum(each.mass for each in own)
+    centre = sum((each.mass * each.centre for each in own), np.zeros(3)) / (total or 1.0)
+    inertia = np.zeros((3, 3))
+    for each in own:
+        arm = each.centre - centre
+        inertia += each.inertia + each.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return MassProperties(float(total), centre, inertia)
+
+
+def deck_mass(deck: Deck) -> MassProperties:
+    """Mass, centre and inertia about it of all parts of a deck; errors as for `deck_model`."""
+    return mass_of_models(list(deck_models(without_scalar_points(deck), held=True).values()))
+
+
+def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
+    """The n lowest natural frequencies of all parts, cycles per unit of time, ascending.
+
+    Of a free deck those of elastic modes; at its own supports all, also of motions that these leave free.
+    Parts without mass have none.
+
+    Raises
+    ------
+    ModelError, MeshError   as for `deck_model`; parts whose massless freedoms cannot be condensed
+    """
+    found = [np.zeros(0)]
+    for model in deck_models(deck, held=held).values():
+        if model.mass.nnz and model.mass.diagonal().max() > 0:
+            found.append(_frequencies(model, n, held=held))
+    return np.sort(np.concatenate(found))[:n]
+
+
+def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray:
+    sets = rigid_sets("deck", model.mesh.n_nodes, (), model.attached)
+    made = coordinates(
+        *("deck", model.mesh.nodes, model.dofs_per_node, model.stiffness, model.mass, sets, model.attached),
+        tolerance=RIGID_TOLERANCE,
+        held=held,
+    )
+    if not len(made.freedoms):
+        return np.zeros(0)
+    wanted = min(n if held else n + 6 + MORE_MODES, len(made.freedoms))
+    values = lowest_modes(made.of(model.stiffness), made.of(model.mass), wanted).values
+    if not held and len(values):
+        values = values[values > ZERO_MODE * values[-1]]
+    return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi)

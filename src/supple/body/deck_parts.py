@@ -1,0 +1,225 @@
+"""Parts of a deck: what cells, springs, constraints and ties hold together, each a deck of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from supple.errors import ModelError, did_you_mean
+from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
+
+__all__ = ["deck_links", "deck_parts", "named_part", "with_scalar_points", "without_scalar_points"]
+
+IntArray = NDArray[np.int64]
+
+
+def deck_parts(deck: Deck) -> dict[str, Deck]:
+    """The parts of a deck, each whole, from the largest: {"part_1": .., "part_2": ..}; "" where it is one.
+
+    Nodes that nothing uses are in none of them, nor are scalar points.
+    """
+    deck = without_scalar_points(deck)
+    n, links = len(deck.node_ids), deck_links(deck)
+    cells = [each.nodes for each in deck.elements]
+    start = np.concatenate([links[:, 0], *(nodes[:, :-1].ravel() for nodes in cells)])
+    end = np.concatenate([links[:, 1], *(nodes[:, 1:].ravel() for nodes in cells)])
+    used = np.zeros(n, dtype=bool)
+    used[start] = used[end] = True
+    graph = sparse.coo_array((np.ones(len(start)), (start, end)), shape=(n, n))
+    _, group = connected_components(graph, directed=False)
+    numbers, first, count = np.unique(group[used], return_index=True, return_counts=True)
+    order = np.lexsort([first, -count])
+    if len(order) == 1:
+        return {"": _restricted(deck, used)}
+    return {
+        f"part_{k}": _restricted(deck, used & (group == numbers[which])) for k, which in enumerate(order, 1)
+    }
+
+
+def without_scalar_points(deck: Deck) -> Deck:
+    """A deck without the freedoms that have no place, and without what acts on them: no body has such."""
+    n = len(deck.node_ids)
+    if not len(deck.scalar_points):
+        return deck
+
+    def terms(given: tuple[ScalarTerms, ...]) -> tuple[ScalarTerms, ...]:
+        cut = (_without(each, each.freedoms >= 6 * n) for each in given)
+        return tuple(each for each in cut if len(each.lines))
+
+    def matrices(given: tuple[NodalMatrix, ...]) -> tuple[NodalMatrix, ...]:
+        return tuple(each for each in given if (each.freedoms < 6 * n).all())
+
+    return replace(
+        deck,
+        scalar_points=deck.scalar_points[:0],
+        masses=matrices(deck.masses),
+        stiffnesses=matrices(deck.stiffnesses),
+        dampings=matrices(deck.dampings),
+        springs=terms(deck.springs),
+        dashpots=terms(deck.dashpots),
+        inertias=terms(deck.inertias),
+        constraints=terms(deck.constraints),
+        held=terms(deck.held),
+    )
+
+
+def with_scalar_points(deck: Deck) -> Deck:
+    """A deck at its own supports, where points of one freedom stand as nodes that move along x alone."""
+    n, k = len(deck.node_ids), len(deck.scalar_points)
+    if not k:
+        return deck
+    place = deck.nodes.mean(axis=0) if n else np.zeros(3)
+    rest = 6 * (n + np.repeat(np.arange(k), 5)) + np.tile(np.arange(1, 6), k)
+    still = ScalarTerms(np.arange(5 * k), rest, np.ones(5 * k), np.zeros(5 * k, dtype=np.int64))
+    return replace(
+        deck,
+        scalar_points=deck.scalar_points[:0],
+        node_ids=np.append(deck.node_ids, deck.scalar_points),
+        nodes=np.vstack([deck.nodes.reshape(-1, 3), np.tile(place, (k, 1))]),
+        held=(*deck.held, still),
+    )
+
+
+def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
+    """The rows that have none of the refused terms."""
+    gone = np.zeros(len(given.lines), dtype=bool)
+    gone[given.rows[refused]] = True
+    return _rows(given, ~gone[given.rows])
+
+
+def named_part(deck: Deck, name: str | None) -> Deck:
+    """One part of a deck, by its name, or a superelement; the only one where `name` is None.
+
+    Raises
+    ------
+    ModelError   several parts and no name; another name
+    """
+    if name is not None and name in deck.superelements:
+        return named_part(deck.superelements[name], None)
+    parts = deck_parts(deck)
+    if not parts:
+        raise ModelError(f"{deck.path}: it has no elements, springs or masses to make a body of")
+    if name is None:
+        if len(parts) > 1:
+            sizes = ", ".join(f"{key} ({len(part.node_ids)} nodes)" for key, part in list(parts.items())[:8])
+            raise ModelError(
+                f"{deck.path}: it falls into {len(parts)} parts that nothing connects: {sizes}; choose one "
+                f'(part = "part_1"), or connect them'
+            )
+        return next(iter(parts.values()))
+    if name not in parts:
+        known = [*(key for key in parts if key), *deck.superelements]
+        raise ModelError(f"{deck.path}: it has no part '{name}'{did_you_mean(name, known)}")
+    return parts[name]
+
+
+def deck_links(deck: Deck) -> IntArray:
+    """Pairs (L, 2) of nodes that something beside cells connects; a node with itself where it is alone."""
+    stars = [np.array(nodes, dtype=np.int64) for nodes in _stars(deck)]
+    pairs = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in stars]
+    return np.concatenate([np.empty((0, 2), dtype=np.int64), *pairs])
+
+
+def _stars(deck: Deck) -> Iterator[IntArray]:
+    for matrix in (*deck.masses, *deck.stiffnesses, *deck.dampings):
+        nodes = np.unique(matrix.freedoms // 6)
+        if len(nodes):
+            yield nodes
+    for terms in (*deck.springs, *deck.dashpots, *deck.inertias, *deck.constraints):
+        order = np.argsort(terms.rows, kind="stable")
+        nodes = terms.freedoms[order] // 6
+        yield from _split(nodes, terms.rows[order])
+    for tie in deck.rigid:
+        yield np.unique(np.append(tie.nodes, tie.reference))
+    for mean in deck.means:
+        yield np.unique(np.append(mean.nodes, mean.reference))
+
+
+def _split(values: IntArray, by: IntArray) -> Iterable[IntArray]:
+    return np.split(values, np.flatnonzero(np.diff(by)) + 1) if len(by) else ()
+
+
+def _restricted(deck: Deck, own: NDArray[np.bool_]) -> Deck:
+    """What a deck has on some of its nodes, which nothing connects to others."""
+    if own.all():
+        return deck
+    number = np.cumsum(own) - 1
+
+    def sets(given: IntArray) -> IntArray:
+        return number[given[own[given]]]
+
+    def matrices(given: tuple[NodalMatrix, ...]) -> tuple[NodalMatrix, ...]:
+        inside = (each for each in given if len(each.freedoms) and own[each.freedoms[0] // 6])
+        return tuple(replace(each, freedoms=_renumbered(each.freedoms, number)) for each in inside)
+
+    def terms(given: tuple[ScalarTerms, ...]) -> tuple[ScalarTerms, ...]:
+        cut = (_terms(each, own, number) for each in given)
+        return tuple(each for each in cut if len(each.lines))
+
+    def ties(given: tuple[RigidTie | WeightedMean, ...]) -> tuple[RigidTie | WeightedMean, ...]:
+        return tuple(
+            replace(each, reference=int(number[each.reference]), nodes=number[each.nodes])
+            for each in given
+            if own[each.reference]
+        )
+
+    node_sets = {name: sets(nodes) for name, nodes in deck.node_sets.items()}
+    elements = tuple(_elements(each, own, number) for each in deck.elements)
+    return replace(
+        deck,
+        node_ids=deck.node_ids[own],
+        nodes=deck.nodes[own],
+        elements=tuple(each for each in elements if len(each.ids)),
+        node_sets={name: nodes for name, nodes in node_sets.items() if len(nodes)},
+        masses=matrices(deck.masses),
+        stiffnesses=matrices(deck.stiffnesses),
+        dampings=matrices(deck.dampings),
+        springs=terms(deck.springs),
+        dashpots=terms(deck.dashpots),
+        inertias=terms(deck.inertias),
+        constraints=terms(deck.constraints),
+        held=terms(deck.held),
+        rigid=ties(deck.rigid),
+        means=ties(deck.means),
+    )
+
+
+def _renumbered(freedoms: IntArray, number: IntArray) -> IntArray:
+    return 6 * number[freedoms // 6] + freedoms % 6
+
+
+def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> DeckElements:
+    inside = own[given.nodes[:, 0]] if len(given.nodes) else np.empty(0, dtype=bool)
+    arrays = {name: getattr(given, name) for name in ("directions", "offsets", "released")}
+    return replace(
+        given,
+        nodes=number[given.nodes[inside]],
+        ids=given.ids[inside],
+        lines=given.lines[inside],
+        **{name: None if array is None else array[inside] for name, array in arrays.items()},
+    )
+
+
+def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
+    cut = _rows(given, own[given.freedoms // 6])
+    dependent = np.where(cut.dependent >= 0, _renumbered(np.maximum(cut.dependent, 0), number), -1)
+    return replace(cut, freedoms=_renumbered(cut.freedoms, number), dependent=dependent)
+
+
+def _rows(given: ScalarTerms, inside: NDArray[np.bool_]) -> ScalarTerms:
+    """The rows of some terms."""
+    rows, place = np.unique(given.rows[inside], return_inverse=True)
+    return replace(
+        given,
+        rows=place,
+        freedoms=given.freedoms[inside],
+        factors=given.factors[inside],
+        lines=given.lines[rows],
+        values=given.values[rows] if len(given.values) else given.values,
+        dependent=given.dependent[rows] if len(given.dependent) else given.dependent,
+    )

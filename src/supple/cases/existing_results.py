@@ -1,0 +1,95 @@
+"""What earlier runs left in a case's folder: nothing of it is lost unless that is wanted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple.cases.case import Case
+from supple.error import ROUNDS_FOLDER, CorrectionFolder
+from supple.errors import ResultFileError
+from supple.storage import read_header
+from supple.storage.result_file import check_same_run
+
+__all__ = ["kept_so_far", "readings_paths", "refuse_overwrite", "report_path", "result_path"]
+
+
+def result_path(case: Path, folder: Path) -> Path:
+    """The file of the motion of the case in a file."""
+    return folder / f"{case.stem}.h5"
+
+
+def report_path(case: Case, folder: Path) -> Path:
+    """The file of the numbers of a run."""
+    return folder / f"{case.path.stem}.json"
+
+
+def readings_paths(folder: Path) -> tuple[Path, Path]:
+    """The files of what its sensors read: a table, and HDF5."""
+    return folder / "sensors.csv", folder / "sensors.h5"
+
+
+def kept_so_far(case: Path, folder: Path) -> str:
+    """What a run of the case in a file that was stopped, but not while it marched, left in a folder."""
+    path = result_path(case, folder)
+    try:
+        header = read_header(path)
+    except ResultFileError:
+        header = None
+    if header is not None and header.complete:
+        return f"the run is complete in {path}; reports and pictures may be missing"
+    if CorrectionFolder(folder / ROUNDS_FOLDER, case="").is_begun:
+        return f"the rounds so far are kept in {folder / ROUNDS_FOLDER}; --resume goes on with them"
+    if header is not None and header.n_times:
+        return f"the run so far is kept in {path}; --resume goes on with it"
+    return "nothing was computed yet; run it again"
+
+
+def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> None:
+    """Before anything is read or built: may this run write to the folder?
+
+    Raises
+    ------
+    ResultFileError     a result would be lost; there is nothing to continue, or it is of another case
+    """
+    if force:
+        return
+    path, rounds = result_path(case.path, folder), CorrectionFolder(folder / ROUNDS_FOLDER, case=case.text)
+    if resume:
+        _check_to_continue(case, path, rounds)
+        return
+    seen = _lost(path, rounds)
+    if seen:
+        raise ResultFileError(
+            f"{folder} holds {seen}; --resume goes on where a run was cut off, --force replaces what is "
+            "there, -o FOLDER writes elsewhere"
+        )
+
+
+def _check_to_continue(case: Case, path: Path, rounds: CorrectionFolder) -> None:
+    if path.exists():
+        header = read_header(path)
+        check_same_run(path, header, case.text, case.inputs)
+        if header.complete:
+            raise ResultFileError(
+                f"cannot continue {path}: its run is complete; --force runs it again, -o FOLDER elsewhere"
+            )
+    elif not rounds.is_begun:
+        raise ResultFileError(
+            f"cannot continue {path}: there is no such file, so nothing to go on with; leave out --resume"
+        )
+
+
+def _lost(path: Path, rounds: CorrectionFolder) -> str:
+    """What a new run would replace, in words; empty where there is nothing."""
+    if path.exists():
+        try:
+            header = read_header(path)
+        except ResultFileError as error:
+            return f"a result that cannot be read ({error})"
+        if header.complete:
+            return f"the finished run {path.name}"
+        if header.n_times:
+            return f"the run {path.name}, which was cut off"
+    elif rounds.is_begun:
+        return f"the rounds of a run that was cut off ({rounds.folder.name}/)"
+    return ""

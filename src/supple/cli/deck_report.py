@@ -1,0 +1,169 @@
+"""What a deck holds, as rows for the terminal and as JSON: always to its end, whatever is missing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts
+from supple.errors import SuppleError
+from supple.importers.deck import Deck
+from supple.results.descriptions import Row
+
+__all__ = ["DeckReport", "deck_report", "deck_rows", "write_report"]
+
+
+@dataclass(frozen=True)
+class DeckReport:
+    """What was found of a deck.
+
+    mass : None where elements could not be made
+    frequencies : Hz, in the unit of time of the deck; None where they were not asked for, or not found
+    faults : why something is not there
+    """
+
+    deck: Deck
+    mass: MassProperties | None
+    frequencies: tuple[float, ...] | None
+    faults: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The contract of `supple info --json`."""
+        mass, given = self.mass, self.deck
+        found: dict[str, Any] = {
+            "nodes": len(given.node_ids),
+            "elements": element_counts(given),
+            "mass": None if mass is None else mass.mass,
+            "centre": None if mass is None else mass.centre.tolist(),
+            "inertia": None if mass is None else inertia_terms(mass),
+            "left_out": [
+                {"card": each.card, "count": each.count, "line": each.line} for each in given.left_out
+            ],
+        }
+        if self.frequencies is not None:
+            found["frequencies_hz"] = list(self.frequencies)
+        return found
+
+
+def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
+    """Mass, and frequencies where they are asked for; a fault of the model is said, and ends nothing.
+
+    held : at the deck's own supports
+    """
+    faults: list[str] = []
+    mass = frequencies = None
+    try:
+        mass = deck_mass(deck)
+    except SuppleError as error:
+        faults.append(f"no mass: {error}")
+    if mass is not None and not mass.mass > 0:
+        faults.append("no density, and no concentrated masses: statics only; give the materials a density")
+    elif n_modes and mass is not None:
+        try:
+            frequencies = tuple(deck_frequencies(deck, n_modes, held=held).tolist())
+        except SuppleError as error:
+            faults.append(f"no frequencies: {error}")
+    return DeckReport(deck, mass, frequencies, tuple(faults))
+
+
+def element_counts(deck: Deck) -> dict[str, int]:
+    """How many elements of each type, by the file's own names."""
+    ids: dict[str, list[np.ndarray]] = {}
+    for each in deck.elements:
+        ids.setdefault(each.name, []).append(each.ids)
+    return {name: len(np.unique(np.concatenate(own))) for name, own in ids.items()}
+
+
+def inertia_terms(mass: MassProperties) -> list[float]:
+    """Ixx, Iyy, Izz, and the integrals xy, xz, yz about the centre."""
+    J = mass.inertia
+    return [float(value) for value in (J[0, 0], J[1, 1], J[2, 2], -J[0, 1], -J[0, 2], -J[1, 2])]
+
+
+def write_report(report: DeckReport, path: Path) -> None:
+    """The report as JSON."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(report.as_json(), indent=1) + "\n", encoding="utf-8")
+
+
+def deck_rows(report: DeckReport) -> Iterator[Row]:
+    """Everything of a report, for the terminal."""
+    deck, mass = report.deck, report.mass
+    yield "what", f"{len(deck.node_ids)} nodes"
+    if len(deck.nodes):
+        for axis, low, high in zip("xyz", deck.nodes.min(axis=0), deck.nodes.max(axis=0), strict=True):
+            yield axis, f"{low:g} to {high:g}"
+    for name, count in element_counts(deck).items():
+        yield f"elements {name}", str(count)
+    for name, given in deck.properties.items():
+        yield f"property {name}", type(given).__name__.removesuffix("Property").lower()
+    if mass is not None:
+        yield "mass", f"{mass.mass:.6g}"
+        yield "centre", _listed(mass.centre)
+        yield "inertia about it, xx yy zz xy xz yz", _listed(inertia_terms(mass))
+    yield from _parts(deck)
+    for what, given in _beside(deck):
+        yield what, given
+    yield from _named(deck)
+    if report.frequencies is not None:
+        yield "frequencies", _listed(report.frequencies) + " per unit of time"
+    yield "cards read", _counted(deck.read)
+    yield "cards passed over, without effect on a body", _counted(deck.passed_over)
+    for each in deck.left_out:
+        yield f"LEFT OUT {each.card}", f"{each.count}, first on line {each.line}: {each.meaning}"
+    for note in (*deck.notes, *report.faults):
+        yield "note", note
+
+
+def _named(deck: Deck) -> Iterator[Row]:
+    """What a case can take hold of."""
+    for name, nodes in deck.node_sets.items():
+        yield f"node set {name}", f"{len(nodes)} nodes"
+    for name, members in deck.element_sets.items():
+        yield f"element set {name}", f"{len(members)} elements"
+    for tie in (*deck.rigid, *deck.means):
+        yield f"connection {tie.name}", f"{len(tie.nodes)} nodes"
+    for name, own in deck.superelements.items():
+        yield f"superelement {name}", f"{len(own.node_ids)} nodes"
+
+
+def _parts(deck: Deck) -> Iterator[Row]:
+    parts = deck_parts(deck)
+    if len(deck.scalar_points):
+        yield "scalar points", f"{len(deck.scalar_points)}, which no free body has"
+    used = sum(len(part.node_ids) for part in parts.values())
+    if used < len(deck.node_ids):
+        yield "nodes that nothing uses", f"{len(deck.node_ids) - used}, dropped"
+    if len(parts) < 2:
+        return
+    for name, part in list(parts.items())[:20]:
+        elements = ", ".join(f"{count} {kind}" for kind, count in element_counts(part).items())
+        yield f"part {name}", f"{len(part.node_ids)} nodes; {elements or 'no elements'}"
+    if len(parts) > 20:
+        yield "further parts", str(len(parts) - 20)
+
+
+def _beside(deck: Deck) -> Iterator[Row]:
+    """Springs, masses and constraints by their number."""
+    counts = {
+        "springs": sum(len(each.lines) for each in deck.springs),
+        "dashpots": sum(len(each.lines) for each in deck.dashpots) + len(deck.dampings),
+        "concentrated masses": len(deck.masses) + sum(len(each.lines) for each in deck.inertias),
+        "stiffness matrices": len(deck.stiffnesses),
+        "constraints": sum(len(each.lines) for each in deck.constraints),
+        "supports": sum(len(each.lines) for each in deck.held),
+    }
+    yield from ((what, str(count)) for what, count in counts.items() if count)
+
+
+def _counted(cards: Any) -> str:
+    return ", ".join(f"{count} {card}" for card, count in cards.items()) or "none"
+
+
+def _listed(values: Any) -> str:
+    return ", ".join(f"{value:.6g}" for value in values)

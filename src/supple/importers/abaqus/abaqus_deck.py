@@ -1,0 +1,103 @@
+"""Decks of Abaqus and CalculiX: all that an input file says about a body."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from supple.arguments import checked_arguments
+from supple.importers.abaqus.constraints import read_constraints
+from supple.importers.abaqus.element_types import CELL_FAMILIES, Family
+from supple.importers.abaqus.freedoms import Freedoms
+from supple.importers.abaqus.instances import decks_of_instances
+from supple.importers.abaqus.keywords import LEFT_OUT, PASSED_OVER
+from supple.importers.abaqus.lumped import read_masses, read_springs
+from supple.importers.abaqus.model import AbaqusModel, read_model
+from supple.importers.abaqus.orientation import read_orientations
+from supple.importers.abaqus.public_names import public_ids, public_name, public_sets
+from supple.importers.abaqus.sections import read_elements
+from supple.importers.abaqus.supports import read_supports
+from supple.importers.abaqus.ties import read_ties
+from supple.importers.deck import Deck
+from supple.importers.keyword_file import read_keyword_file
+
+__all__ = ["read_abaqus_deck"]
+
+
+@checked_arguments
+def read_abaqus_deck(path: str | Path) -> Deck:
+    """The body that an Abaqus or CalculiX input file describes; what is not read is listed in `left_out`.
+
+    Reads nodes, elements, sets, surfaces, instances, materials, sections, masses, springs, dashpots,
+    constraints and supports. Steps and what has no effect on an elastic body are passed over.
+
+    Raises
+    ------
+    ImportFormatError   a file that is missing, cut short or no input file; words where numbers belong
+    """
+    file = read_keyword_file(Path(path))
+    model = read_model(file)
+    report, ids = model.report, public_ids(model)
+    orientations = read_orientations(model)
+    freedoms = Freedoms(model)
+    constraints = read_constraints(model, freedoms, ids)
+    read_ties(model, constraints.rows)
+    elements, properties = read_elements(model, ids, orientations)
+    inertias, masses = read_masses(model, freedoms, orientations)
+    springs = read_springs(model, freedoms, Family.SPRING, "SPRING")
+    dashpots = read_springs(model, freedoms, Family.DASHPOT, "DASHPOT")
+    held = read_supports(model, freedoms)
+    _account_for_the_rest(model)
+    node_sets = public_sets(model, model.node_sets)
+    for (scope, _), surface in model.surfaces.items():
+        name = public_name(model, scope, surface.name, model.surfaces)
+        if len(surface.nodes) and not np.array_equal(node_sets.get(name, []), surface.nodes):
+            node_sets[f"surface {name}" if name in node_sets else name] = surface.nodes
+    deck = Deck(
+        Path(path),
+        ids.nodes,
+        model.positions,
+        elements,
+        properties,
+        node_sets,
+        {name: ids.elements[of] for name, of in public_sets(model, model.element_sets).items()},
+        masses=masses,
+        springs=springs,
+        dashpots=dashpots,
+        inertias=inertias,
+        constraints=constraints.rows.terms(with_values=False),
+        held=held,
+        rigid=tuple(constraints.rigid),
+        means=tuple(constraints.means),
+        read=dict(report.read),
+        passed_over=dict(report.passed_over),
+        left_out=report.left_out,
+        notes=report.notes,
+    )
+    return decks_of_instances(deck, model)
+
+
+def _account_for_the_rest(model: AbaqusModel) -> None:
+    """Counts keywords that nothing has read: passed over, left out, or unknown and so left out."""
+    report = model.report
+    for placed in model.blocks:
+        block = placed.block
+        if placed.step:
+            report.passed_over[block.name] += 1
+        elif block.name in report.read:
+            continue
+        elif block.key in LEFT_OUT:
+            report.leave_out_block(block, LEFT_OUT[block.key])
+        elif block.key in PASSED_OVER:
+            report.passed_over[block.name] += 1
+        else:
+            report.leave_out_block(block, "this keyword is not known")
+    stiff = any(block.type.family in CELL_FAMILIES for block in model.elements)
+    for block in model.elements:
+        if block.type.family is Family.PLANE:
+            name = f"*ELEMENT, TYPE={block.type.name}"
+            if stiff:
+                report.passed_over[name] += len(block.ids)
+            else:
+                report.leave_out(name, int(block.lines[0]), "a body is solid, not plane", len(block.ids))

@@ -1,0 +1,112 @@
+"""Parts, instances and steps: which keyword belongs to which scope of names."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from supple.importers.abaqus.report import Report
+from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, numbers
+
+__all__ = ["Scope", "ScopedBlock", "scoped_blocks"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Scope:
+    """Names and ids of one instance; of the model, where there are no parts. x -> rotation x + shift."""
+
+    name: str = ""
+    rotation: FloatArray = field(default_factory=lambda: np.eye(3))
+    shift: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False)
+class ScopedBlock:
+    """A keyword in scope number `scope` (0: the model), in step `step` (0: none, before the first)."""
+
+    scope: int
+    step: int
+    block: KeywordBlock
+
+
+def scoped_blocks(file: KeywordFile, report: Report) -> tuple[tuple[Scope, ...], tuple[ScopedBlock, ...]]:
+    """The keywords of a file in its order, those of a part once for each of its instances.
+
+    A file of parts without instances has one instance of each.
+
+    Raises
+    ------
+    ImportFormatError   an instance of an unknown part; a placement that is not numbers
+    """
+    parts, rest = _parts(file)
+    scopes, found = [Scope()], list[ScopedBlock]()
+    used: set[str] = set()
+    scope = step = 0
+    inside_step = False
+    for block in rest:
+        if block.key == "INSTANCE":
+            scopes.append(_instance(file, block))
+            scope = len(scopes) - 1
+            name = block.options.get("PART", "").upper()
+            if name in parts:
+                found += [ScopedBlock(scope, 0, inside) for inside in parts[name][1]]
+                used.add(name)
+            elif "LIBRARY" in block.options:
+                report.leave_out_block(block, "an instance out of another analysis is missing")
+            elif parts:
+                raise file.error(
+                    block.line, f"an instance of part '{name}', which the file does not define; add the part"
+                )
+        elif block.key == "ENDINSTANCE":
+            scope = 0
+        else:
+            if block.key == "STEP":
+                step, inside_step = step + 1, True
+            found.append(ScopedBlock(scope, step if inside_step else 0, block))
+            inside_step = inside_step and block.key != "ENDSTEP"
+    alone = len(scopes) == 1
+    for key, (name, blocks) in parts.items():
+        if alone:
+            scopes.append(Scope(name))
+            found += [ScopedBlock(len(scopes) - 1, 0, inside) for inside in blocks]
+        elif key not in used:
+            report.note(f"part '{name}' has no instance and is not read")
+    return tuple(scopes), tuple(found)
+
+
+def _parts(file: KeywordFile) -> tuple[dict[str, tuple[str, list[KeywordBlock]]], list[KeywordBlock]]:
+    """Name and keywords of each part by its name in upper case, and the keywords outside of parts."""
+    parts: dict[str, tuple[str, list[KeywordBlock]]] = {}
+    part: list[KeywordBlock] | None = None
+    rest: list[KeywordBlock] = []
+    for block in file.blocks:
+        if block.key == "PART":
+            name = block.options.get("NAME", "")
+            part = parts.setdefault(name.upper(), (name, []))[1]
+        elif block.key == "ENDPART":
+            part = None
+        else:
+            (rest if part is None else part).append(block)
+    return parts, rest
+
+
+def _instance(file: KeywordFile, block: KeywordBlock) -> Scope:
+    """Moved by the first data line, then turned about the axis through two points of the second."""
+    rows = [numbers(file, line, fields(text)) for line, text in block.data]
+    name = block.options.get("NAME", "")
+    shift = np.array([*(rows[0] if rows else []), 0.0, 0.0, 0.0][:3])
+    if len(rows) < 2:
+        return Scope(name, np.eye(3), shift)
+    if len(rows[1]) != 7 or rows[1][:3] == rows[1][3:6]:
+        raise file.error(
+            block.data[1][0], "an instance turns about two points (6 numbers), by an angle in degrees"
+        )
+    start, end, angle = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
+    axis = (end - start) / np.linalg.norm(end - start)
+    rotation = Rotation.from_rotvec(np.radians(angle) * axis).as_matrix()
+    return Scope(name, rotation, rotation @ (shift - start) + start)

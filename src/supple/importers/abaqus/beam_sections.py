@@ -1,0 +1,142 @@
+"""Sections of beams: *BEAM SECTION of a shape and material, *BEAM GENERAL SECTION of either or of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.beam_shapes import BeamShape, beam_shape
+from supple.importers.abaqus.materials import DeckMaterial
+from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
+from supple.importers.keyword_file import fields, numbers
+
+__all__ = ["SectionOfBeams", "read_beam_section"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SectionOfBeams:
+    """n1 : (3,) approximate first axis;  shift : (y, z) of the shape's own origin from the node, m"""
+
+    material: IsotropicMaterial
+    shape: BeamShape
+    n1: FloatArray
+    shift: tuple[float, float]
+
+    def property_of(self, type_name: str) -> BeamProperty:
+        """The property of elements of a type; Euler-Bernoulli ones (B33) are rigid in shear."""
+        shape = self.shape
+        factor = 0.0 if type_name.startswith("B33") else shape.factor
+        neutral = (
+            shape.centroid[0] - shape.shear_centre[0],
+            shape.centroid[1] - shape.shear_centre[1],
+        )
+        return BeamProperty(
+            self.material,
+            BeamValues(
+                shape.area,
+                shape.Iyy,
+                shape.Izz,
+                shape.J,
+                factor,
+                factor,
+                self.material.density * shape.area,
+                shape.Iyz,
+                neutral,
+                neutral,
+            ),
+        )
+
+    def directions_and_offsets(
+        self, ends: FloatArray, axis_nodes: FloatArray | None
+    ) -> tuple[FloatArray, FloatArray | None]:
+        """First axes (C, 3) of cells with ends (C, 2, 3), and offsets (C, 2, 3) of their shear centres.
+
+        axis_nodes : (C, 3) places that the first axes point at, from the first end; None: along n1
+        """
+        along = ends[:, 1] - ends[:, 0]
+        tangent = along / np.linalg.norm(along, axis=1, keepdims=True)
+        n1 = np.broadcast_to(self.n1, along.shape) if axis_nodes is None else axis_nodes - ends[:, 0]
+        n1 = n1 - np.einsum("ci,ci->c", n1, tangent)[:, None] * tangent
+        length = np.linalg.norm(n1, axis=1)
+        # Along its own axis n1 gives no direction: take one across.
+        aside = np.eye(3)[np.argmin(np.abs(tangent), axis=1)]
+        aside = aside - np.einsum("ci,ci->c", aside, tangent)[:, None] * tangent
+        n1 = np.where((length > 1e-6 * np.linalg.norm(self.n1))[:, None], n1, aside)
+        n1 = n1 / np.linalg.norm(n1, axis=1, keepdims=True)
+        y, z = np.add(self.shape.shear_centre, self.shift)
+        if not y and not z:
+            return n1, None
+        offset = y * n1 + z * np.cross(tangent, n1)
+        return n1, np.stack([offset, offset], axis=1)
+
+
+def read_beam_section(
+    model: AbaqusModel, placed: ScopedBlock, material: Callable[[str], DeckMaterial | None]
+) -> SectionOfBeams | None:
+    """A section of beams; None where its shape or material is not read.
+
+    Raises
+    ------
+    ImportFormatError   no dimensions; words for numbers
+    """
+    file, block = model.file, placed.block
+    kind = block.options.get("SECTION", "GENERAL" if block.key == "BEAMGENERALSECTION" else "").upper()
+    rows = [numbers(file, line, fields(text)) for line, text in block.data]
+    if not rows:
+        raise file.error(block.line, f"*{block.name} without dimensions; is the file cut short?")
+    made_of = material(block.options.get("MATERIAL", ""))
+    by_numbers = block.key == "BEAMGENERALSECTION" and "MATERIAL" not in block.options
+    if by_numbers:
+        E, G = [*rows[-1], 0.0, 0.0][:2] if len(rows) > 1 else (0.0, 0.0)
+        density = numbers(file, block.line, [block.options.get("DENSITY", "0")])[0]
+        if not (E > 0 and G > 0):
+            raise file.error(block.line, f"*{block.name}: its last line begins with E, G, both positive")
+        nu = E / (2 * G) - 1
+        made_of = IsotropicMaterial(E, nu, density) if nu < 0.5 else IsotropicMaterial(E, 0.3, density, G)
+    shape = _by_numbers(rows[0]) if kind in ("", "GENERAL") else beam_shape(kind, rows[0])
+    if shape is None:
+        model.report.leave_out(
+            f"*{block.name}, SECTION={kind}", block.line, "beams of this section are missing"
+        )
+        return None
+    if not isinstance(made_of, IsotropicMaterial):
+        return None
+    shape = _with_centres(model, placed, shape)
+    has_axis = len(rows) > 2 or (len(rows) > 1 and not by_numbers)
+    n1 = np.array([*rows[1], 0.0, 0.0, 0.0][:3]) if has_axis else np.array([0.0, 0.0, -1.0])
+    if not np.linalg.norm(n1) > 0:
+        n1 = np.array([0.0, 0.0, -1.0])
+    # CalculiX: the nodes lie a share of the thickness away from the axis.
+    shares = numbers(file, block.line, [block.options.get(f"OFFSET{i}", "0") for i in (1, 2)])
+    shift = (-shares[0] * shape.size[0], -shares[1] * shape.size[1])
+    return SectionOfBeams(made_of, shape, model.scopes[placed.scope].rotation @ n1, shift)
+
+
+def _by_numbers(values: list[float]) -> BeamShape | None:
+    """A, I11, I12, I22, J of *BEAM GENERAL SECTION; I11 bends about the first axis, so across the second."""
+    area, I11, I12, I22, J = [*values, *5 * [0.0]][:5]
+    return BeamShape(area, I22, I11, I12, J, 1.0) if min(area, I11, I22, J) > 0 else None
+
+
+def _with_centres(model: AbaqusModel, placed: ScopedBlock, shape: BeamShape) -> BeamShape:
+    """The shape with the *CENTROID and *SHEAR CENTER that follow its keyword."""
+    start = next(i for i, each in enumerate(model.blocks) if each is placed)
+    for each in model.blocks[start + 1 : start + 3]:
+        if each.block.key not in ("CENTROID", "SHEARCENTER") or not each.block.data:
+            break
+        line, text = each.block.data[0]
+        place = tuple([*numbers(model.file, line, fields(text)), 0.0, 0.0][:2])
+        model.report.read[each.block.name] += 1
+        shape = (
+            replace(shape, centroid=place)
+            if each.block.key == "CENTROID"
+            else replace(shape, shear_centre=place)
+        )
+    return shape

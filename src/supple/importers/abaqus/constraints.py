@@ -1,0 +1,404 @@
+"""Multi-point constraints of Abaqus and CalculiX: equations, MPCs, rigid bodies and couplings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.element_types import Family
+from supple.importers.abaqus.freedoms import Freedoms, Rows, along, rigid_terms
+from supple.importers.abaqus.model import AbaqusModel, Surface
+from supple.importers.abaqus.public_names import PublicIds
+from supple.importers.deck import RigidTie, WeightedMean
+from supple.importers.keyword_file import fields, numbers
+from supple.importers.plain_number import is_plain_digits
+
+__all__ = ["Constraints", "read_constraints"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+_ALL = (1, 2, 3, 4, 5, 6)
+
+
+@dataclass(eq=False)
+class Constraints:
+    """Rows of freedoms, rigid ties and weighted means as they are found."""
+
+    rows: Rows
+    rigid: list[RigidTie] = field(default_factory=list)
+    means: list[WeightedMean] = field(default_factory=list)
+
+
+def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> Constraints:
+    """What ties nodes to each other, apart from *TIE.
+
+    A node of a rigid body or coupling without rotations follows in its translations.
+
+    Raises
+    ------
+    ImportFormatError   equations that are cut short; reference nodes that are missing; words for numbers
+    """
+    found = Constraints(Rows(freedoms.lines))
+    solid_only = _nodes_of_solids_alone(model)
+    for placed in model.named("RIGIDBODY"):
+        _rigid_body(model, placed, freedoms, ids, found)
+    for placed in model.named("EQUATION"):
+        _equations(model, placed, freedoms, found.rows)
+    for placed in model.named("MPC"):
+        _mpcs(model, placed, freedoms, ids, found)
+    coupling: ScopedBlock | None = None
+    for placed in model.blocks:
+        key = placed.block.key
+        if placed.step or key not in ("COUPLING", "KINEMATIC", "DISTRIBUTING"):
+            continue
+        model.report.read[placed.block.name] += 1
+        if key == "COUPLING":
+            coupling = placed
+        elif coupling is not None:
+            _coupling(model, coupling, placed, freedoms, ids, found, solid_only)
+    for placed in model.named("KINEMATICCOUPLING"):
+        _kinematic_coupling(model, placed, freedoms, ids, found, solid_only)
+    for placed in model.named("DISTRIBUTINGCOUPLING"):
+        _distributing_coupling(model, placed, ids, found)
+    return found
+
+
+def _nodes_of_solids_alone(model: AbaqusModel) -> NDArray[np.bool_]:
+    """(N,) whether only solids and trusses, which turn no node, use a node."""
+    turns = np.zeros(len(model.positions), dtype=bool)
+    used = np.zeros(len(model.positions), dtype=bool)
+    for block in model.elements:
+        used[block.nodes] = True
+        if block.type.family in (Family.SHELL, Family.BEAM, Family.ROTARY_INERTIA):
+            turns[block.nodes] = True
+    return used & ~turns
+
+
+# --- equations
+
+
+def _equations(model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, rows: Rows) -> None:
+    file, block = model.file, placed.block
+    data = list(block.data)
+    i = 0
+    while i < len(data):
+        line, text = data[i]
+        words = fields(text)
+        if not is_plain_digits(words[0]) or len(words) > 1:
+            raise file.error(line, f"*EQUATION begins with its number of terms; '{text[:40]}' is not that")
+        wanted, found = int(words[0]), list[tuple[str, str, str]]()
+        i += 1
+        while i < len(data) and len(found) < wanted:
+            row = [*fields(data[i][1]), "", ""]
+            found += zip(row[0::3], row[1::3], row[2::3], strict=False)
+            i += 1
+        if len(found) != wanted or not wanted:
+            raise file.error(line, f"an equation of {wanted} terms has {len(found)}; is the file cut short?")
+        _equation(model, placed.scope, line, found, freedoms, rows)
+
+
+def _equation(
+    model: AbaqusModel,
+    scope: int,
+    line: int,
+    terms: list[tuple[str, str, str]],
+    freedoms: Freedoms,
+    rows: Rows,
+) -> None:
+    """One equation, or one for each node of the sets that it names."""
+    nodes = [model.nodes_of(scope, word, line, "*EQUATION") for word, _, _ in terms]
+    count = max(len(each) for each in nodes)
+    if any(len(each) not in (1, count) for each in nodes):
+        model.report.leave_out("*EQUATION", line, "it names unknown nodes, or sets of different sizes")
+        return
+    factors = [numbers(model.file, line, [word])[0] for _, _, word in terms]
+    components = [int(word) if is_plain_digits(word) else 0 for _, word, _ in terms]
+    if not all(1 <= component <= 6 for component in components):
+        model.report.leave_out("*EQUATION", line, "it names freedoms other than 1 to 6")
+        return
+    for k in range(count):
+        row = []
+        for each, component, factor in zip(nodes, components, factors, strict=True):
+            row += freedoms.of(int(each[k if len(each) > 1 else 0]), component, factor)
+        first = freedoms.of(int(nodes[0][k if len(nodes[0]) > 1 else 0]), components[0])
+        dependent = first[0][0] if len(first) == 1 else -1
+        rows.add(row, line, dependent=dependent)
+
+
+# --- MPCs
+
+
+def _mpcs(
+    model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, ids: PublicIds, found: Constraints
+) -> None:
+    data = list(placed.block.data)
+    i = 0
+    while i < len(data):
+        line, text = data[i]
+        words = fields(text)
+        kind = words[0].upper()
+        i += 1
+        # CalculiX goes on with a line of more nodes behind a comma, beginning with a 0 or at once.
+        while (
+            i < len(data) and data[i - 1][1].rstrip().endswith(",") and is_plain_digits(fields(data[i][1])[0])
+        ):
+            words += fields(data[i][1])
+            i += 1
+        nodes = [model.nodes_of(placed.scope, word, line, "*MPC") for word in words[1:] if word]
+        pairs = _pairs(nodes)
+        if kind not in ("TIE", "PIN", "BEAM", "LINK") or pairs is None:
+            model.report.leave_out(f"*MPC, {kind}", line, "its nodes are not tied")
+            continue
+        for first, second in pairs:
+            span = model.positions[first] - model.positions[second]
+            if kind == "BEAM":
+                _add_rigid(found, f"mpc_{ids.nodes[second]}", second, np.array([first]), line, freedoms)
+            elif kind == "LINK":
+                if np.linalg.norm(span) > 0:
+                    found.rows.add(along(second, first, span / np.linalg.norm(span)), line)
+            else:
+                for component in range(6 if kind == "TIE" else 3):
+                    terms = [(6 * first + component, 1.0), (6 * second + component, -1.0)]
+                    found.rows.add(terms, line, dependent=6 * first + component)
+
+
+def _pairs(nodes: list[IntArray]) -> list[tuple[int, int]] | None:
+    """Nodes of two sets one by one, or all of the first with the only one of the second."""
+    if len(nodes) != 2 or not len(nodes[1]) or len(nodes[1]) not in (1, len(nodes[0])):
+        return None
+    return list(zip(nodes[0].tolist(), np.broadcast_to(nodes[1], len(nodes[0])).tolist(), strict=True))
+
+
+# --- rigid bodies
+
+
+def _add_rigid(
+    found: Constraints, name: str, reference: int, nodes: IntArray, line: int, freedoms: Freedoms
+) -> None:
+    """One tie of that name; further nodes of the same reference and name join it."""
+    nodes = np.unique(nodes)
+    nodes = nodes[nodes != reference]
+    for i, other in enumerate(found.rigid):
+        if other.name == name and other.reference == reference:
+            joined = np.union1d(other.nodes, nodes)
+            found.rigid[i] = RigidTie(name, reference, joined, other.line)
+            return
+    if len(nodes):
+        found.rigid.append(RigidTie(name, reference, nodes, int(freedoms.lines[line])))
+
+
+def _reference(model: AbaqusModel, placed: ScopedBlock) -> int | None:
+    """The node of REF NODE; None where it is not there."""
+    word = placed.block.options.get("REFNODE", "")
+    nodes = model.nodes_of(placed.scope, word, placed.block.line, f"*{placed.block.name}, REF NODE")
+    if len(nodes) != 1:
+        model.report.leave_out_block(placed.block, f"its reference node '{word}' is not one node of the file")
+        return None
+    return int(nodes[0])
+
+
+def _rigid_body(
+    model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, ids: PublicIds, found: Constraints
+) -> None:
+    block, scope = placed.block, placed.scope
+    reference = _reference(model, placed)
+    if reference is None:
+        return
+    tied, pinned = [], []
+    what = f"*{block.name}"
+    for option in ("NSET", "TIENSET"):
+        if option in block.options:
+            tied.append(model.nodes_of(scope, block.options[option], block.line, what))
+    if "ELSET" in block.options:
+        members = model.elements_of(scope, block.options["ELSET"], block.line, what)
+        tied.append(model.nodes_of_elements(members))
+    if "PINNSET" in block.options:
+        pinned = model.nodes_of(scope, block.options["PINNSET"], block.line, what).tolist()
+    if "ROTNODE" in block.options:
+        for node in model.nodes_of(scope, block.options["ROTNODE"], block.line, what).tolist():
+            freedoms.rotation_nodes[node] = reference
+    if not tied and not pinned:
+        model.report.leave_out_block(block, "its analytical surface moves with nothing")
+        return
+    nodes = np.concatenate([np.empty(0, dtype=np.int64), *tied])
+    _add_rigid(found, f"rigid_body_{ids.nodes[reference]}", reference, nodes, block.line, freedoms)
+    for node in pinned:
+        arm = model.positions[node] - model.positions[reference]
+        for i in range(3):
+            found.rows.add(
+                rigid_terms(node, reference, arm, np.eye(3)[i]), block.line, dependent=6 * node + i
+            )
+
+
+# --- couplings
+
+
+def _coupling(
+    model: AbaqusModel,
+    coupling: ScopedBlock,
+    kind: ScopedBlock,
+    freedoms: Freedoms,
+    ids: PublicIds,
+    found: Constraints,
+    solid_only: NDArray[np.bool_],
+) -> None:
+    block = coupling.block
+    reference = _reference(model, coupling)
+    surface = model.surface(coupling.scope, block.options.get("SURFACE", ""))
+    if reference is None:
+        return
+    if surface is None or not len(surface.nodes):
+        model.report.leave_out_block(block, f"its surface '{block.options.get('SURFACE', '')}' is not read")
+        return
+    name = block.options.get("CONSTRAINTNAME") or f"coupling_{ids.nodes[reference]}"
+    components = _range_of_components(model, kind)
+    nodes, weights = surface.nodes, _tributary(model, surface)
+    if "INFLUENCERADIUS" in block.options:
+        radius = numbers(model.file, block.line, [block.options["INFLUENCERADIUS"]])[0]
+        near = np.linalg.norm(model.positions[nodes] - model.positions[reference], axis=1) <= radius
+        nodes, weights = nodes[near], weights[near]
+    near = nodes != reference
+    nodes, weights = nodes[near], weights[near]
+    if kind.block.key == "DISTRIBUTING":
+        if kind.block.options.get("WEIGHTINGMETHOD", "UNIFORM").upper() != "UNIFORM":
+            model.report.note(f"coupling '{name}' has weights of the surface alone, whatever the distance")
+        follow = tuple(component in components or component > 3 for component in _ALL)
+        found.means.append(
+            WeightedMean(name, reference, nodes, weights, int(freedoms.lines[block.line]), follow)
+        )
+        return
+    if "ORIENTATION" in block.options and set(components) != set(_ALL):
+        model.report.leave_out_block(block, "its freedoms are those of the global axes")
+    _kinematic(model, name, reference, nodes, components, block.line, freedoms, found, solid_only)
+
+
+def _range_of_components(model: AbaqusModel, placed: ScopedBlock) -> tuple[int, ...]:
+    """Freedoms of the lines `first, last`; all where there is none."""
+    found: set[int] = set()
+    for line, text in placed.block.data:
+        words = [word for word in fields(text) if word]
+        if not words or not all(map(is_plain_digits, words[:2])):
+            raise model.file.error(line, f"*{placed.block.name} takes first and last freedom, 1 to 6")
+        found |= set(range(int(words[0]), min(int(words[:2][-1]), 6) + 1))
+    return tuple(sorted(found)) if found else _ALL
+
+
+def _kinematic(
+    model: AbaqusModel,
+    name: str,
+    reference: int,
+    nodes: IntArray,
+    components: tuple[int, ...],
+    line: int,
+    freedoms: Freedoms,
+    found: Constraints,
+    solid_only: NDArray[np.bool_],
+) -> None:
+    """All freedoms, or all that the nodes have: a rigid tie; some of them: rows."""
+    if set(components) == set(_ALL) or (set(components) >= {1, 2, 3} and solid_only[nodes].all()):
+        _add_rigid(found, name, reference, nodes, line, freedoms)
+        return
+    for node in nodes.tolist():
+        arm = model.positions[node] - model.positions[reference]
+        axes = freedoms.axes(node)
+        for component in components:
+            column = axes[:, (component - 1) % 3]
+            if component <= 3:
+                terms = rigid_terms(node, reference, arm, column)
+            elif solid_only[node]:
+                continue
+            else:
+                terms = [(6 * node + 3 + i, float(column[i])) for i in range(3)]
+                terms += [(6 * reference + 3 + i, -float(column[i])) for i in range(3)]
+            found.rows.add(terms, line)
+
+
+def _kinematic_coupling(
+    model: AbaqusModel,
+    placed: ScopedBlock,
+    freedoms: Freedoms,
+    ids: PublicIds,
+    found: Constraints,
+    solid_only: NDArray[np.bool_],
+) -> None:
+    reference = _reference(model, placed)
+    if reference is None:
+        return
+    by_components: dict[tuple[int, ...], list[IntArray]] = {}
+    for line, text in placed.block.data:
+        word, *rest = fields(text)
+        nodes = model.nodes_of(placed.scope, word, line, "*KINEMATIC COUPLING")
+        limits = [int(value) for value in numbers(model.file, line, rest[:2]) if value]
+        chosen = tuple(range(limits[0], min(limits[-1], 6) + 1)) if limits else _ALL
+        by_components.setdefault(chosen, []).append(nodes)
+    name = f"coupling_{ids.nodes[reference]}"
+    # Lines of single freedoms for the same nodes make one coupling.
+    if len(by_components) > 1:
+        groups = [np.unique(np.concatenate(nodes)) for nodes in by_components.values()]
+        if all(np.array_equal(group, groups[0]) for group in groups):
+            by_components = {tuple(sorted({c for each in by_components for c in each})): [groups[0]]}
+    for components, nodes in by_components.items():
+        _kinematic(
+            model,
+            name,
+            reference,
+            np.unique(np.concatenate(nodes)),
+            components,
+            placed.block.line,
+            freedoms,
+            found,
+            solid_only,
+        )
+
+
+def _distributing_coupling(
+    model: AbaqusModel, placed: ScopedBlock, ids: PublicIds, found: Constraints
+) -> None:
+    """The reference is the node of its element of type DCOUP3D; lines are node or set, weight."""
+    block = placed.block
+    members = model.elements_of(
+        placed.scope, block.options.get("ELSET", ""), block.line, "*DISTRIBUTING COUPLING"
+    )
+    references = model.nodes_of_elements(members)
+    if len(references) != 1:
+        model.report.leave_out_block(block, "its element is not one DCOUP3D")
+        return
+    nodes, weights = [], []
+    for line, text in block.data:
+        word, *rest = fields(text)
+        these = model.nodes_of(placed.scope, word, line, "*DISTRIBUTING COUPLING")
+        nodes.append(these)
+        weights.append(np.full(len(these), (numbers(model.file, line, rest[:1]) or [1.0])[0] or 1.0))
+    reference = int(references[0])
+    if nodes:
+        found.means.append(
+            WeightedMean(
+                f"coupling_{ids.nodes[reference]}",
+                reference,
+                np.concatenate(nodes),
+                np.concatenate(weights),
+                model.file.lines[block.line][1],
+            )
+        )
+
+
+def _tributary(model: AbaqusModel, surface: Surface) -> FloatArray:
+    """Share of the surface's area at each of its nodes; 1 for a surface of nodes."""
+    weights = np.zeros(len(model.positions))
+    for faces in surface.faces:
+        n = faces.shape[1]
+        if n < 3:
+            np.add.at(weights, faces.ravel(), 1.0 if n == 1 else 0.0)
+            continue
+        corners = model.positions[faces[:, : 3 if n in (3, 6) else 4]]
+        first, last = corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]
+        if corners.shape[1] == 3:
+            first, last = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area = np.linalg.norm(np.cross(first, last), axis=1) / 2
+        np.add.at(weights, faces, np.broadcast_to(area[:, None] / n, faces.shape))
+    found = weights[surface.nodes]
+    return found if found.sum() > 0 else np.ones(len(surface.nodes))

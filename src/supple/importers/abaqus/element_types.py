@@ -1,0 +1,163 @@
+"""Element types of Abaqus and CalculiX: what they are, their nodes, faces, and the cells made of them."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import Enum, auto
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.quadrilateral import split_quadratic_surfaces, split_quadrilaterals
+from supple.mesh import CellType
+
+__all__ = ["CELL_FAMILIES", "ElementType", "Family", "cells_of", "element_type", "face_nodes", "free_faces"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+
+class Family(Enum):
+    """What an element does in a body."""
+
+    SOLID = auto()
+    SHELL = auto()
+    MEMBRANE = auto()
+    BEAM = auto()
+    ROD = auto()
+    SPRING = auto()
+    DASHPOT = auto()
+    MASS = auto()
+    ROTARY_INERTIA = auto()
+    PLANE = auto()
+    """Two-dimensional: carries sets beside solids and shells."""
+    CARRIER = auto()
+    """Without stiffness and mass of its own: surface and rigid elements, reference nodes of couplings."""
+    UNKNOWN = auto()
+
+
+_WITH_EDGES = (Family.SHELL, Family.MEMBRANE, Family.CARRIER, Family.PLANE)
+CELL_FAMILIES = (Family.SOLID, Family.SHELL, Family.MEMBRANE, Family.BEAM, Family.ROD)
+
+
+@dataclass(frozen=True)
+class ElementType:
+    """n_nodes : on a data line; 0 where the type is unknown, so that they are not read"""
+
+    name: str
+    family: Family
+    n_nodes: int
+
+
+_BY_ORDER = {"1": 2, "2": 3, "3": 2}
+_WORDS = {"MASS": 1, "ROTARYI": 1, "DCOUP3D": 1, "65": 6, "A": 2}
+# Pattern of names, family, nodes by what the pattern finds (itself a number of nodes where it is not there).
+_PATTERNS: tuple[tuple[str, Family, dict[str, int]], ...] = (
+    (r"C3D(4|5|6|8|10|13|15|20|27)[A-Z]*", Family.SOLID, {}),
+    (r"SC([68])R?T?", Family.SOLID, {}),
+    (r"S([34])[A-Z]*5?|STRI(3|65)|S(6)|S(8)R?5?T?|S(9)R5", Family.SHELL, _WORDS),
+    (r"M3D([34689])R?", Family.MEMBRANE, {}),
+    (r"(?:B|PIPE)3([123])[A-Z]*", Family.BEAM, _BY_ORDER),
+    (r"T3D([23])[A-Z]*", Family.ROD, {}),
+    (r"SPRING([12A])", Family.SPRING, _WORDS),
+    (r"DASHPOT([12A])", Family.DASHPOT, _WORDS),
+    (r"(MASS)", Family.MASS, _WORDS),
+    (r"(ROTARYI)", Family.ROTARY_INERTIA, _WORDS),
+    (r"(?:CPS|CPE|CPEG|CAX|CGAX)(10|3|4|6|8)[A-Z]*|T2D([23])[A-Z]*", Family.PLANE, {}),
+    (r"(?:B2|PIPE2|SAX|MAX)([123])[A-Z]*", Family.PLANE, _BY_ORDER),
+    (r"SFM3D([3468])R?|R3D([34])|RB3D(2)|(DCOUP3D)", Family.CARRIER, _WORDS),
+)
+
+_CELLS = {
+    4: "TETRA4", 5: "PYRAMID5", 6: "WEDGE6", 8: "HEXA8", 10: "TETRA10", 13: "PYRAMID13", 15: "WEDGE15",
+    20: "HEXA20", 27: "HEXA20",
+}  # fmt: skip
+"""Kinds of solid cells by their nodes; of 27, those on faces and inside are dropped."""
+
+# Faces S1, S2, .. of solids by their corners; of a mid-edge node, its place.
+_FACES = {
+    4: ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    5: ((0, 1, 2, 3), (0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)),
+    6: ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
+    8: ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
+}
+
+
+def element_type(name: str) -> ElementType:
+    """The type of that name (in upper case), whatever its integration; UNKNOWN where none is known."""
+    for pattern, family, n_nodes in _PATTERNS:
+        match = re.fullmatch(pattern, name)
+        if match:
+            word = next(word for word in match.groups() if word)
+            return ElementType(name, family, n_nodes[word] if word in n_nodes else int(word))
+    return ElementType(name, Family.UNKNOWN, 0)
+
+
+def cells_of(
+    kind: ElementType, nodes: IntArray, positions: FloatArray
+) -> tuple[CellType, IntArray, IntArray]:
+    """Cells (C, k) of elements (E, n), and (C,) the element behind each.
+
+    Surfaces become triangles, a quadratic beam two lines. Cells that a repeated node makes flat are left out.
+    """
+    if kind.family is Family.SOLID:
+        cell = CellType[_CELLS[kind.n_nodes]]
+        return cell, nodes[:, : cell.n_nodes], np.arange(len(nodes))
+    if kind.family in (Family.BEAM, Family.ROD):
+        pairs = np.array([[0, 1]] if kind.n_nodes == 2 else [[0, 1], [1, 2]])
+        return CellType.LINE2, nodes[:, pairs].reshape(-1, 2), np.repeat(np.arange(len(nodes)), len(pairs))
+    if kind.n_nodes == 3:
+        cells = nodes
+    elif kind.n_nodes == 4:
+        cells = split_quadrilaterals(positions, nodes)
+    else:
+        cells = split_quadratic_surfaces(positions, nodes[:, : 8 if kind.n_nodes == 9 else kind.n_nodes])
+    owners = np.repeat(np.arange(len(nodes)), len(cells) // max(len(nodes), 1))
+    whole = (cells != np.roll(cells, 1, axis=1)).all(axis=1)
+    return CellType.TRIANGLE3, cells[whole], owners[whole]
+
+
+def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
+    """Places of the nodes of a face: corners, then mid-edge nodes; empty where there is no such face.
+
+    label : S1 .. S6 of solids; SPOS, SNEG, S1, S2 of shells, whose edges are E1 .. in Abaqus and S3 .. in
+            CalculiX; edges S1 .. of two-dimensional elements
+    """
+    match = re.fullmatch(r"([SE])([1-6])", label)
+    is_edge, number = (match[1] == "E", int(match[2])) if match else (False, 0)
+    if kind.family is Family.SOLID:
+        faces = _FACES[_solid_corners(kind)]
+        return _solid_face(kind, faces[number - 1]) if 0 < number <= len(faces) and not is_edge else ()
+    if kind.family not in _WITH_EDGES or kind.n_nodes < 3:
+        return tuple(range(kind.n_nodes))
+    corners = 3 if kind.n_nodes in (3, 6) else 4
+    n = min(kind.n_nodes, 8)
+    if number and (is_edge or kind.family is Family.PLANE):
+        edge = number - 1
+    elif number > 2:
+        edge = number - 3
+    else:
+        return tuple(range(n)) if number or label in ("SPOS", "SNEG", "") else ()
+    return (edge, (edge + 1) % corners, *([corners + edge] if n > corners else [])) if edge < corners else ()
+
+
+def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
+    """A face with its mid-edge nodes."""
+    cell = CellType[_CELLS[kind.n_nodes]]
+    if cell.n_nodes == cell.n_corners:
+        return corners
+    middle = {frozenset(edge): cell.n_corners + i for i, edge in enumerate(cell.edges)}
+    around = zip(corners, (*corners[1:], corners[0]), strict=True)
+    return (*corners, *(middle[frozenset(edge)] for edge in around))
+
+
+def free_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
+    """Places of the nodes of all faces, of which those that two elements share are no surface."""
+    n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
+    labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]
+    return tuple(face_nodes(kind, label) for label in labels)
+
+
+def _solid_corners(kind: ElementType) -> int:
+    return {10: 4, 13: 5, 15: 6, 20: 8, 27: 8}.get(kind.n_nodes, kind.n_nodes)

@@ -1,0 +1,64 @@
+"""Keywords of Abaqus and CalculiX by what a reader of bodies does about them; names without blanks."""
+
+from __future__ import annotations
+
+__all__ = ["LEFT_OUT", "PASSED_OVER"]
+
+PASSED_OVER = frozenset((
+    "ACOUSTICFLOWVELOCITY", "ADAPTIVEMESH", "AMPLITUDE", "ASSEMBLY", "BASELINECORRECTION", "BULKVISCOSITY",
+    "CAPCREEP", "CAPHARDENING", "CAPPLASTICITY", "CFLUX", "CHANGECONTACTTYPE", "CHANGEFRICTION",
+    "CHANGEMATERIAL", "CHANGESOLIDSECTION", "CHANGESURFACEBEHAVIOR", "CLEARANCE", "CLOAD", "CONCRETE",
+    "CONDUCTIVITY", "CONSTRAINT", "CONTACT", "CONTACTCLEARANCE", "CONTACTCONTROLS",
+    "CONTACTCONTROLSASSIGNMENT", "CONTACTDAMPING", "CONTACTEXCLUSIONS", "CONTACTFILE", "CONTACTFORMULATION",
+    "CONTACTINCLUSIONS", "CONTACTINITIALIZATIONASSIGNMENT", "CONTACTINITIALIZATIONDATA",
+    "CONTACTINTERFERENCE", "CONTACTOUTPUT", "CONTACTPAIR", "CONTACTPRINT", "CONTACTPROPERTYASSIGNMENT",
+    "CONTROLS", "CORRELATION", "CREEP", "CYCLIC", "CYCLICHARDENING", "DAMAGEEVOLUTION", "DAMAGEINITIATION",
+    "DAMAGESTABILIZATION", "DAMPING", "DATUM", "DEFLECTION", "DEPVAR", "DFLUX", "DISTRIBUTIONTABLE",
+    "DLOAD", "DRUCKERPRAGER", "DRUCKERPRAGERHARDENING", "DSLOAD", "ELEMENTMATRIXOUTPUT", "ELEMENTOUTPUT",
+    "ELFILE", "ELOUTPUT", "ELPRINT", "ENDASSEMBLY", "ENDINSTANCE", "ENDPART", "ENDSTEP", "ENERGYFILE",
+    "ENERGYOUTPUT", "ENERGYPRINT", "EOSCOMPACTION", "EXPANSION", "FAILURERATIOS", "FIELD", "FILEFORMAT",
+    "FILEOUTPUT", "FILM", "FILMPROPERTY", "FILTER", "FLUIDCONSTANTS", "FRICTION", "GAPCONDUCTANCE",
+    "GAPHEATGENERATION", "GAPRADIATION", "GASKETCONTACTAREA", "GLOBALDAMPING", "HEADING", "HEATCAP",
+    "INELASTICHEATFRACTION", "INITIALCONDITIONS", "INITIALSTRAININCREASE", "INSTANCE", "LATENTHEAT",
+    "LOADCASE", "MAGNETICPERMEABILITY", "MATERIAL", "MODALDAMPING", "MONITOR", "NETWORKMPC", "NODEFILE",
+    "NODEOUTPUT", "NODEPRINT", "OUTPUT", "PARAMETER", "PART", "PHYSICALCONSTANTS", "PLASTIC", "POTENTIAL",
+    "PRE-TENSIONSECTION", "PREPRINT", "PRESSURESTRESS", "PRINT", "PSDDEFINITION", "RADIATE",
+    "RATEDEPENDENT", "RESTART", "SECTIONCONTROLS", "SECTIONFILE", "SECTIONPRINT", "SOLUTIONTECHNIQUE",
+    "SPECIFICGASCONSTANT", "SPECIFICHEAT", "SPECTRUM", "STEP", "SUBMODEL", "SURFACEBEHAVIOR",
+    "SURFACEINTERACTION", "SURFACEPROPERTY", "SURFACEPROPERTYASSIGNMENT", "SURFACESECTION", "SWELLING",
+    "SYSTEMUNITS", "TEMPERATURE", "TENSILEFAILURE", "TIMEPOINTS", "UNITS", "USEROUTPUTVARIABLES",
+    "VALUESATINFINITY", "VIEWFACTOR", "VISCO", "VISCOELASTIC", "VISCOUS",
+))  # fmt: skip
+"""No effect on the mass, stiffness and connections of an elastic body."""
+
+LEFT_OUT = {
+    "BEAMADDEDINERTIA": "mass of beams is missing",
+    "BEAMSECTIONOFFSET": "beams stand on their nodes",
+    "CONNECTORSECTION": "what a connector joins is free",
+    "CYCLICSYMMETRYMODEL": "the body is one sector, and its two cuts are free",
+    "COHESIVESECTION": "what the cohesive layer joins is free",
+    "DISTRIBUTION": "values of single elements or nodes are not read",
+    "ELASTICFOUNDATION": "stiffness to the ground is missing; make it forces of the machine",
+    "EMBEDDEDELEMENT": "embedded elements are not tied to their host",
+    "FASTENER": "what it joins is free",
+    "FOUNDATION": "stiffness to the ground is missing; make it forces of the machine",
+    "GAP": "a gap that closes joins nothing here",
+    "GASKETSECTION": "what the gasket joins is free",
+    "HOURGLASSSTIFFNESS": "elements have full integration instead",
+    "IMPERFECTION": "nodes stand where the mesh has them",
+    "JOINT": "what it joins is free",
+    "MATRIXASSEMBLE": "import the matrices instead",
+    "MATRIXINPUT": "import the matrices instead",
+    "NMAP": "nodes stand where they were before",
+    "NODALENERGYRATE": "a value of the material is missing",
+    "NONSTRUCTURALMASS": "mass is missing",
+    "NORMAL": "normals of shells and beams are those of their elements",
+    "REBAR": "stiffness and mass of the bars are missing",
+    "REBARLAYER": "stiffness and mass of the bars are missing",
+    "RELEASE": "ends of beams are fixed to their nodes",
+    "SHELLTOSOLIDCOUPLING": "shells and solids are not joined there",
+    "SUBSTRUCTUREPROPERTY": "the substructure is missing; import its matrices",
+    "TRANSVERSESHEARSTIFFNESS": "the transverse shear stiffness is that of the material",
+    "USERELEMENT": "its elements are missing; import their matrices",
+}
+"""What would change the body, and what the body is without it."""

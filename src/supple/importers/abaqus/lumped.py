@@ -1,0 +1,146 @@
+"""Concentrated masses and inertias, springs and dashpots of Abaqus and CalculiX."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.element_types import Family
+from supple.importers.abaqus.freedoms import Freedoms, Rows, along
+from supple.importers.abaqus.model import AbaqusModel, ElementBlock
+from supple.importers.abaqus.orientation import Orientation
+from supple.importers.deck import NodalMatrix, ScalarTerms
+from supple.importers.keyword_file import fields, numbers
+
+__all__ = ["read_masses", "read_springs"]
+
+IntArray = NDArray[np.int64]
+
+
+def read_masses(
+    model: AbaqusModel, freedoms: Freedoms, orientations: Mapping[tuple[int, str], Orientation]
+) -> tuple[tuple[ScalarTerms, ...], tuple[NodalMatrix, ...]]:
+    """*MASS as terms, *ROTARY INERTIA as matrices of the rotations of a node.
+
+    Raises
+    ------
+    ImportFormatError   values that are missing or negative; words for numbers
+    """
+    rows = Rows(freedoms.lines)
+    matrices: list[NodalMatrix] = []
+    for placed in model.named("MASS"):
+        values = _values(model, placed)
+        m = values[:3] if placed.block.options.get("TYPE", "").upper().startswith("ANISO") else 3 * values[:1]
+        if len(m) < 3 or min(m) < 0:
+            raise model.file.error(placed.block.line, "*MASS is one number, not negative; correct it")
+        for block, places in _elements(model, placed, Family.MASS):
+            for node in block.nodes[places, 0].tolist():
+                for i in range(3):
+                    if m[i]:
+                        rows.add([(6 * node + i, 1.0)], placed.block.line, value=m[i])
+    for placed in model.named("ROTARYINERTIA"):
+        v = [*_values(model, placed), *6 * [0.0]][:6]
+        given = np.array([[v[0], v[3], v[4]], [v[3], v[1], v[5]], [v[4], v[5], v[2]]])
+        if np.linalg.eigvalsh(given)[0] < -1e-9 * np.abs(given).max():
+            raise model.file.error(
+                placed.block.line,
+                "*ROTARY INERTIA: I11, I22, I33, I12, I13, I23 are no inertia; correct them",
+            )
+        axes = model.scopes[placed.scope].rotation
+        name = placed.block.options.get("ORIENTATION", "").upper()
+        if name:
+            orientation = orientations.get((placed.scope, name)) or orientations.get((0, name))
+            if orientation is None:
+                model.report.leave_out_block(placed.block, f"its axes '{name}' are the global ones")
+            else:
+                axes = orientation.axes(np.zeros((1, 3)))[0]
+        turned = axes @ given @ axes.T
+        for block, places in _elements(model, placed, Family.ROTARY_INERTIA):
+            matrices += [
+                NodalMatrix(6 * node + np.arange(3, 6), turned) for node in block.nodes[places, 0].tolist()
+            ]
+    return rows.terms(with_values=True), tuple(matrices)
+
+
+def read_springs(
+    model: AbaqusModel, freedoms: Freedoms, family: Family, keyword: str
+) -> tuple[ScalarTerms, ...]:
+    """*SPRING or *DASHPOT along the line of two nodes (A), between a freedom of each (2), to the ground (1).
+
+    Raises
+    ------
+    ImportFormatError   values or freedoms that are missing; words for numbers
+    """
+    rows = Rows(freedoms.lines)
+    for placed in model.named(keyword):
+        block = placed.block
+        values = [numbers(model.file, line, fields(text)) for line, text in block.data]
+        if "ORIENTATION" in block.options:
+            model.report.leave_out_block(block, "its direction is that of the global axes")
+        for elements, places in _elements(model, placed, family):
+            of_line = elements.type.name.endswith("A")
+            wanted = 1 if of_line else 2
+            if len(values) < wanted or (
+                not of_line and len(values[0]) < (2 if elements.type.n_nodes == 2 else 1)
+            ):
+                raise model.file.error(
+                    block.line, f"*{block.name} lacks its freedoms or its value; is the file cut short?"
+                )
+            if not of_line and not all(1 <= component <= 6 for component in values[0][:2]):
+                model.report.leave_out_block(block, "it acts on freedoms other than 1 to 6")
+                continue
+            value = _slope(model, placed, values[wanted - 1 :])
+            if elements.type.n_nodes == 1:
+                nodes, lines = elements.nodes[places, 0].tolist(), elements.lines[places].tolist()
+                for node, line in zip(nodes, lines, strict=True):
+                    rows.add(freedoms.of(node, int(values[0][0])), line, value=value)
+                continue
+            for (first, second), line in zip(
+                elements.nodes[places].tolist(), elements.lines[places].tolist(), strict=True
+            ):
+                if not of_line:
+                    i, j = (int(component) for component in values[0][:2])
+                    terms = [*freedoms.of(second, j), *freedoms.of(first, i, -1.0)]
+                    rows.add(terms, line, value=value)
+                    continue
+                span = model.positions[second] - model.positions[first]
+                if np.linalg.norm(span) > 0:
+                    rows.add(along(first, second, span / np.linalg.norm(span)), line, value=value)
+                else:
+                    model.report.leave_out(
+                        f"*ELEMENT, TYPE={elements.type.name}", line, "without length it has no direction"
+                    )
+    return rows.terms(with_values=True)
+
+
+def _slope(model: AbaqusModel, placed: ScopedBlock, rows: list[list[float]]) -> float:
+    """The value, or of a table of force over displacement the slope about zero."""
+    if "NONLINEAR" not in placed.block.options:
+        return rows[0][0]
+    table = np.array([[*row, 0.0][:2] for row in rows])
+    model.report.note(f"a nonlinear *{placed.block.name} is read with its slope about zero")
+    order = np.argsort(table[:, 1])
+    force, stretch = table[order].T
+    if len(table) < 2 or not stretch[-1] > stretch[0]:
+        raise model.file.error(
+            placed.block.line, f"*{placed.block.name} needs two points of its table or more"
+        )
+    i = int(np.clip(np.searchsorted(stretch, 0.0, side="right"), 1, len(table) - 1))
+    return float((force[i] - force[i - 1]) / (stretch[i] - stretch[i - 1]))
+
+
+def _elements(
+    model: AbaqusModel, placed: ScopedBlock, family: Family
+) -> Iterator[tuple[ElementBlock, IntArray]]:
+    name = placed.block.options.get("ELSET", "")
+    members = model.elements_of(placed.scope, name, placed.block.line, f"*{placed.block.name}")
+    for block, places in model.positions_of_elements(members):
+        if block.type.family is family:
+            yield block, places
+
+
+def _values(model: AbaqusModel, placed: ScopedBlock) -> list[float]:
+    return [value for line, text in placed.block.data for value in numbers(model.file, line, fields(text))]

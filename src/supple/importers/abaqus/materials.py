@@ -1,0 +1,197 @@
+"""Materials of Abaqus and CalculiX: elasticity and density, at the first temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
+from supple.importers.keyword_file import KeywordBlock, fields, numbers
+
+__all__ = ["DeckMaterial", "engineering_constants", "read_materials"]
+
+FloatArray = NDArray[np.float64]
+DeckMaterial = IsotropicMaterial | AnisotropicMaterial
+
+_INELASTIC = (
+    "PLASTIC",
+    "CREEP",
+    "CYCLICHARDENING",
+    "DRUCKERPRAGER",
+    "CONCRETE",
+    "VISCOELASTIC",
+    "DAMAGEINITIATION",
+)
+# Places of Abaqus' axes 11 22 33 12 13 23 among ours, xx yy zz yz xz xy.
+_OURS = np.array([0, 1, 2, 5, 4, 3])
+
+
+@dataclass
+class _Material:
+    """What the keywords below one *MATERIAL say, until all are read."""
+
+    name: str
+    elastic: KeywordBlock | None = None
+    density: float = 0.0
+
+
+def read_materials(model: AbaqusModel) -> dict[str, DeckMaterial]:
+    """Materials by name in upper case; one without elasticity that is known is not among them.
+
+    Raises
+    ------
+    ImportFormatError   words for numbers; fewer constants than a kind of material has
+    """
+    found: list[_Material] = []
+    for placed in model.blocks:
+        block = placed.block
+        if placed.step:
+            continue
+        if block.key == "MATERIAL":
+            found.append(_Material(block.options.get("NAME", "")))
+        elif block.key in _ELASTIC and found:
+            found[-1].elastic = block
+        elif block.key == "DENSITY" and found:
+            rows = _rows(model, block)
+            found[-1].density = rows[0][0] if rows else 0.0
+        elif block.key in _INELASTIC and found:
+            model.report.note(
+                f"*{block.name} of material '{found[-1].name}' is passed over: bodies are elastic"
+            )
+            continue
+        else:
+            continue
+        model.report.read[block.name] += 1
+    materials: dict[str, DeckMaterial] = {}
+    for each in found:
+        made = None if each.elastic is None else _ELASTIC[each.elastic.key](model, each.elastic, each)
+        if made is not None:
+            materials[each.name.upper()] = made
+    return materials
+
+
+def engineering_constants(
+    E1: float, E2: float, E3: float, nu12: float, nu13: float, nu23: float, G12: float, G13: float, G23: float
+) -> FloatArray:
+    """Stiffness (6, 6) of an orthotropic material in its axes, order xx yy zz yz xz xy."""
+    S = np.diag([1 / E1, 1 / E2, 1 / E3, 1 / G23, 1 / G13, 1 / G12])
+    S[0, 1] = S[1, 0] = -nu12 / E1
+    S[0, 2] = S[2, 0] = -nu13 / E1
+    S[1, 2] = S[2, 1] = -nu23 / E2
+    return np.linalg.inv(S)
+
+
+def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
+    kind = block.options.get("TYPE", "ISOTROPIC").upper()
+    values = [value for row in _rows(model, block) for value in row]
+    n = next((n for word, n in _CONSTANTS.items() if kind.startswith(word)), None)
+    if n is None:
+        model.report.leave_out(
+            f"*ELASTIC, TYPE={kind}", block.line, f"material '{material.name}' is not of a kind that is read"
+        )
+        return None
+    if kind.startswith("LAM") and len(values) in (4, 5):
+        values = [*values, values[-1]][:6]
+    if len(values) < n:
+        raise model.file.error(
+            block.line, f"*ELASTIC, TYPE={kind} has {n} constants, not {len(values)}; is the file cut short?"
+        )
+    # Rows of further temperatures follow; of each the temperature stands behind the constants.
+    if len(block.data) > -(-n // 8):
+        model.report.note(f"material '{material.name}' depends on temperature; its first row is taken")
+    v = values[:n]
+    if kind.startswith("ISO"):
+        return _isotropic(model, block, material, *v)
+    stiffness = np.zeros((6, 6))
+    if kind.startswith("LAM"):
+        # The moduli through the thickness do not enter a plane state of stress.
+        E1, E2, nu12, G12, G13, G23 = v
+        v = [E1, E2, E2, nu12, 0.0, 0.0, G12, G13, G23]
+    if kind.startswith(("LAM", "ENG")):
+        if all(value > 0 for value in (*v[:3], *v[6:])):
+            stiffness = engineering_constants(*v)
+    else:
+        rows, columns = _ORTHOTROPIC if kind.startswith("ORTHO") else _ANISOTROPIC
+        stiffness[_OURS[rows], _OURS[columns]] = v
+        stiffness[_OURS[columns], _OURS[rows]] = v
+    if not (np.isfinite(stiffness).all() and np.linalg.eigvalsh(stiffness)[0] > 0):
+        return _without_stiffness(model, block, material)
+    return AnisotropicMaterial(stiffness, material.density)
+
+
+def _isotropic(
+    model: AbaqusModel, block: KeywordBlock, material: _Material, E: float, nu: float
+) -> DeckMaterial | None:
+    if not (E > 0 and -1 < nu < 0.5):
+        return _without_stiffness(model, block, material)
+    return IsotropicMaterial(E, nu, material.density)
+
+
+def _without_stiffness(model: AbaqusModel, block: KeywordBlock, material: _Material) -> None:
+    model.report.leave_out_block(block, f"material '{material.name}' has no positive stiffness")
+
+
+def _deformation_plasticity(
+    model: AbaqusModel, block: KeywordBlock, material: _Material
+) -> DeckMaterial | None:
+    rows = _rows(model, block)
+    if not rows or len(rows[0]) < 2:
+        raise model.file.error(
+            block.line, "*DEFORMATION PLASTICITY begins with E, nu; is the file cut short?"
+        )
+    return _isotropic(model, block, material, *rows[0][:2])
+
+
+def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
+    """Isotropic with the moduli at no strain:  mu = 2 (C10 + C01),  K = 2 / D1."""
+    rows = _rows(model, block)
+    options = block.options.keys()
+    named = "NEOHOOKE" in options or "YEOH" in options or "MOONEY-RIVLIN" in options
+    if not rows or not named or "TESTDATAINPUT" in options:
+        model.report.leave_out_block(block, f"material '{material.name}' is not of a kind that is read")
+        return None
+    values = [*rows[0], *8 * [0.0]]
+    if "NEOHOOKE" in options:
+        mu, d1 = 2 * values[0], values[1]
+    elif "YEOH" in options:
+        mu, d1 = 2 * values[0], values[3]
+    else:
+        mu, d1 = 2 * (values[0] + values[1]), values[2]
+    if not mu > 0:
+        return _without_stiffness(model, block, material)
+    bulk = 2 / d1 if d1 > 0 else 20 * mu  # incompressible ones as CalculiX takes them
+    model.report.note(f"material '{material.name}' is hyperelastic: its moduli at no strain are taken")
+    E, nu = 9 * bulk * mu / (3 * bulk + mu), (3 * bulk - 2 * mu) / (2 * (3 * bulk + mu))
+    return _isotropic(model, block, material, E, nu)
+
+
+def _user(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
+    rows = _rows(model, block)
+    # CalculiX has this law for all to try.
+    if material.name.upper().startswith("LIN_ISO_EL") and rows and len(rows[0]) > 1:
+        return _isotropic(model, block, material, *rows[0][:2])
+    model.report.leave_out_block(block, f"the law of material '{material.name}' stands in a program")
+    return None
+
+
+def _rows(model: AbaqusModel, block: KeywordBlock) -> list[list[float]]:
+    return [numbers(model.file, line, fields(text)) for line, text in block.data]
+
+
+_ELASTIC = {
+    "ELASTIC": _elastic,
+    "DEFORMATIONPLASTICITY": _deformation_plasticity,
+    "HYPERELASTIC": _hyperelastic,
+    "HYPERFOAM": _user,
+    "USERMATERIAL": _user,
+}
+_CONSTANTS = {"ISO": 2, "ENG": 9, "LAM": 6, "ORTHO": 9, "ANISO": 21}
+# Rows and columns of the constants in their order, of 11 22 33 12 13 23 counted from 0.
+_ORTHOTROPIC = (np.array([0, 0, 1, 0, 1, 2, 3, 4, 5]), np.array([0, 1, 1, 2, 2, 2, 3, 4, 5]))
+_ANISOTROPIC = (
+    np.array([row for column in range(6) for row in range(column + 1)]),
+    np.array([column for column in range(6) for _ in range(column + 1)]),
+)

@@ -1,0 +1,143 @@
+"""The mesh alone of an Abaqus or CalculiX input file, and its nodes alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.importers.abaqus.element_types import Family, cells_of, element_type
+from supple.importers.abaqus.model import read_model
+from supple.importers.abaqus.public_names import public_ids, public_sets
+from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
+from supple.importers.keyword_file import KeywordFile, read_keyword_file
+from supple.importers.node_table import NodeTable
+from supple.mesh import CellType, Mesh
+
+__all__ = ["read_abaqus"]
+
+IntArray = NDArray[np.int64]
+
+# What ties nodes, adds mass or moves the wall away from its nodes: a mesh cannot hold it, a deck does.
+_BEYOND_A_MESH = (
+    "COUPLING", "CYCLICSYMMETRYMODEL", "DISTRIBUTINGCOUPLING", "EMBEDDEDELEMENT", "EQUATION", "FASTENER",
+    "IMPERFECTION", "KINEMATICCOUPLING", "MODELCHANGE", "MPC", "NONSTRUCTURALMASS", "PRE-TENSIONSECTION",
+    "RELEASE", "RIGIDBODY", "SHELLTOSOLIDCOUPLING", "TIE",
+)  # fmt: skip
+_SHELL_OPTIONS_BEYOND_A_MESH = ("COMPOSITE", "NODALTHICKNESS", "OFFSET")
+_MESHED = (Family.SOLID, Family.SHELL, Family.MEMBRANE)
+_KNOWN = "S3, S4, S6, S8, M3D3, .., C3D4, C3D5, C3D6, C3D8, C3D10, C3D13, C3D15, C3D20, C3D27 and their kin"
+_CARRIERS = (Family.PLANE, Family.CARRIER)
+
+
+@checked_arguments
+def read_abaqus(
+    path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
+) -> Mesh:
+    """Mesh of an Abaqus or CalculiX input file; its materials, sections, supports and steps are passed over.
+
+    Reads what `read_abaqus_deck` reads of nodes, solid, shell and membrane elements, sets and instances. A
+    four-node shell becomes two triangles, a quadratic one triangles over all its nodes. Set names are
+    compared regardless of case and keep their first spelling.
+
+    Parameters
+    ----------
+    path : str or Path
+    only : str or None            a cell set: read it and its nodes alone; None reads everything
+    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no element uses
+    Returns
+    -------
+    Mesh   nodes in the order of the file, node sets in the order of their lines
+    Raises
+    ------
+    ImportFormatError   missing or cut file, unknown element type, missing or repeated ids, unknown members;
+                        constraints, masses and shell offsets, which a mesh does not have
+    MeshError           what the file describes is no usable mesh
+    """
+    path = Path(path)
+    file = read_keyword_file(path)
+    _refuse_what_is_beyond_a_mesh(file)
+    model = read_model(file, strict=True)
+    cells: dict[CellType, list[IntArray]] = {}
+    owners: dict[CellType, list[IntArray]] = {}
+    origins: dict[CellType, list[CellOrigin]] = {}
+    for block in model.elements:
+        if block.type.family in _CARRIERS:
+            continue
+        kind, made, owner = cells_of(block.type, block.nodes, model.positions)
+        cells.setdefault(kind, []).append(made)
+        owners.setdefault(kind, []).append(block.first + owner)
+        origins.setdefault(kind, []).extend(
+            CellOrigin(file.lines[line][0], file.lines[line][1], element)
+            for element, line in zip(block.ids[owner].tolist(), block.lines[owner].tolist(), strict=True)
+        )
+    owner_of = {kind: np.concatenate(parts) for kind, parts in owners.items()}
+    ids = public_ids(model)
+    cell_sets = {
+        name: {
+            kind: found
+            for kind, of in owner_of.items()
+            if (found := np.flatnonzero(np.isin(of, members))).size
+        }
+        for name, members in public_sets(model, model.element_sets).items()
+    }
+    return FileMesh(
+        path,
+        model.positions,
+        {kind: np.vstack(parts) for kind, parts in cells.items()},
+        public_sets(model, model.node_sets),
+        cell_sets,
+        {kind: tuple(each) for kind, each in origins.items()},
+        ids.nodes,
+        {kind: ids.elements[of] for kind, of in owner_of.items()},
+    ).to_mesh(only=only, unused_nodes=unused_nodes)
+
+
+def read_abaqus_nodes(path: str | Path) -> NodeTable:
+    """Labelled nodes and node sets of an Abaqus or CalculiX file, for matrices that replace its elements.
+
+    Raises
+    ------
+    ImportFormatError   missing or cut file, missing or repeated ids, sets of unknown nodes; *TRANSFORM
+    """
+    file = read_keyword_file(Path(path))
+    for block in file.blocks:
+        if block.key == "TRANSFORM":
+            raise file.error(
+                block.line, "*TRANSFORM turns the freedoms of its nodes; export the matrices without it"
+            )
+    model = read_model(file, elements=False, strict=True)
+    return NodeTable(
+        str(path),
+        public_ids(model).nodes,
+        model.positions,
+        node_sets=public_sets(model, model.node_sets),
+    )
+
+
+def _refuse_what_is_beyond_a_mesh(file: KeywordFile) -> None:
+    for block in file.blocks:
+        kind = element_type(block.options.get("TYPE", "").upper())
+        if block.key == "ELEMENT" and kind.family is Family.UNKNOWN:
+            raise file.error(block.line, f"unknown element type '{kind.name}'; supported are TYPE={_KNOWN}")
+        if block.key == "ELEMENT" and kind.family not in (*_MESHED, *_CARRIERS):
+            raise file.error(
+                block.line,
+                f"elements of type {kind.name} are no part of a mesh of surfaces and solids; read the file "
+                "with its properties (abaqus = {}), or remove them",
+            )
+        if block.key in _BEYOND_A_MESH:
+            raise file.error(
+                block.line,
+                f"*{block.name} is not part of a mesh, and without it the body would be another one; make it "
+                "an interface, a joint or a body of the machine and remove it, or import the matrices",
+            )
+        for option in _SHELL_OPTIONS_BEYOND_A_MESH:
+            if block.key == "SHELLSECTION" and option in block.options:
+                raise file.error(
+                    block.line,
+                    f"*SHELL SECTION, {option} is not read; mesh the middle surface of an even wall, or "
+                    "import the matrices",
+                )

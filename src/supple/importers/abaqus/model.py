@@ -1,0 +1,489 @@
+"""Nodes, elements, sets and surfaces of an Abaqus or CalculiX file, numbered through all its instances."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError
+from supple.importers.abaqus.assembly import Scope, ScopedBlock, scoped_blocks
+from supple.importers.abaqus.element_types import ElementType, Family, element_type, face_nodes, free_faces
+from supple.importers.abaqus.nodes import NODE_KEYWORDS, most_generated, read_nodes
+from supple.importers.abaqus.report import Report
+from supple.importers.keyword_file import KeywordFile, fields, integers
+from supple.importers.numbering import numbers_of
+from supple.importers.plain_number import is_plain_digits
+from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
+
+__all__ = ["AbaqusModel", "ElementBlock", "Surface", "read_model"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ElementBlock:
+    """Elements of one *ELEMENT: ids, node numbers (E, n), lines; `first`: the number of its first element.
+
+    axis_nodes : (E,) of beams, a node towards which their first axis points; None where it is not given
+    """
+
+    type: ElementType
+    scope: int
+    first: int
+    ids: IntArray
+    nodes: IntArray
+    lines: IntArray
+    set_name: str | None = None
+    axis_nodes: IntArray | None = None
+
+    @property
+    def numbers(self) -> IntArray:
+        """Numbers of its elements, counted through the whole file."""
+        return self.first + np.arange(len(self.ids))
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """faces : (F, k) node numbers, corners first, in arrays of one k each; of edges two nodes, of nodes one
+
+    nodes : of all faces, each once
+    """
+
+    name: str
+    faces: tuple[IntArray, ...]
+    nodes: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """Numbers of what has ids within scopes."""
+
+    scopes: IntArray
+    ids: IntArray
+
+    def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+        """Numbers of ids in a scope, and whether they are there."""
+        mine = self.of(scope)
+        if len(mine) == len(self.ids):
+            return numbers_of(self.ids, ids)
+        place, known = numbers_of(self.ids[mine], ids)
+        return (mine[place] if len(mine) else place), known
+
+    def of(self, scope: int) -> IntArray:
+        """Numbers of all in a scope."""
+        return np.flatnonzero(self.scopes == scope)
+
+
+@dataclass(eq=False)
+class AbaqusModel:
+    """What a file defines; sets and surfaces by scope and name in upper case.
+
+    Of an id that two scopes use, `Labels` of each scope find the right number.
+    """
+
+    file: KeywordFile
+    report: Report
+    scopes: tuple[Scope, ...]
+    blocks: tuple[ScopedBlock, ...]
+    nodes: Labels
+    positions: FloatArray
+    elements: tuple[ElementBlock, ...] = ()
+    element_labels: Labels = field(default_factory=lambda: Labels(np.empty(0, int), np.empty(0, int)))
+    node_sets: dict[tuple[int, str], tuple[str, IntArray]] = field(default_factory=dict)
+    element_sets: dict[tuple[int, str], tuple[str, IntArray]] = field(default_factory=dict)
+    surfaces: dict[tuple[int, str], Surface] = field(default_factory=dict)
+
+    def named(self, *keys: str) -> Iterator[ScopedBlock]:
+        """Keywords of these names outside steps, counted as read."""
+        for placed in self.blocks:
+            if placed.block.key in keys and not placed.step:
+                self.report.read[placed.block.name] += 1
+                yield placed
+
+    def nodes_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
+        """Numbers of the nodes that a word means: an id, a set, or either of an instance, as in A.12, A.SET.
+
+        A word that means nothing is a doubt, and gives no node.
+        """
+        return self._members(scope, word, line, what, "node", self.nodes, self.node_sets)
+
+    def elements_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
+        """Numbers of the elements that a word means, as of nodes."""
+        return self._members(scope, word, line, what, "element", self.element_labels, self.element_sets)
+
+    def surface(self, scope: int, name: str) -> Surface | None:
+        """The surface of that name; None where there is none."""
+        return next(
+            (self.surfaces[key] for key in self._meanings(scope, name.upper()) if key in self.surfaces), None
+        )
+
+    def positions_of_elements(self, numbers: IntArray) -> Iterator[tuple[ElementBlock, IntArray]]:
+        """The blocks that hold these elements, and the places of the elements in each."""
+        for block in self.elements:
+            places = numbers[(numbers >= block.first) & (numbers < block.first + len(block.ids))]
+            if places.size:
+                yield block, np.unique(places - block.first)
+
+    def nodes_of_elements(self, numbers: IntArray) -> IntArray:
+        """Numbers of the nodes of these elements, each once."""
+        found = [block.nodes[places].ravel() for block, places in self.positions_of_elements(numbers)]
+        return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
+
+    def _meanings(self, scope: int, name: str) -> Iterator[tuple[int, str]]:
+        """Keys that a name may stand for, first its own scope, then an instance's, then the model's."""
+        yield scope, name
+        instance, dot, rest = name.partition(".")
+        for number, other in enumerate(self.scopes):
+            if dot and other.name.upper() == instance:
+                yield number, rest
+        if scope:
+            yield 0, name
+        elif len(self.scopes) == 2:
+            yield 1, name
+
+    def _members(
+        self,
+        scope: int,
+        word: str,
+        line: int,
+        what: str,
+        member: str,
+        labels: Labels,
+        sets: dict[tuple[int, str], tuple[str, IntArray]],
+    ) -> IntArray:
+        article = "an" if member == "element" else "a"
+        for place, name in self._meanings(scope, word.strip('"').upper()):
+            if (place, name) in sets:
+                return sets[place, name][1]
+            if is_plain_digits(name):
+                numbers, known = labels.numbers(place, np.array([int(name)]))
+                if known[0]:
+                    return numbers
+        if is_plain_digits(word):
+            self.report.doubt(
+                line,
+                f"{what} names {member} {word}, which the file does not define; add the {member}, or take it "
+                "out of the set",
+            )
+        else:
+            self.report.doubt(
+                line,
+                f"{what} names '{word}', neither {article} {member} id nor a set above; define that set "
+                "first",
+            )
+        return np.empty(0, dtype=np.int64)
+
+
+def read_model(file: KeywordFile, *, elements: bool = True, strict: bool = False) -> AbaqusModel:
+    """Nodes, elements, sets and surfaces of a file.
+
+    elements : False: nodes and their sets alone, for matrices that take the place of elements
+    strict : raise doubts (`Report`)
+
+    Raises
+    ------
+    ImportFormatError   no nodes or elements; repeated ids; elements of unknown nodes; words for numbers
+    """
+    report = Report(file, strict=strict)
+    scopes, blocks = scoped_blocks(file, report)
+    found = read_nodes(file, scopes, blocks)
+    if not len(found.ids):
+        raise ImportFormatError(f"{file.path}: no nodes below a *NODE; is this a mesh file, and whole?")
+    kept = _last_definitions(report, "node", Labels(found.scopes, found.ids), found.lines)
+    nodes = Labels(found.scopes[kept], found.ids[kept])
+    model = AbaqusModel(file, report, scopes, blocks, nodes, found.positions[kept])
+    for _ in model.named(*NODE_KEYWORDS):
+        pass
+    if elements:
+        _read_elements(model)
+    for scope, name, ids in found.named:
+        _extend(model.node_sets, scope, name, model.nodes.numbers(scope, ids)[0])
+    for block in model.elements:
+        if block.set_name:
+            _extend(model.element_sets, block.scope, block.set_name, block.numbers)
+    for placed in model.named("NSET", "ELSET") if elements else model.named("NSET"):
+        _read_set(model, placed, with_elements=elements)
+    if elements:
+        for placed in model.named("SURFACE"):
+            _read_surface(model, placed)
+    return model
+
+
+# --- elements
+
+
+def _read_elements(model: AbaqusModel) -> None:
+    file, found = model.file, list[ElementBlock]()
+    for placed in model.named("ELEMENT", "ELGEN", "ELCOPY"):
+        block = placed.block
+        if block.key == "ELCOPY" or {"INPUT", "FILE", "OFFSET"} & block.options.keys():
+            raise file.error(
+                block.line, f"*{block.name} of that kind is not supported; write out what it makes"
+            )
+        kind = element_type(block.options.get("TYPE", "").upper())
+        if block.key == "ELGEN":
+            made = _generated_elements(model, placed, found)
+        elif kind.family is Family.UNKNOWN:
+            model.report.leave_out(
+                f"*ELEMENT, TYPE={kind.name}",
+                block.line,
+                "elements of this type are missing",
+                len(block.data),
+            )
+            continue
+        elif not block.data:
+            raise file.error(block.line, "no elements below *ELEMENT; remove it, or is the file cut short?")
+        else:
+            made = [_written_elements(model, placed, kind)]
+        found += made
+    if found:
+        ids, lines = (np.concatenate([getattr(block, part) for block in found]) for part in ("ids", "lines"))
+        scopes = np.concatenate([np.full(len(block.ids), block.scope) for block in found])
+        kept = _last_definitions(model.report, "element", Labels(scopes, ids), lines)
+        model.element_labels = Labels(scopes[kept], ids[kept])
+        model.elements = tuple(_numbered(found, kept))
+    elif not model.report.left_out:
+        raise ImportFormatError(
+            f"{file.path}: no elements below an *ELEMENT; is this a mesh file, and whole?"
+        )
+
+
+def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
+    """The elements that are kept, counted through."""
+    start = first = 0
+    for block in blocks:
+        mine = kept[start : start + len(block.ids)]
+        start += len(block.ids)
+        axis = None if block.axis_nodes is None else block.axis_nodes[mine]
+        yield replace(
+            block,
+            first=first,
+            ids=block.ids[mine],
+            nodes=block.nodes[mine],
+            lines=block.lines[mine],
+            axis_nodes=axis,
+        )
+        first += int(np.count_nonzero(mine))
+
+
+def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType) -> ElementBlock:
+    file, block, name = model.file, placed.block, kind.name
+    read = integers(file, block)
+    n = kind.n_nodes
+    # A beam may name one node more, towards which its first axis points.
+    per_line = np.flatnonzero(np.append(read.first, True))
+    if kind.family is Family.BEAM and (np.diff(per_line) == n + 2).all():
+        n += 1
+    starts = np.arange(0, len(read.values), n + 1)
+    run_on = np.flatnonzero(~read.first[starts])
+    if run_on.size or len(read.values) % (n + 1):
+        line = int(read.lines[starts[run_on[0] - 1 if run_on.size else -1]])
+        raise file.error(
+            line,
+            f"an element of type {name} is an id and {n} nodes, on lines of its own; is the file cut short?",
+        )
+    rows, lines = read.values.reshape(-1, n + 1), read.lines[starts]
+    numbers, known = model.nodes.numbers(placed.scope, rows[:, 1:])
+    if not known.all():
+        row, corner = np.argwhere(~known)[0]
+        raise file.error(
+            int(lines[row]),
+            f"element {rows[row, 0]} names node {rows[row, 1 + corner]}, which the file does not define; "
+            "add the node, or remove the element",
+        )
+    if kind.family in (Family.SHELL, Family.MEMBRANE) and n == 4:
+        crossed = crossed_quadrilaterals(model.positions, numbers)
+        if crossed.size:
+            raise file.error(int(lines[crossed[0]]), f"element {rows[crossed[0], 0]}: {CROSSED}")
+    return ElementBlock(
+        kind,
+        placed.scope,
+        0,
+        rows[:, 0],
+        numbers[:, : kind.n_nodes],
+        lines,
+        block.options.get("ELSET"),
+        numbers[:, kind.n_nodes] if n > kind.n_nodes else None,
+    )
+
+
+def _generated_elements(
+    model: AbaqusModel, placed: ScopedBlock, earlier: list[ElementBlock]
+) -> list[ElementBlock]:
+    """Elements of *ELGEN: a master, then up to three times a count and steps of its nodes and of its id."""
+    file, found = model.file, list[ElementBlock]()
+    for line, text in placed.block.data:
+        words = fields(text)
+        if not all(map(is_plain_digits, filter(None, words))):
+            raise file.error(line, f"*ELGEN takes whole numbers; '{text[:40]}' is not that")
+        master, *rest = [int(word or 1) for word in words]
+        source = next((b for b in earlier if b.scope == placed.scope and master in b.ids), None)
+        if source is None:
+            raise file.error(line, f"*ELGEN starts from element {master}, which is not above it")
+        nodes = model.nodes.ids[source.nodes[source.ids == master]]
+        ids = np.array([master])
+        steps = [[*rest[i : i + 3], 1, 1][:3] for i in range(0, len(rest), 3)]
+        most_generated(file, line, int(np.prod([float(step[0]) for step in steps])))
+        for count, node_step, id_step in steps:
+            k = np.arange(count)
+            nodes = (nodes + node_step * k[:, None, None]).reshape(-1, nodes.shape[1])
+            ids = (ids + id_step * k[:, None]).ravel()
+        numbers, known = model.nodes.numbers(placed.scope, nodes[1:])
+        if not known.all():
+            raise file.error(
+                line,
+                f"*ELGEN makes an element with node {nodes[1:][~known][0]}, which the file does not define",
+            )
+        lines = np.full(len(ids) - 1, line)
+        name = placed.block.options.get("ELSET")
+        found.append(ElementBlock(source.type, placed.scope, 0, ids[1:], numbers, lines, name))
+    return found
+
+
+def _last_definitions(report: Report, what: str, labels: Labels, lines: IntArray) -> NDArray[np.bool_]:
+    """Which definitions hold: of those of one id the last one, as both programs have it; a doubt."""
+    order = np.lexsort([labels.ids, labels.scopes])
+    same = np.diff(labels.ids[order]) == 0
+    same &= np.diff(labels.scopes[order]) == 0
+    kept = np.ones(len(order), dtype=bool)
+    kept[order[:-1][same]] = False
+    again = order[1:][same]
+    if again.size:
+        second = again.min()
+        report.doubt(
+            int(lines[second]),
+            f"{what} {labels.ids[second]} is defined a second time; renumber or remove it",
+        )
+    return kept
+
+
+# --- sets
+
+
+def _extend(
+    sets: dict[tuple[int, str], tuple[str, IntArray]], scope: int, name: str, members: IntArray
+) -> None:
+    spelling, earlier = sets.get((scope, name.upper()), (name, members[:0]))
+    sets[scope, name.upper()] = spelling, _each_once(np.concatenate([earlier, members]))
+
+
+def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -> None:
+    file, block = model.file, placed.block
+    of_nodes = block.key == "NSET"
+    name, options = block.options.get(block.key), block.options
+    if not name:
+        raise file.error(block.line, f"*{block.name} without a name; write *{block.name}, {block.name}=NAME")
+    sets = model.node_sets if of_nodes else model.element_sets
+    find = model.nodes_of if of_nodes else model.elements_of
+    scope = placed.scope
+    if "INSTANCE" in options:
+        names = [each.name.upper() for each in model.scopes]
+        if options["INSTANCE"].upper() not in names:
+            raise file.error(block.line, f"no instance '{options['INSTANCE']}'; correct its name")
+        scope = names.index(options["INSTANCE"].upper())
+    what = f"set '{name}'"
+    if of_nodes and "ELSET" in options:
+        members = np.empty(0, dtype=np.int64)
+        if with_elements:
+            members = model.nodes_of_elements(model.elements_of(scope, options["ELSET"], block.line, what))
+        _extend(sets, placed.scope, name, members)
+        return
+    if not block.data:
+        model.report.doubt(block.line, f"set '{name}' is empty; list its members, or is the file cut short?")
+        return
+    labels = model.nodes if of_nodes else model.element_labels
+    found: list[IntArray] = []
+    for line, text in block.data:
+        words = fields(text)
+        if "GENERATE" in options:
+            found.append(_generated_members(model, line, words, labels, scope, what, of_nodes=of_nodes))
+        elif all(map(is_plain_digits, words)):
+            ids = np.array([int(word) for word in words], dtype=np.int64)
+            numbers, known = labels.numbers(scope, ids)
+            found.append(numbers[known])
+            if not known.all():
+                find(scope, str(ids[~known][0]), line, what)
+        else:
+            found += [find(scope, word, line, what) for word in words if word]
+    _extend(sets, placed.scope, name, np.concatenate(found))
+
+
+def _generated_members(
+    model: AbaqusModel, line: int, words: list[str], labels: Labels, scope: int, what: str, *, of_nodes: bool
+) -> IntArray:
+    """Those there are of first, last, step; one that is not there is a doubt."""
+    file = model.file
+    if len(words) not in (2, 3) or not all(map(is_plain_digits, words)):
+        raise file.error(line, f"GENERATE takes first, last, step; '{', '.join(words)}' is not that")
+    first, last, step = [*map(int, words), 1][:3]
+    if step < 1 or last < first:
+        raise file.error(
+            line, f"GENERATE from {first} to {last} by {step} names nothing; let it count upwards"
+        )
+    mine = labels.of(scope)
+    ids = labels.ids[mine]
+    inside = mine[(ids >= first) & (ids <= last) & ((ids - first) % step == 0)]
+    inside = inside[np.argsort(labels.ids[inside], kind="stable")]
+    # Among one id more than there are, one is unknown, however long the range.
+    wanted = first + step * np.arange(min((last - first) // step, len(ids)) + 1, dtype=np.int64)
+    unknown = wanted[~np.isin(wanted, ids)]
+    if unknown.size:
+        find = model.nodes_of if of_nodes else model.elements_of
+        find(scope, str(unknown[0]), line, what)
+    return inside
+
+
+def _each_once(numbers: IntArray) -> IntArray:
+    return numbers[np.sort(np.unique(numbers, return_index=True)[1])]
+
+
+# --- surfaces
+
+
+def _read_surface(model: AbaqusModel, placed: ScopedBlock) -> None:
+    block, scope = placed.block, placed.scope
+    name = block.options.get("NAME", "")
+    kind = block.options.get("TYPE", "ELEMENT").upper()
+    what = f"surface '{name}'"
+    faces: dict[int, list[IntArray]] = {}
+    if kind not in ("ELEMENT", "NODE") or "COMBINE" in block.options or "CROP" in block.options:
+        model.report.note(f"surface '{name}' of type {kind} is not read")
+        return
+    for line, text in block.data:
+        word, label = [*fields(text), ""][:2]
+        if kind == "NODE":
+            faces.setdefault(1, []).append(model.nodes_of(scope, word, line, what)[:, None])
+            continue
+        members = model.elements_of(scope, word, line, what)
+        for elements, places in model.positions_of_elements(members):
+            for face in _faces(elements, places, label.upper()):
+                faces.setdefault(face.shape[1], []).append(face)
+    by_size = tuple(np.concatenate(each) for each in faces.values())
+    nodes = np.concatenate([np.empty(0, dtype=np.int64), *(each.ravel() for each in by_size)])
+    model.surfaces[scope, name.upper()] = Surface(name, by_size, _each_once(nodes))
+
+
+def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArray]:
+    """Faces (F, k) of some elements by their label; those that no two of them share where there is none."""
+    nodes, kind = elements.nodes[places], elements.type
+    whole_line = kind.family in (Family.BEAM, Family.ROD)
+    if label or whole_line:
+        face = face_nodes(kind, label)
+        if len(face) == 3 and kind.family is not Family.SOLID and (kind.n_nodes != 3 or whole_line):
+            # An edge of three nodes is two segments; of beams the middle one is listed between the ends.
+            a, b, c = face if whole_line else (face[0], face[2], face[1])
+            return [nodes[:, [a, b]], nodes[:, [b, c]]]
+        return [nodes[:, face]] if face else []
+    found: dict[int, list[IntArray]] = {}
+    for face in free_faces(elements.type):
+        found.setdefault(len(face), []).append(nodes[:, face])
+    free = []
+    for each in found.values():
+        faces = np.concatenate(each)
+        _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+        free.append(faces[np.sort(first[count == 1])])
+    return free

@@ -1,0 +1,60 @@
+"""Names and ids by which a body's nodes, elements and sets are known, unique over all instances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.model import AbaqusModel, Labels
+
+__all__ = ["PublicIds", "public_ids", "public_name", "public_sets"]
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class PublicIds:
+    """Ids of nodes (N,) and elements (E,), each once."""
+
+    nodes: IntArray
+    elements: IntArray
+
+
+def public_ids(model: AbaqusModel) -> PublicIds:
+    """Ids of the file; where instances use the same ones, those of scope k are raised by k 10^m.
+
+    10^m is the first power of ten above all ids; the scopes are the instances in their order from 0, then
+    what stands outside of them.
+    """
+    order = [*range(1, len(model.scopes)), 0]
+    rank = np.empty(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order))
+    return PublicIds(_unique(model, model.nodes, rank), _unique(model, model.element_labels, rank))
+
+
+def public_name(model: AbaqusModel, scope: int, name: str, taken: Mapping[tuple[int, str], object]) -> str:
+    """A set's own name; INSTANCE.SET where there are several instances, or the model has that name too."""
+    alone = len(model.scopes) < 3 and (0, name.upper()) not in taken
+    return name if not scope or alone else f"{model.scopes[scope].name}.{name}"
+
+
+def public_sets(
+    model: AbaqusModel, sets: Mapping[tuple[int, str], tuple[str, IntArray]]
+) -> dict[str, IntArray]:
+    """Members of sets by their public names."""
+    return {public_name(model, scope, name, sets): members for (scope, _), (name, members) in sets.items()}
+
+
+def _unique(model: AbaqusModel, labels: Labels, rank: IntArray) -> IntArray:
+    if len(np.unique(labels.ids)) == len(labels.ids):
+        return labels.ids
+    unit = 10 ** len(str(int(np.abs(labels.ids).max())))
+    if unit * len(rank) > np.iinfo(np.int64).max:
+        return np.arange(1, len(labels.ids) + 1)
+    model.report.note(
+        f"instances use the same ids: those of the second are raised by {unit}, the third by {2 * unit}, .."
+    )
+    return labels.ids + unit * rank[labels.scopes]

@@ -1,0 +1,62 @@
+"""Report: what a reader did with each keyword, collected while it reads."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from supple.errors import ImportFormatError
+from supple.importers.deck import LeftOut
+from supple.importers.keyword_file import KeywordBlock, KeywordFile
+
+__all__ = ["Report"]
+
+
+class Report:
+    """Counts keywords read and passed over, what is left out, notes, and doubts.
+
+    Doubts are mistakes without which the file can still be read, such as a set of unknown nodes; `strict`
+    raises them.
+    """
+
+    def __init__(self, file: KeywordFile, *, strict: bool = False) -> None:
+        self.file = file
+        self._strict = strict
+        self.read: Counter[str] = Counter()
+        self.passed_over: Counter[str] = Counter()
+        self._doubts: list[ImportFormatError] = []
+        self._left_out: dict[tuple[str, str], list[int]] = {}
+        self._notes: dict[str, None] = {}
+
+    def leave_out(self, card: str, line: int, meaning: str, count: int = 1) -> None:
+        """Something that would change the body is not read; `line` counts in the keyword file."""
+        entry = self._left_out.setdefault((card, meaning), [0, self.file.lines[line][1]])
+        entry[0] += count
+
+    def leave_out_block(self, block: KeywordBlock, meaning: str) -> None:
+        """A keyword is not read."""
+        self.leave_out(f"*{block.name}", block.line, meaning)
+
+    def note(self, text: str) -> None:
+        """What the user should know, one sentence; the same one only once."""
+        self._notes[text] = None
+
+    def doubt(self, line: int, message: str) -> None:
+        """A mistake that the reader can do without; ImportFormatError where it is strict."""
+        error = self.file.error(line, message)
+        if self._strict:
+            raise error
+        self._doubts.append(error)
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """All that is left out, in the order found."""
+        return tuple(
+            LeftOut(card, count, line, meaning) for (card, meaning), (count, line) in self._left_out.items()
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All notes, and the first doubts."""
+        doubts = [str(error) for error in self._doubts]
+        more = [f"{len(doubts) - 5} more of that kind"] if len(doubts) > 5 else []
+        return (*self._notes, *doubts[:5], *more)

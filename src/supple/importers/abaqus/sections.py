@@ -1,0 +1,247 @@
+"""Sections of Abaqus and CalculiX: which elements are made of what, as properties and cells of a Deck."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from dataclasses import fields as dataclass_fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.beam_sections import SectionOfBeams, read_beam_section
+from supple.importers.abaqus.element_types import CELL_FAMILIES, Family, cells_of
+from supple.importers.abaqus.materials import DeckMaterial, read_materials
+from supple.importers.abaqus.model import AbaqusModel, ElementBlock
+from supple.importers.abaqus.orientation import Orientation
+from supple.importers.abaqus.public_names import PublicIds, public_name
+from supple.importers.abaqus.walls import SectionOfShells, read_shell_section
+from supple.importers.deck import (
+    AnisotropicMaterial,
+    DeckElements,
+    IsotropicMaterial,
+    Property,
+    RodProperty,
+    SolidProperty,
+)
+from supple.importers.keyword_file import fields, numbers
+
+__all__ = ["read_elements"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SectionOfSolids:
+    """Of solids and trusses; area : of trusses."""
+
+    material: DeckMaterial
+    orientation: Orientation | None
+    area: float
+
+
+Section = SectionOfSolids | SectionOfShells | SectionOfBeams
+_FITS = {
+    Family.SOLID: SectionOfSolids,
+    Family.ROD: SectionOfSolids,
+    Family.SHELL: SectionOfShells,
+    Family.MEMBRANE: SectionOfShells,
+    Family.BEAM: SectionOfBeams,
+}
+_STIFFER = (
+    "are integrated fully, and so stiffer in bending where few lie across a wall: refine, or take C3D20"
+)
+_READ_AS_FULL = {
+    "C3D8R": _STIFFER,
+    "C3D8I": _STIFFER,
+    "SC8R": _STIFFER,
+    "C3D20R": "are integrated fully, which raises the frequencies of coarse meshes by 0.3 to 0.6 %",
+}
+_SECTIONS = (
+    "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
+    "BEAMGENERALSECTION",
+)  # fmt: skip
+
+
+def read_elements(
+    model: AbaqusModel, ids: PublicIds, orientations: Mapping[tuple[int, str], Orientation]
+) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
+    """All elements that have a section and a material, and what they are made of.
+
+    Others are left out, but those without a section on the faces and edges of solids, which carry sets alone.
+    Where sections overlap the last one holds.
+
+    Raises
+    ------
+    ImportFormatError   sections without thickness or dimensions; words for numbers
+    """
+    materials = read_materials(model)
+    n_elements = len(model.element_labels.ids)
+    section_of = np.full(n_elements, -1, dtype=np.int64)
+    sections: list[tuple[str, Section | None]] = []
+    for placed in model.named(*_SECTIONS):
+        block = placed.block
+        name = block.options.get("ELSET", "")
+        members = model.elements_of(placed.scope, name, block.line, f"*{block.name}")
+        section_of[members] = len(sections)
+        key = public_name(model, placed.scope, name, model.element_sets)
+        sections.append((key, _section(model, placed, materials, orientations)))
+    builder = _Builder(model, ids)
+    of_solids = np.zeros(len(model.positions), dtype=bool)
+    for block in model.elements:
+        if block.type.family is Family.SOLID:
+            of_solids[block.nodes[section_of[block.numbers] >= 0]] = True
+    for block in model.elements:
+        if block.type.family not in CELL_FAMILIES:
+            continue
+        of_block = section_of[block.numbers]
+        for number in np.unique(of_block).tolist():
+            places = np.flatnonzero(of_block == number)
+            key, section = sections[number] if number >= 0 else ("", None)
+            if number < 0 and block.type.family is not Family.SOLID:
+                # Meshers write the edges and faces of solids as well, for their sets.
+                on_solids = of_solids[block.nodes[places]].all(axis=1)
+                if on_solids.any():
+                    count = int(np.count_nonzero(on_solids))
+                    model.report.passed_over[f"*ELEMENT, TYPE={block.type.name}"] += count
+                places = places[~on_solids]
+                if not len(places):
+                    continue
+            if section is None or not isinstance(section, _FITS[block.type.family]):
+                meaning = "without a section that is read" if number >= 0 else "without a section"
+                model.report.leave_out(
+                    f"*ELEMENT, TYPE={block.type.name}",
+                    int(block.lines[places[0]]),
+                    f"elements {meaning} are missing",
+                    len(places),
+                )
+            else:
+                builder.add(key, section, block, places)
+        word = _READ_AS_FULL.get(block.type.name.rstrip("HT"))
+        if word:
+            model.report.note(f"elements {block.type.name} {word}")
+    return tuple(builder.elements), builder.properties
+
+
+def _section(
+    model: AbaqusModel,
+    placed: ScopedBlock,
+    materials: Mapping[str, DeckMaterial],
+    orientations: Mapping[tuple[int, str], Orientation],
+) -> Section | None:
+    block, scope = placed.block, placed.scope
+
+    def material(name: str) -> DeckMaterial | None:
+        return materials.get(name.upper())
+
+    def orientation(name: str) -> Orientation | None:
+        found = orientations.get((scope, name.upper())) or orientations.get((0, name.upper()))
+        if name and found is None:
+            model.report.leave_out(
+                f"*{block.name}, ORIENTATION={name}", block.line, "its material lies along the global axes"
+            )
+        return found
+
+    if block.key.startswith("BEAM"):
+        return read_beam_section(model, placed, material)
+    if block.key != "SOLIDSECTION":
+        return read_shell_section(model, placed, material, orientation)
+    if "COMPOSITE" in block.options:
+        model.report.leave_out_block(block, "solid elements of plies are missing")
+        return None
+    made_of = material(block.options.get("MATERIAL", ""))
+    values = [value for line, text in block.data[:1] for value in numbers(model.file, line, fields(text))]
+    area = values[0] if values and values[0] > 0 else 1.0
+    axes = orientation(block.options.get("ORIENTATION", ""))
+    return None if made_of is None else SectionOfSolids(made_of, axes, area)
+
+
+class _Builder:
+    """Elements and properties of a deck as they are found."""
+
+    def __init__(self, model: AbaqusModel, ids: PublicIds) -> None:
+        self._model, self._ids = model, ids
+        self._lines = np.array([number for _, number, _ in model.file.lines], dtype=np.int64)
+        self.elements: list[DeckElements] = []
+        self.properties: dict[str, Property] = {}
+
+    def add(self, key: str, section: Section, block: ElementBlock, places: IntArray) -> None:
+        """Cells of the elements at some places of a block."""
+        positions = self._model.positions
+        kind, cells, owners = cells_of(block.type, block.nodes[places], positions)
+        element = places[owners]
+        corners = positions[cells]
+        match section:
+            case SectionOfShells():
+                thin = block.type.family is Family.MEMBRANE
+                for name, made, mine in section.properties(key, cells, thin=thin):
+                    along = section.directions(corners[mine]) if section.has_directions else None
+                    self._append(name, made, block, kind, cells[mine], element[mine], directions=along)
+            case SectionOfBeams():
+                axis_nodes = None if block.axis_nodes is None else positions[block.axis_nodes[element]]
+                along, offsets = section.directions_and_offsets(corners, axis_nodes)
+                made = section.property_of(block.type.name)
+                self._append(key, made, block, kind, cells, element, directions=along, offsets=offsets)
+            case SectionOfSolids() if block.type.family is Family.ROD:
+                if isinstance(section.material, IsotropicMaterial):
+                    made_of = section.material
+                    rod = RodProperty(made_of, section.area, 0.0, made_of.density * section.area)
+                    self._append(key, rod, block, kind, cells, element)
+                else:
+                    self._model.report.leave_out(
+                        f"*ELEMENT, TYPE={block.type.name}",
+                        int(block.lines[0]),
+                        "trusses of a material that is not isotropic are missing",
+                        len(places),
+                    )
+            case SectionOfSolids():
+                axes = None
+                if section.orientation is not None and isinstance(section.material, AnisotropicMaterial):
+                    axes = section.orientation.axes(corners.mean(axis=1))
+                self._append(
+                    key, SolidProperty(section.material), block, kind, cells, element, directions=axes
+                )
+
+    def _append(
+        self,
+        key: str,
+        made: Property,
+        block: ElementBlock,
+        kind,
+        cells: IntArray,
+        element: IntArray,
+        *,
+        directions: FloatArray | None = None,
+        offsets: FloatArray | None = None,
+    ) -> None:
+        name = self._key(key, made)
+        self.elements.append(
+            DeckElements(
+                block.type.name,
+                kind,
+                cells,
+                self._ids.elements[block.first + element],
+                self._lines[block.lines[element]],
+                name,
+                directions,
+                offsets,
+            )
+        )
+
+    def _key(self, key: str, made: Property) -> str:
+        """The set's name; with a number behind it where that set has several properties."""
+        name, n = key, 1
+        while name in self.properties and not _same(self.properties[name], made):
+            n += 1
+            name = f"{key} {n}"
+        self.properties[name] = made
+        return name
+
+
+def _same(first: Property, second: Property) -> bool:
+    return type(first) is type(second) and all(
+        np.array_equal(getattr(first, each.name), getattr(second, each.name))
+        for each in dataclass_fields(first)
+    )

@@ -1,0 +1,206 @@
+"""*TIE of Abaqus and CalculiX: nodes of one surface follow the faces of another, matching or not."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.element_types import Family
+from supple.importers.abaqus.freedoms import Rows
+from supple.importers.abaqus.model import AbaqusModel, Surface
+from supple.importers.keyword_file import fields, numbers
+
+__all__ = ["read_ties"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+_DEFAULT_TOLERANCE = 0.05
+"""Of the size of the master's faces, as Abaqus has it for surfaces; CalculiX takes 0.025."""
+_CANDIDATES = 16
+
+
+def read_ties(model: AbaqusModel, rows: Rows) -> None:
+    """Rows  u_slave - sum_j N_j u_j = 0  for slave nodes within the tolerance of a master face.
+
+    A slave node is moved onto its face, as both programs do, so that rigid motion stays free. Between shells
+    its rotations follow as well. Cyclic and multistage ties are left out.
+
+    Raises
+    ------
+    ImportFormatError   words for numbers
+    """
+    for placed in model.named("TIE"):
+        block = placed.block
+        if {"CYCLICSYMMETRY", "MULTISTAGE", "FLUIDPERIODIC"} & block.options.keys():
+            model.report.leave_out_block(block, "the body is one sector, and its cuts are free")
+            continue
+        for line, text in block.data:
+            names = [*fields(text), ""][:2]
+            slave, master = (_surface(model, placed, name) for name in names)
+            if slave is None or master is None or not master.faces or not len(slave.nodes):
+                model.report.leave_out_block(block, f"surfaces '{names[0]}' and '{names[1]}' are not joined")
+                continue
+            _tie(model, placed, line, slave, master, rows)
+
+
+def _surface(model: AbaqusModel, placed: ScopedBlock, name: str) -> Surface | None:
+    """A surface, or a set of nodes of that name, as CalculiX allows."""
+    found = model.surface(placed.scope, name)
+    if found is None and (placed.scope, name.upper()) in model.node_sets:
+        nodes = model.node_sets[placed.scope, name.upper()][1]
+        found = Surface(name, (nodes[:, None],), nodes)
+    return found
+
+
+def _tie(
+    model: AbaqusModel,
+    placed: ScopedBlock,
+    line: int,
+    slave: Surface,
+    master: Surface,
+    rows: Rows,
+) -> None:
+    block, x = placed.block, model.positions
+    nodes = slave.nodes[~np.isin(slave.nodes, master.nodes)]
+    size = _face_size(x, master)
+    tolerance = _DEFAULT_TOLERANCE * size
+    if "POSITIONTOLERANCE" in block.options:
+        tolerance = numbers(model.file, block.line, [block.options["POSITIONTOLERANCE"]])[0]
+    best = np.full(len(nodes), np.inf)
+    where: list[tuple[IntArray, FloatArray]] = [(nodes[:0], np.empty(0))] * len(nodes)
+    points = np.empty((len(nodes), 3))
+    for faces in master.faces:
+        found, shares, distances, places = _nearest(x, nodes, faces)
+        closer = np.flatnonzero(distances < best)
+        best[closer], points[closer] = distances[closer], places[closer]
+        for i in closer.tolist():
+            where[i] = faces[found[i]], shares[i]
+    turning = _turning_nodes(model)
+    near = best <= tolerance + 1e-9 * size
+    for i in np.flatnonzero(near).tolist():
+        node, (face, shares) = int(nodes[i]), where[i]
+        for component in range(6 if turning[node] and turning[face].all() else 3):
+            terms = [(6 * node + component, 1.0)]
+            terms += [(6 * int(j) + component, -float(N)) for j, N in zip(face, shares, strict=True)]
+            rows.add(terms, line, dependent=6 * node + component)
+    model.positions[nodes[near]] = points[near]
+    if not near.any() and len(nodes):
+        model.report.leave_out_block(
+            block, f"no node of '{slave.name}' lies within {tolerance:.3g} of '{master.name}'"
+        )
+    elif not near.all():
+        model.report.note(
+            f"*TIE of '{slave.name}' to '{master.name}': {np.count_nonzero(~near)} of {len(nodes)} nodes lie "
+            f"farther than {tolerance:.3g} from it and are not tied"
+        )
+
+
+def _face_size(x: FloatArray, surface: Surface) -> float:
+    """Mean distance of the first two corners of its faces; 1 of single nodes."""
+    spans = [
+        np.linalg.norm(x[faces[:, 1]] - x[faces[:, 0]], axis=1)
+        for faces in surface.faces
+        if faces.shape[1] > 1
+    ]
+    return float(np.concatenate(spans).mean()) if spans else 1.0
+
+
+def _turning_nodes(model: AbaqusModel) -> NDArray[np.bool_]:
+    found = np.zeros(len(model.positions), dtype=bool)
+    for block in model.elements:
+        if block.type.family in (Family.SHELL, Family.BEAM):
+            found[block.nodes] = True
+    return found
+
+
+def _nearest(
+    x: FloatArray, nodes: IntArray, faces: IntArray
+) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    """For each node the nearest of the faces (F, k), its shape functions there, distance and place."""
+    centres = x[faces].mean(axis=1)
+    count = min(_CANDIDATES, len(faces))
+    _, candidates = KDTree(centres).query(x[nodes], k=count)
+    # Of places beyond all numbers no face is near, and the query names one that is not there.
+    candidates = np.minimum(np.reshape(candidates, (len(nodes), count)), len(faces) - 1)
+    pairs = faces[candidates].reshape(-1, faces.shape[1])
+    targets = np.repeat(x[nodes], count, axis=0)
+    shares = _projected(x[pairs], targets)
+    places = np.einsum("pk,pki->pi", shares, x[pairs])
+    distances = np.linalg.norm(places - targets, axis=1).reshape(-1, count)
+    best = distances.argmin(axis=1)
+    row = np.arange(len(nodes)) * count + best
+    return candidates[np.arange(len(nodes)), best], shares[row], distances.ravel()[row], places[row]
+
+
+def _projected(corners: FloatArray, targets: FloatArray) -> FloatArray:
+    """Shape functions (P, k) at the nearest points of faces (P, k, 3), by Gauss-Newton, kept inside them."""
+    k = corners.shape[1]
+    if k == 1:
+        return np.ones((len(corners), 1))
+    xi = np.full((len(corners), 2), 1 / 3 if k in (3, 6) else 0.0)
+    for _ in range(20):
+        N, dN = _shapes(k, xi)
+        gap = targets - np.einsum("pk,pki->pi", N, corners)
+        J = np.einsum("pka,pki->pia", dN, corners)
+        normal = np.einsum("pia,pib->pab", J, J)
+        # Edges have one parameter only; the second is held by the unit added.
+        normal[:, 1, 1] += np.where(normal[:, 1, 1] > 0, 0.0, 1.0)
+        step = np.linalg.solve(
+            normal + 1e-14 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(2),
+            np.einsum("pia,pi->pa", J, gap)[..., None],
+        )[..., 0]
+        xi = _inside(k, xi + step)
+        if np.abs(step).max(initial=0.0) < 1e-12:
+            break
+    return _shapes(k, xi)[0]
+
+
+def _inside(k: int, xi: FloatArray) -> FloatArray:
+    if k not in (3, 6):
+        return np.clip(xi, -1.0, 1.0)
+    xi = np.clip(xi, 0.0, 1.0)
+    excess = np.maximum(xi.sum(axis=1) - 1, 0.0)
+    return np.clip(xi - excess[:, None] / 2, 0.0, 1.0)
+
+
+def _shapes(k: int, xi: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shape functions (P, k) of an edge (2 nodes), triangle (3, 6) or quadrilateral (4, 8); derivatives."""
+    r, s = xi.T
+    zero, one = np.zeros_like(r), np.ones_like(r)
+    if k == 2:
+        N, dr, ds = [(1 - r) / 2, (1 + r) / 2], [-one / 2, one / 2], [zero, zero]
+    elif k == 3:
+        N, dr, ds = [1 - r - s, r, s], [-one, one, zero], [-one, zero, one]
+    elif k == 6:
+        t = 1 - r - s
+        N = [t * (2 * t - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * t * r, 4 * r * s, 4 * s * t]
+        dr = [1 - 4 * t, 4 * r - 1, zero, 4 * (t - r), 4 * s, -4 * s]
+        ds = [1 - 4 * t, zero, 4 * s - 1, -4 * r, 4 * r, 4 * (t - s)]
+    else:
+        corner_r, corner_s = np.array([-1, 1, 1, -1.0]), np.array([-1, -1, 1, 1.0])
+        N, dr, ds = [], [], []
+        for a, b in zip(corner_r, corner_s, strict=True):
+            p, q = 1 + a * r, 1 + b * s
+            if k == 4:
+                N.append(p * q / 4)
+                dr.append(a * q / 4)
+                ds.append(b * p / 4)
+            else:
+                m = a * r + b * s - 1
+                N.append(p * q * m / 4)
+                dr.append(a * q * (m + p) / 4)
+                ds.append(b * p * (m + q) / 4)
+        if k == 8:
+            for a, b in ((0, -1), (1, 0), (0, 1), (-1, 0)):
+                if a == 0:
+                    N.append((1 - r**2) * (1 + b * s) / 2)
+                    dr.append(-r * (1 + b * s))
+                    ds.append(b * (1 - r**2) / 2)
+                else:
+                    N.append((1 + a * r) * (1 - s**2) / 2)
+                    dr.append(a * (1 - s**2) / 2)
+                    ds.append(-s * (1 + a * r))
+    return np.stack(N, axis=-1), np.stack([np.stack(dr, axis=-1), np.stack(ds, axis=-1)], axis=-1)

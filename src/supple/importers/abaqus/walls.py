@@ -1,0 +1,246 @@
+"""Sections of shells and membranes: homogeneous, composite, offset, of nodal thickness, or by stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.materials import DeckMaterial
+from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.abaqus.orientation import Orientation
+from supple.importers.deck import IsotropicMaterial, ShellProperty, WallProperty
+from supple.importers.keyword_file import KeywordBlock, fields, numbers
+from supple.importers.laminate import Ply, laminate, orthotropic_ply
+
+__all__ = ["SectionOfShells", "read_shell_section"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+_FLAT, _ACROSS = [0, 1, 5], [4, 3]  # xx yy xy, and xz yz, of a solid's strains
+_ALONG_NORMAL = np.cos(np.radians(0.1))
+
+
+@dataclass(frozen=True, eq=False)
+class SectionOfShells:
+    """plies : from the bottom up, thickness in proportion;  given : a wall by its stiffness instead
+
+    offset : of the nodes from the middle, as a share of the thickness, along the normal
+    nodal_thickness : (N,) of every node; None where thickness is that of the section
+    """
+
+    plies: tuple[Ply, ...]
+    homogeneous: IsotropicMaterial | None
+    given: WallProperty | None
+    thickness: float
+    offset: float
+    orientation: Orientation | None
+    nodal_thickness: FloatArray | None
+
+    @property
+    def has_directions(self) -> bool:
+        """Whether its stiffness depends on a direction in the wall."""
+        return self.homogeneous is None
+
+    def properties(
+        self, key: str, cells: IntArray, *, thin: bool
+    ) -> Iterator[tuple[str, ShellProperty | WallProperty, IntArray]]:
+        """Name, property, and which of cells (C, 3) have it: one for each mean thickness of their nodes.
+
+        thin : whether elements resist no bending (membranes)
+        """
+        if self.nodal_thickness is None:
+            yield key, self._property(self.thickness, thin=thin), np.arange(len(cells))
+            return
+        given = self.nodal_thickness
+        found = np.where(np.isfinite(given), given, self.thickness)[cells].mean(axis=1)
+        # Twelve digits: sums in another order make no other property.
+        values, which = np.unique(np.array([float(f"{t:.12g}") for t in found]), return_inverse=True)
+        for i, thickness in enumerate(values.tolist()):
+            name = key if len(values) == 1 else f"{key} t={thickness:.6g}"
+            yield name, self._property(thickness, thin=thin), np.flatnonzero(which == i)
+
+    def directions(self, corners: FloatArray) -> FloatArray:
+        """First directions (C, 3) of cells with corners (C, 3, 3) before projection; by default global x.
+
+        Where the wall's normal is the global x within 0.1 degrees, the global z, as both programs have it.
+        """
+        if self.orientation is not None:
+            return self.orientation.shell_directions(corners.mean(axis=1))
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        along = np.abs(normals[:, 0]) >= _ALONG_NORMAL * np.linalg.norm(normals, axis=1)
+        return np.where(along[:, None], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+
+    def _property(self, thickness: float, *, thin: bool) -> ShellProperty | WallProperty:
+        if self.given is not None:
+            return self.given
+        if self.homogeneous is not None and not thin:
+            offset = -self.offset * thickness
+            return ShellProperty(self.homogeneous, thickness, offset=offset, shear_factor=5 / 6)
+        scale = thickness / sum(ply.thickness for ply in self.plies)
+        plies = [replace(ply, thickness=ply.thickness * scale) for ply in self.plies]
+        wall = laminate(plies, bottom=-self.offset * thickness - thickness / 2)
+        if not thin:
+            return wall
+        none = np.zeros((3, 3))
+        return replace(wall, coupling=none, bending=none, shear=None, rotary_inertia_per_area=0.0)
+
+
+def read_shell_section(
+    model: AbaqusModel,
+    placed: ScopedBlock,
+    material: Callable[[str], DeckMaterial | None],
+    orientation: Callable[[str], Orientation | None],
+) -> SectionOfShells | None:
+    """*SHELL SECTION, *SHELL GENERAL SECTION, *MEMBRANE SECTION; None where its material is not known.
+
+    Raises
+    ------
+    ImportFormatError   no thickness, or one that is not positive; words for numbers
+    """
+    file, block = model.file, placed.block
+    axes = orientation(block.options.get("ORIENTATION", ""))
+    offset = _offset(model, block)
+    # Abaqus asks for NODAL THICKNESS on the section as well; CalculiX does not.
+    thicknesses = _nodal_thickness(model)
+    if not block.data:
+        raise file.error(block.line, f"*{block.name} without a thickness; is the file cut short?")
+    if "COMPOSITE" in block.options:
+        plies = _plies(model, block, material, orientation)
+        if plies is None:
+            return None
+        found, first = plies
+        total = sum(ply.thickness for ply in found)
+        return SectionOfShells(found, None, None, total, offset, axes or first, None)
+    rows = [numbers(file, line, fields(text)) for line, text in block.data]
+    if block.key == "SHELLGENERALSECTION" and "MATERIAL" not in block.options:
+        wall = _general(model, block, [value for row in rows for value in row])
+        return SectionOfShells((), None, wall, wall.thickness, 0.0, axes, None)
+    thickness = rows[0][0]
+    made_of = material(block.options.get("MATERIAL", ""))
+    if made_of is None:
+        return None
+    if not thickness > 0 and thicknesses is None and block.key != "MEMBRANE":
+        raise file.error(
+            block.line, f"*{block.name}: the thickness {thickness:g} is not positive; correct it"
+        )
+    if not thickness > 0 and thicknesses is None:
+        model.report.note(f"*{block.name} without a thickness: its elements carry sets alone")
+        return None
+    homogeneous = made_of if isinstance(made_of, IsotropicMaterial) else None
+    plies = (_ply(made_of, thickness if thickness > 0 else 1.0, 0.0),)
+    return SectionOfShells(plies, homogeneous, None, thickness, offset, axes, thicknesses)
+
+
+def _ply(material: DeckMaterial, thickness: float, angle: float) -> Ply:
+    if isinstance(material, IsotropicMaterial):
+        E, nu = material.youngs_modulus, material.poissons_ratio
+        G = E / (2 * (1 + nu))
+        return orthotropic_ply(E, E, nu, G, G, G, density=material.density, thickness=thickness, angle=angle)
+    compliance = np.linalg.inv(material.elasticity)
+    flat, across = (np.linalg.inv(compliance[np.ix_(some, some)]) for some in (_FLAT, _ACROSS))
+    return Ply(np.asarray(flat, float), np.asarray(across, float), material.density, thickness, angle)
+
+
+def _plies(
+    model: AbaqusModel,
+    block: KeywordBlock,
+    material: Callable[[str], DeckMaterial | None],
+    orientation: Callable[[str], Orientation | None],
+) -> tuple[tuple[Ply, ...], Orientation | None] | None:
+    """Plies, and the axes that they name where they all name the same; None where one is not read."""
+    found: list[Ply] = []
+    named: list[str] = []
+    for line, text in block.data:
+        words = [*fields(text), "", "", ""]
+        thickness = numbers(model.file, line, words[:1])[0]
+        if not thickness > 0:
+            raise model.file.error(line, f"a ply of thickness {thickness:g}; correct it")
+        made_of = material(words[2])
+        if made_of is None:
+            model.report.leave_out_block(block, f"the material '{words[2]}' of a ply is not read")
+            return None
+        angle = 0.0
+        if words[3] and words[3].lstrip("+-")[:1] in "0123456789.":
+            angle = np.radians(numbers(model.file, line, words[3:4])[0])
+        elif words[3]:
+            named.append(words[3].upper())
+        found.append(_ply(made_of, thickness, angle))
+    if not named:
+        return tuple(found), None
+    axes = [orientation(name) for name in named]
+    if any(each is None for each in axes):
+        return tuple(found), None
+    first = axes[0]
+    if len(set(named)) > 1:
+        turns = iter(axes)
+        rows = [(*fields(text), "", "", "")[3] for _, text in block.data]
+        angles = [_turn(first, next(turns)) if row and row.upper() in named else None for row in rows]
+        if any(angle is None for angle in angles):
+            model.report.leave_out_block(block, "plies along axes that are not turned about one normal")
+            return None
+        found = [replace(ply, angle=angle or 0.0) for ply, angle in zip(found, angles, strict=True)]
+    return tuple(found), first
+
+
+def _turn(first: Orientation | None, other: Orientation | None) -> float | None:
+    """Angle of the other's first direction from the first's about their common normal, at the origin."""
+    if first is None or other is None:
+        return None
+    place = np.array([[1.0, 2.0, 3.0]])
+    a, b = first.axes(place)[0], other.axes(place)[0]
+    normal = (first.axis or 3) - 1
+    if not np.allclose(a[:, normal], b[:, (other.axis or 3) - 1], atol=1e-6):
+        return None
+    x, other_x = a[:, (normal + 1) % 3], other.shell_directions(place)[0]
+    return float(np.arctan2(np.cross(x, other_x) @ a[:, normal], x @ other_x))
+
+
+def _general(model: AbaqusModel, block: KeywordBlock, values: list[float]) -> WallProperty:
+    """A wall by the 21 stiffnesses of its upper triangle, in the order 11, 12, 22, 13, 23, 33, 14 .."""
+    if len(values) < 21:
+        raise model.file.error(
+            block.line,
+            f"*SHELL GENERAL SECTION has 21 stiffnesses, not {len(values)}; is the file cut short?",
+        )
+    stiffness = np.zeros((6, 6))
+    rows = [row for column in range(6) for row in range(column + 1)]
+    columns = [column for column in range(6) for _ in range(column + 1)]
+    stiffness[rows, columns] = stiffness[columns, rows] = values[:21]
+    A, B, D = stiffness[:3, :3], stiffness[:3, 3:], stiffness[3:, 3:]
+    # Of a homogeneous wall D = A t^2 / 12.
+    thickness = float(np.sqrt(12 * np.trace(D) / np.trace(A))) if np.trace(A) > 0 < np.trace(D) else 1.0
+    density = numbers(model.file, block.line, [block.options.get("DENSITY", "0")])[0]
+    return WallProperty(A, B, D, None, density, 0.0, thickness)
+
+
+def _offset(model: AbaqusModel, block: KeywordBlock) -> float:
+    word = block.options.get("OFFSET", "").upper()
+    if word in ("SPOS", "SNEG"):
+        return 0.5 if word == "SPOS" else -0.5
+    if word[:1].isalpha():
+        model.report.leave_out(
+            f"*{block.name}, OFFSET={word}", block.line, "the wall's middle is at its nodes"
+        )
+        return 0.0
+    return numbers(model.file, block.line, [word])[0]
+
+
+def _nodal_thickness(model: AbaqusModel) -> FloatArray | None:
+    """Thickness at each node, nan where none is given; None without *NODAL THICKNESS."""
+    found = None
+    for placed in model.blocks:
+        if placed.block.key != "NODALTHICKNESS" or placed.step:
+            continue
+        model.report.read[placed.block.name] = 1
+        if found is None:
+            found = np.full(len(model.positions), np.nan)
+        for line, text in placed.block.data:
+            word, *rest = fields(text)
+            value = numbers(model.file, line, rest[:1] or ["0"])[0]
+            found[model.nodes_of(placed.scope, word, line, "*NODAL THICKNESS")] = value
+    return found

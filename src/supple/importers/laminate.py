@@ -1,0 +1,158 @@
+"""Classical laminate: the stiffness and mass of a wall of plies, as decks describe one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import WallProperty
+
+__all__ = ["Ply", "laminate", "moved_wall", "orthotropic_ply"]
+
+FloatArray = NDArray[np.float64]
+
+# Three Gauss points integrate a polynomial of degree 5; squares of shear flows have degree 4.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Ply:
+    """A layer; its stiffness is in its own axes, turned by `angle` from those of the wall.
+
+    plane_stress : (3, 3) Pa, order xx, yy, xy (engineering shear)
+    shear : (2, 2) transverse shear stiffness, order xz, yz, Pa; None where it is rigid
+    density : kg/m^3;  thickness : m;  angle : rad, about the normal
+    """
+
+    plane_stress: FloatArray
+    shear: FloatArray | None
+    density: float
+    thickness: float
+    angle: float = 0.0
+
+    def turned_stiffness(self) -> FloatArray:
+        """Plane-stress stiffness (3, 3) in the axes of the wall."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        # Strains of the wall to strains of the ply.
+        T = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+        return T.T @ self.plane_stress @ T
+
+    def turned_shear_compliance(self) -> FloatArray:
+        """Transverse shear compliance (2, 2) in the axes of the wall; zero where shear is rigid."""
+        if self.shear is None:
+            return np.zeros((2, 2))
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        T = np.array([[c, s], [-s, c]])
+        return np.asarray(T.T @ np.linalg.inv(self.shear) @ T, dtype=np.float64)
+
+
+def orthotropic_ply(
+    E1: float,
+    E2: float,
+    nu12: float,
+    G12: float,
+    G13: float,
+    G23: float,
+    *,
+    density: float,
+    thickness: float,
+    angle: float = 0.0,
+) -> Ply:
+    """Ply of engineering constants, Pa; a transverse shear modulus of 0 counts as rigid.
+
+        Q11 = E1 / (1 - nu12 nu21),  Q12 = nu12 E2 / (1 - nu12 nu21),  Q22 = E2 / (1 - nu12 nu21),  Q66 = G12
+
+    Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (2.70).
+    """
+    d = 1 - nu12**2 * E2 / E1
+    Q = np.array([[E1 / d, nu12 * E2 / d, 0.0], [nu12 * E2 / d, E2 / d, 0.0], [0.0, 0.0, G12]])
+    shear = np.diag([G13, G23]) if G13 > 0 and G23 > 0 else None
+    return Ply(Q, shear, density, thickness, angle)
+
+
+def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: float = 0.0) -> WallProperty:
+    """Wall of plies from the bottom up.
+
+        A, B, D = sum over plies of int Q (1, z, z^2) dz
+
+    The transverse shear stiffness is that of equilibrium: where moments vary along the wall, M_x,x = Q_x
+    and M_y,y = Q_y, in-plane stresses vary with them, and shear stresses balance these from the bottom up,
+
+        tau(z) = F(z) [Q_x, Q_y],   H^-1 = int F^T S F dz,   S the shear compliance of the plies;
+
+    5/6 G t of a homogeneous wall. It does not depend on where the surface of the nodes lies.
+
+    Parameters
+    ----------
+    bottom : float or None   z of the lower face from the surface of the nodes, m; None: half the thickness
+    added_mass : float       non-structural, kg/m^2, spread over the thickness
+    Source: K. Rohwer, Transverse shear stiffness of composite and sandwich finite elements, Composite
+    Structures 5 (1986) 253; R. M. Jones, eq. (4.22)-(4.24).
+    """
+    thicknesses = np.array([ply.thickness for ply in plies])
+    total = float(thicknesses.sum())
+    # About the middle first, where the shear is worked out.
+    faces = np.concatenate([[0.0], np.cumsum(thicknesses)]) - total / 2
+    Q = np.stack([ply.turned_stiffness() for ply in plies])
+    densities = np.array([ply.density for ply in plies]) + added_mass / total
+    powers = [(faces[1:] ** n - faces[:-1] ** n) / n for n in (1, 2, 3)]
+    A, B, D = (np.einsum("k,kij->ij", power, Q) for power in powers)
+    mass, moment, rotary = (float(power @ densities) for power in powers)
+    wall = WallProperty(A, B, D, _shear_stiffness(plies, Q, faces, A, B, D), mass, rotary, total, moment)
+    return wall if bottom is None else moved_wall(wall, bottom + total / 2)
+
+
+def moved_wall(wall: WallProperty, offset: float) -> WallProperty:
+    """The same wall, moved by `offset` along the normal from the surface of the nodes, m.
+
+    A' = A,   B' = B + z A,   D' = D + 2 z B + z^2 A,   and so with the moments of the mass.
+    """
+    A, B, D, z = wall.membrane, wall.coupling, wall.bending, offset
+    mass, moment = wall.mass_per_area, wall.mass_moment_per_area
+    return replace(
+        wall,
+        coupling=B + z * A,
+        bending=D + 2 * z * B + z**2 * A,
+        mass_moment_per_area=moment + z * mass,
+        rotary_inertia_per_area=wall.rotary_inertia_per_area + 2 * z * moment + z**2 * mass,
+    )
+
+
+def _shear_stiffness(
+    plies: Sequence[Ply],
+    Q: FloatArray,
+    faces: FloatArray,
+    A: FloatArray,
+    B: FloatArray,
+    D: FloatArray,
+) -> FloatArray | None:
+    """H (2, 2); None where all plies are rigid in shear."""
+    if all(ply.shear is None for ply in plies):
+        return None
+    # Strain and curvature (6,) of a unit growth of M_x and of M_y along the wall.
+    ABD = np.block([[A, B], [B, D]])
+    growing = np.linalg.lstsq(ABD, np.eye(6)[:, 3:5], rcond=1e-13)[0]
+    strain, curvature = growing[:3], growing[3:]
+    flow = np.zeros((2, 2))  # tau at the lower face of a ply, columns Q_x and Q_y
+    compliance = np.zeros((2, 2))
+    pick = [0, 1]  # Q_x drives xx, whose growth tau_xz balances; Q_y drives yy and tau_yz
+
+    def balanced(k: int, z: FloatArray) -> FloatArray:
+        """-int Q (strain + z curvature) dz from the lower face of ply k, (n, 2, 2)."""
+        own, linear = Q[k] @ strain, Q[k] @ curvature
+        below = faces[k]
+        full = (z - below)[:, None, None] * own + (z**2 - below**2)[:, None, None] / 2 * linear
+        diagonal = np.zeros((len(z), 2, 2))
+        diagonal[:, pick, pick] = -full[:, pick, pick]
+        return diagonal
+
+    for k, ply in enumerate(plies):
+        half = ply.thickness / 2
+        F = flow + balanced(k, faces[k] + half * (1 + _POINTS))
+        S = ply.turned_shear_compliance()
+        compliance += half * np.einsum("n,nai,ab,nbj->ij", _WEIGHTS, F, S, F)
+        flow = flow + balanced(k, faces[k + 1 : k + 2])[0]
+    return np.asarray(np.linalg.inv(compliance), dtype=np.float64)

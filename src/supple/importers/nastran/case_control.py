@@ -1,0 +1,48 @@
+"""Case control of a Nastran file: which of its sets and matrices the solution takes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+__all__ = ["CaseControl", "read_case_control"]
+
+_COMMAND = re.compile(r"\s*([A-Z][A-Z0-9]*)\s*(?:\([^)]*\))?\s*=\s*(.+?)\s*$", re.IGNORECASE)
+_OF_THE_BODY = ("SPC", "MPC", "NSM", "K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2PP")
+
+
+@dataclass(frozen=True)
+class CaseControl:
+    """What case control selects; of several subcases the first.
+
+    present : whether there is any
+    chosen  : {command: value as written, in upper case}
+    varied  : commands of which a later subcase selects something else
+    """
+
+    present: bool
+    chosen: Mapping[str, str]
+    varied: tuple[str, ...]
+
+    def number(self, command: str) -> int | None:
+        """The set a command selects; None where it selects none."""
+        word = self.chosen.get(command, "")
+        return int(word) if word.isdecimal() else None
+
+
+def read_case_control(above: Sequence[str]) -> CaseControl:
+    """The choices of what a body is made of, from the lines above the cards."""
+    chosen: dict[str, str] = {}
+    varied: dict[str, None] = {}
+    after_cend = False
+    for text in above:
+        after_cend = after_cend or text.strip().upper() == "CEND"
+        match = _COMMAND.match(text)
+        command = match[1].upper() if match else ""
+        if not match or command not in _OF_THE_BODY:
+            continue
+        value = match[2].upper()
+        if chosen.setdefault(command, value) != value:
+            varied[command] = None
+    return CaseControl(after_cend or bool(chosen), chosen, tuple(varied))

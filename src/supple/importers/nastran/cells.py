@@ -1,0 +1,421 @@
+"""Solids and shells of a Nastran deck as cells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import DeckElements, Property, ShellProperty, SolidProperty
+from supple.importers.nastran.bulk_data import BulkCard, integers
+from supple.importers.nastran.materials import Materials
+from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.walls import WALL_CARDS, WallOptions, read_wall
+from supple.importers.plain_number import is_plain_digits
+from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
+from supple.mesh import CellType
+
+__all__ = ["SHELL_CARDS", "SOLID_CARDS", "SOLID_PROPERTY_CARDS", "read_shells", "read_solids"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """Corners of a solid, its linear and quadratic cell, and the places of the card by node of the latter.
+
+    edges : corners of each middle node, as the card lists them
+    """
+
+    corners: int
+    linear: CellType
+    quadratic: CellType
+    order: tuple[int, ...]
+    edges: tuple[tuple[int, int], ...]
+
+
+# Nastran lists middle nodes bottom, upright, top; a CellType bottom, top, upright.
+_SOLIDS = {
+    "CTETRA": _Solid(
+        4,
+        CellType.TETRA4,
+        CellType.TETRA10,
+        tuple(range(10)),
+        ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+    ),
+    "CHEXA": _Solid(
+        8,
+        CellType.HEXA8,
+        CellType.HEXA20,
+        (*range(12), *range(16, 20), *range(12, 16)),
+        (
+            *((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 5)),
+            *((2, 6), (3, 7), (4, 5), (5, 6), (6, 7), (7, 4)),
+        ),
+    ),
+    "CPENTA": _Solid(
+        6,
+        CellType.WEDGE6,
+        CellType.WEDGE15,
+        (*range(9), *range(12, 15), *range(9, 12)),
+        ((0, 1), (1, 2), (2, 0), (0, 3), (1, 4), (2, 5), (3, 4), (4, 5), (5, 3)),
+    ),
+    "CPYRAM": _Solid(
+        5,
+        CellType.PYRAMID5,
+        CellType.PYRAMID13,
+        tuple(range(13)),
+        ((0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)),
+    ),
+}
+SOLID_CARDS = tuple(_SOLIDS)
+SOLID_PROPERTY_CARDS = ("PSOLID", "PCOMPS")
+
+
+@dataclass(frozen=True)
+class _Shell:
+    """Corners of a shell card, whether it has middle nodes, and its fields for angle, offset, thickness."""
+
+    corners: int
+    middles: bool
+    angle: int
+    offset: int
+    flag: int
+    thickness: int
+
+
+_SHELLS = {
+    "CQUAD4": _Shell(4, False, 6, 7, 9, 10),
+    "CQUADR": _Shell(4, False, 6, 7, 9, 10),
+    "CTRIA3": _Shell(3, False, 5, 6, 9, 10),
+    "CTRIAR": _Shell(3, False, 5, 6, 9, 10),
+    "CQUAD8": _Shell(4, True, 14, 15, 16, 10),
+    "CTRIA6": _Shell(3, True, 8, 9, 13, 10),
+}
+SHELL_CARDS = tuple(_SHELLS)
+
+
+def grids_named(cards: Sequence[BulkCard], reading: Reading, first: int, count: int) -> IntArray:
+    """Numbers (cards, count) of the grids in fields of element cards; an unknown one is an error."""
+    ids = np.stack([integers(cards, first + i, f"grid G{i + 1}") for i in range(count)], axis=1)
+    nodes, known = reading.grids.lookup(ids)
+    if not known.all():
+        row, corner = np.argwhere(~known)[0]
+        raise cards[row].error(
+            f"element {cards[row].word(0)} names grid {ids[row, corner]}, which the file does not define; "
+            "add its GRID card, or remove the element"
+        )
+    return nodes
+
+
+def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
+    """Cards by their first field; one of an id given twice must repeat the other."""
+    found: dict[int, BulkCard] = {}
+    for card in cards:
+        number = card.integer(0, f"the {what} id")
+        first = found.setdefault(number, card)
+        if first is not card and first[:2] != card[:2]:
+            raise card.error(
+                f"{what} {number} is defined a second time and differs from that of line {first.line}; "
+                "renumber or remove it"
+            )
+    return found
+
+
+class Properties:
+    """The properties that elements of one kind use: read once, named after their cards.
+
+    A card whose elements differ in what they say themselves (offset, thickness, added mass) makes several:
+    pshell_7, pshell_7_2.
+    """
+
+    def __init__(self, cards: Mapping[int, BulkCard]) -> None:
+        self.cards = cards
+        self.found: dict[str, Property] = {}
+        self._names: dict[tuple[int, object], str] = {}
+        self._counts: dict[int, int] = {}
+
+    def name(self, number: int, key: object, make: Callable[[BulkCard], Property | str]) -> tuple[str, str]:
+        """Name of a property and "", or "" and why elements cannot have it."""
+        known = self._names.get((number, key))
+        if known is not None:
+            return known, ""
+        card = self.cards.get(number)
+        if card is None:
+            return "", f"their property {number} is not one that is read"
+        made = make(card)
+        if isinstance(made, str):
+            return "", f"{card.name} {number}: {made}"
+        self._counts[number] = self._counts.get(number, 0) + 1
+        count = self._counts[number]
+        name = f"{card.name.lower()}_{number}" + (f"_{count}" if count > 1 else "")
+        self._names[number, key] = name
+        self.found[name] = made
+        return name, ""
+
+
+# --- solids
+
+
+def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElements], dict[str, Property]]:
+    """Cells of CTETRA, CHEXA, CPENTA and CPYRAM, linear or quadratic, with PSOLID and PCOMPS."""
+    properties = Properties(by_id(reading.file.named(*SOLID_PROPERTY_CARDS), "property"))
+    middles = _Middles(reading)
+    found: list[DeckElements] = []
+    for name in SOLID_CARDS:
+        groups: dict[tuple[str, int], list[BulkCard]] = {}
+        for card in reading.file.named(name):
+            number = card.integer(1, "the property id", card.integer(0, "the element id"))
+            of, why = properties.name(number, None, lambda card: _solid(card, materials))
+            if why:
+                reading.leave_out(card, f"elements left out: {why}")
+                continue
+            groups.setdefault((of, number), []).append(card)
+        for (of, number), cards in groups.items():
+            system = properties.cards[number].word(2)
+            found += _solid_cells(name, cards, of, system, reading, middles, properties)
+    middles.tie()
+    return found, properties.found
+
+
+def _solid(card: BulkCard, materials: Materials) -> SolidProperty | str:
+    """PSOLID with its material; PCOMPS where all its plies are of one isotropic material."""
+    if card.name == "PCOMPS":
+        plies = {card.word(place + 1) for place in range(8, len(card.fields), 8)} - {""}
+        material = materials.of_solid(int(plies.pop())) if len(plies) == 1 else ""
+        if not isinstance(material, str) and hasattr(material, "poissons_ratio"):
+            return SolidProperty(material)
+        return "layered solids (PCOMPS) of several or anisotropic materials are not read"
+    if card.word(6) not in ("", "SMECH"):
+        return f"they are fluid ({card.word(6)})"
+    material = materials.of_solid(card.integer(1, "the material id"))
+    return material if isinstance(material, str) else SolidProperty(material)
+
+
+def _solid_cells(
+    name: str,
+    cards: list[BulkCard],
+    of: str,
+    system: str,
+    reading: Reading,
+    middles: _Middles,
+    properties: Properties,
+) -> list[DeckElements]:
+    solid = _SOLIDS[name]
+    quadratic = [not card.is_blank(2 + solid.corners, 2 + len(solid.order)) for card in cards]
+    found: list[DeckElements] = []
+    for wanted in (False, True):
+        chosen = [card for card, is_quadratic in zip(cards, quadratic, strict=True) if is_quadratic == wanted]
+        if not chosen:
+            continue
+        kind = solid.quadratic if wanted else solid.linear
+        nodes = grids_named(chosen, reading, 2, solid.corners)
+        if wanted:
+            nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]
+        ids, lines = integers(chosen, 0, "the element id"), np.array([card.line for card in chosen])
+        axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
+        found.append(DeckElements(name, kind, nodes, ids, lines, of, axes))
+    return found
+
+
+def _material_axes(
+    made: Property,
+    system: str,
+    nodes: IntArray,
+    reading: Reading,
+    cards: Sequence[BulkCard],
+) -> FloatArray | None:
+    """Axes (C, 3, 3) of an anisotropic solid, those of CORDM at the middle of each cell; else None."""
+    if not isinstance(made, SolidProperty) or hasattr(made.material, "poissons_ratio") or system in ("", "0"):
+        return None
+    if system.startswith("-"):
+        for card in cards:
+            reading.leave_out(
+                card,
+                "the material's axes go with the element (CORDM = -1); basic axes are taken",
+            )
+        return None
+    return reading.system(cards[0], int(system)).directions(reading.positions(nodes).mean(axis=1))
+
+
+class _Middles:
+    """Middle nodes: those of the file, and midway where an element leaves one out.
+
+    Nastran moves along a side without middle node linearly; so a node midway follows the mean of the two.
+    """
+
+    def __init__(self, reading: Reading) -> None:
+        self._reading = reading
+        self._added: dict[tuple[int, int], tuple[int, int]] = {}
+
+    def of(self, cards: Sequence[BulkCard], solid: _Solid, corners: IntArray) -> IntArray:
+        """Middle nodes (C, m) in the order of the card."""
+        first, count = 2 + solid.corners, len(solid.edges)
+        ids = np.stack([integers(cards, first + i, "a middle grid", 0) for i in range(count)], axis=1)
+        nodes, known = self._reading.grids.lookup(ids)
+        wrong = np.argwhere(~known & (ids != 0))
+        if wrong.size:
+            row, place = wrong[0]
+            raise cards[row].error(
+                f"element {cards[row].word(0)} names grid {ids[row, place]}, which the file does not define; "
+                "add its GRID card, or remove the element"
+            )
+        for row, place in np.argwhere(ids == 0).tolist():
+            a, b = sorted(int(corners[row, corner]) for corner in solid.edges[place])
+            if (a, b) not in self._added:
+                positions = self._reading.positions(np.array([a, b]))
+                self._added[a, b] = (self._reading.add_node(positions.mean(axis=0)), cards[row].line)
+            nodes[row, place] = self._added[a, b][0]
+        return nodes
+
+    def tie(self) -> None:
+        """The constraints  u_middle = (u_a + u_b) / 2  of all nodes put midway."""
+        for (a, b), (middle, line) in self._added.items():
+            for i in range(3):
+                terms = [(6 * middle + i, 1.0), (6 * a + i, -0.5), (6 * b + i, -0.5)]
+                self._reading.constraints.add(terms, line, dependent=6 * middle + i)
+        if self._added:
+            self._reading.note(
+                f"{len(self._added)} sides of quadratic solids have no middle node; one put midway follows "
+                "the mean of the two corners, as in Nastran."
+            )
+
+
+# --- shells
+
+
+def read_shells(
+    reading: Reading, materials: Materials, added: Mapping[int, float]
+) -> tuple[list[DeckElements], dict[str, Property]]:
+    """Triangles of CQUAD4, CQUADR, CQUAD8, CTRIA3, CTRIAR, CTRIA6 with PSHELL, PCOMP and PCOMPG.
+
+    added : {element id: non-structural mass of NSM cards, kg/m^2}
+    """
+    properties = Properties(by_id(reading.file.named(*WALL_CARDS), "property"))
+    found: list[DeckElements] = []
+    for name, shell in _SHELLS.items():
+        groups: dict[str, list[BulkCard]] = {}
+        all_cards = reading.file.named(name)
+        elements = integers(all_cards, 0, "the element id").tolist()
+        numbers = integers(all_cards, 1, "the property id", 0).tolist()
+        for card, element, number in zip(all_cards, elements, numbers, strict=True):
+            options = _wall_options(card, shell, added.get(element, 0.0))
+            of, why = properties.name(
+                number or element,
+                options,
+                lambda wall, options=options: read_wall(wall, materials, reading, options or _PLAIN),
+            )
+            if why:
+                reading.leave_out(card, f"elements left out: {why}")
+                continue
+            groups.setdefault(of, []).append(card)
+        for of, cards in groups.items():
+            found.append(_shell_cells(name, shell, cards, of, reading, properties.found[of]))
+    return found, properties.found
+
+
+_PLAIN = WallOptions()
+
+
+def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:
+    """What an element says of its wall; None where nothing, as most do."""
+    blank = card.is_blank(shell.thickness, shell.thickness + shell.corners)
+    if blank and not added and card.is_blank(shell.offset, shell.offset + 1):
+        return None
+    given = tuple(
+        card.real(shell.thickness + i, f"T{i + 1}") if card.word(shell.thickness + i) else None
+        for i in range(shell.corners)
+    )
+    return WallOptions(
+        given if any(t is not None for t in given) else (),
+        card.word(shell.flag) == "1",
+        card.real(shell.offset, "ZOFFS", 0.0),
+        added,
+    )
+
+
+def _shell_cells(
+    name: str, shell: _Shell, cards: list[BulkCard], of: str, reading: Reading, made: Property
+) -> DeckElements:
+    corners = grids_named(cards, reading, 2, shell.corners)
+    positions = reading.grids.positions
+    if shell.corners == 4:
+        crossed = crossed_quadrilaterals(positions, corners)
+        if crossed.size:
+            raise cards[crossed[0]].error(f"element {cards[crossed[0]].word(0)}: {CROSSED}")
+    if shell.middles:
+        cells, of_card = _triangles_with_middles(shell, cards, corners, reading)
+    elif shell.corners == 4:
+        cells, of_card = split_quadrilaterals(positions, corners), np.repeat(np.arange(len(cards)), 2)
+    else:
+        cells, of_card = corners, np.arange(len(cards))
+    directions = None
+    if not isinstance(made, ShellProperty):
+        directions = _material_directions(cards, shell, corners, reading)[of_card]
+    ids, lines = integers(cards, 0, "the element id"), np.array([card.line for card in cards])
+    return DeckElements(name, CellType.TRIANGLE3, cells, ids[of_card], lines[of_card], of, directions)
+
+
+def _triangles_with_middles(
+    shell: _Shell, cards: Sequence[BulkCard], corners: IntArray, reading: Reading
+) -> tuple[IntArray, IntArray]:
+    """Triangles of quadratic shells: the corners cut off between their middle nodes, then what is left."""
+    triangles: list[list[int]] = []
+    of_card: list[int] = []
+    n = shell.corners
+    for row, card in enumerate(cards):
+        middles = [
+            int(reading.grids.numbers(card, [card.integer(2 + n + i, "a middle grid")])[0])
+            if card.word(2 + n + i) not in ("", "0")
+            else None
+            for i in range(n)
+        ]
+        ring: list[int] = []
+        for i in range(n):
+            before, after = middles[i - 1], middles[i]
+            if before is not None and after is not None:
+                triangles.append([int(corners[row, i]), after, before])
+                of_card.append(row)
+            else:
+                ring.append(int(corners[row, i]))
+            if after is not None:
+                ring.append(after)
+        rest = _ring_triangles(ring, [node for node in ring if node in middles], reading.grids.positions)
+        triangles += rest
+        of_card += [row] * len(rest)
+    return np.array(triangles, dtype=np.int64), np.array(of_card, dtype=np.int64)
+
+
+def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) -> list[list[int]]:
+    """Triangles of a polygon: a quadrilateral by its diagonal; others from a middle node, amid a side."""
+    if len(ring) == 4 and len(middles) != 1:
+        return split_quadrilaterals(positions, np.array([ring])).tolist()
+    first = ring.index(middles[0]) if middles else 0
+    ring = ring[first:] + ring[:first]
+    return [[ring[0], ring[i], ring[i + 1]] for i in range(1, len(ring) - 1)]
+
+
+def _material_directions(
+    cards: Sequence[BulkCard], shell: _Shell, corners: IntArray, reading: Reading
+) -> FloatArray:
+    """The material's x axis (k, 3): the side G1-G2 turned by THETA, or the x axis of MCID at the middle."""
+    x = reading.grids.positions[corners]
+    side = x[:, 1] - x[:, 0]
+    across = (x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]) if shell.corners == 4 else (side, x[:, 2] - x[:, 0])
+    normal = np.cross(*across)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    side = side - np.einsum("ki,ki->k", side, normal)[:, None] * normal
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    found = side.copy()
+    for row, card in enumerate(cards):
+        word = card.word(shell.angle)
+        if is_plain_digits(word):
+            system = reading.system(card, int(word))
+            found[row] = system.directions(x[row].mean(axis=0)[None])[0][:, 0]
+        elif word:
+            theta = np.radians(card.real(shell.angle, "THETA"))
+            found[row] = np.cos(theta) * side[row] + np.sin(theta) * np.cross(normal[row], side[row])
+    return found

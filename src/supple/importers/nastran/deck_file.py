@@ -1,0 +1,266 @@
+"""Nastran bulk data (.bdf, .dat, .nas, .blk, .pch) as a Deck: all that makes a body, and what is left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import Deck, DeckElements, RigidTie, WeightedMean
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, read_bulk_data
+from supple.importers.nastran.case_control import read_case_control
+from supple.importers.nastran.cells import (
+    SHELL_CARDS,
+    SOLID_CARDS,
+    SOLID_PROPERTY_CARDS,
+    read_shells,
+    read_solids,
+)
+from supple.importers.nastran.grids import COORDINATE_CARDS, read_grids
+from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PROPERTY_CARDS
+from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
+from supple.importers.nastran.materials import MATERIAL_CARDS, Materials
+from supple.importers.nastran.nonstructural_mass import NSM_CARDS, read_added_mass
+from supple.importers.nastran.point_elements import (
+    POINT_CARDS,
+    POINT_PROPERTY_CARDS,
+    read_point_elements,
+)
+from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties
+from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read_supports
+from supple.importers.nastran.walls import WALL_CARDS
+from supple.importers.nastran.without_effect import has_no_effect
+
+__all__ = ["read_nastran_deck"]
+
+IntArray = NDArray[np.int64]
+
+_READ = frozenset(
+    (
+        *("GRID", "GRDSET", "SPOINT", "EPOINT", "PARAM", "BAROR", "BEAMOR"),
+        *(*COORDINATE_CARDS, *SOLID_CARDS, *SOLID_PROPERTY_CARDS, *SHELL_CARDS, *WALL_CARDS),
+        *(*BEAM_CARDS, *ROD_CARDS, *BEAM_PROPERTY_CARDS, *ROD_PROPERTY_CARDS, *MATERIAL_CARDS),
+        *(*POINT_CARDS, *POINT_PROPERTY_CARDS, *NSM_CARDS, *RIGID_CARDS, *SUPPORT_CARDS),
+    )
+)
+_CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
+
+# What cards would mean that are known but not read.
+_MEANINGS = {
+    "CGAP": "gaps that open and close: the parts they join are not connected",
+    "PGAP": "properties of gaps",
+    "CFAST": "fasteners between shells: the parts they join are not connected",
+    "PFAST": "properties of fasteners",
+    "CWELD": "spot welds: the parts they join are not connected",
+    "PWELD": "properties of spot welds",
+    "CSEAM": "seam welds: the parts they join are not connected",
+    "PSEAM": "properties of seam welds",
+    "BGSET": "glue between surfaces: the parts it joins are not connected",
+    "BGADD": "a choice of glued surfaces",
+    "GENEL": "an element by its matrix",
+    "RSPLINE": "an interpolation between grids",
+    "RSSCON": "a joint of shell and solid",
+    "PBRSECT": "a section by its outline: its beams are left out, too",
+    "PBMSECT": "a section by its outline: its beams are left out, too",
+    "PBCOMP": "a section of several materials: its beams are left out, too",
+    "PLSOLID": "solids of large strain: their elements are left out, too",
+    "MAT3": "an axisymmetric material",
+    "MATHE": "a rubber",
+    "MATHP": "a rubber",
+    "MATS1": "stress that is not proportional to strain: the material stays elastic",
+    "PELAST": "values of springs that depend on frequency or are not linear: those of PELAS are read",
+    "PDAMPT": "values of dampers that depend on frequency: those of PDAMP are read",
+    "PBUSHT": "values of bushings that depend on frequency or are not linear: those of PBUSH are read",
+    "FEEDGE": "curved edges: elements stay straight",
+    "FEFACE": "curved faces: elements stay flat",
+    "GMCURV": "curves of geometry: elements stay straight",
+    "GMSURF": "surfaces of geometry: elements stay flat",
+    "GMBC": "supports of geometry",
+    "GMSPC": "supports of geometry",
+    "CSUPER": "a superelement from a file or an image of another",
+    "SELOC": "a superelement is moved to other grids; it stays where its own grids are",
+    "SEMPLN": "a superelement is mirrored; it stays where its own grids are",
+    "SEBULK": "kind and place of a superelement; it is read as it stands",
+    "SECONCT": "joints of superelements by pairs of grids",
+    "MPCAX": "constraints of an axisymmetric model",
+    "ROTORD": "a spinning part",
+}
+
+
+def read_nastran_deck(path: str | Path) -> Deck:
+    """All of a Nastran file that makes a body; reading is not refusing.
+
+    Cards that describe no body are passed over and counted; what would change the body and is not read
+    stands in `left_out`. Parts behind BEGIN SUPER are decks of their own.
+
+    Raises
+    ------
+    ImportFormatError   missing or binary file; inclusions in a circle; no GRID; a grid that an element names
+                        and the file lacks; ids given twice for different things; fields that are no numbers
+    """
+    file = read_bulk_data(path)
+    deck = _deck(file, file)
+    parts: dict[str, Deck] = {}
+    for (kind, name), part in file.parts.items():
+        if kind == "SUPER":
+            parts[f"super_{name}"] = _deck(part, file)
+    return replace(deck, superelements=parts) if parts else deck
+
+
+def _deck(file: BulkFile, whole: BulkFile) -> Deck:
+    reading = start_reading(file, whole)
+    materials, added = Materials(reading), read_added_mass(reading)
+    elements: list[DeckElements] = []
+    properties = {}
+    solids, found = read_solids(reading, materials)
+    elements += solids
+    properties |= found
+    for cells, found in (
+        read_shells(reading, materials, added),
+        read_beams(reading, materials, added),
+        read_rods(reading, materials, added),
+    ):
+        elements += cells
+        properties |= found
+    read_point_elements(reading, materials)
+    n_grids = len(reading.grids.ids)
+    turning = np.zeros(n_grids, dtype=bool)
+    for cells in elements:
+        if cells.kind.dimension < 3:
+            turning[cells.nodes[cells.nodes < n_grids]] = True
+    rigid, means = read_ties(reading, turning)
+    read_multipoint_constraints(reading)
+    node_sets = read_supports(reading)
+    matrices = read_matrices(reading)
+    read, passed_over = _counted(reading)
+    nodes, ids = reading.grids.positions, reading.grids.ids
+    if reading.added_nodes:
+        nodes = np.concatenate([nodes, np.array(reading.added_nodes)])
+        last = int(max(ids.max(), reading.scalar_points.max(initial=0)))
+        ids = np.concatenate([ids, last + 1 + np.arange(len(reading.added_nodes))])
+    n = len(ids)
+    return Deck(
+        file.path,
+        ids,
+        nodes,
+        tuple(elements),
+        properties,
+        node_sets | _tied_sets(rigid, means),
+        _element_sets(elements),
+        masses=(*reading.masses, *matrices["M2GG"]),
+        stiffnesses=tuple(matrices["K2GG"]),
+        dampings=tuple(matrices["B2GG"]),
+        springs=reading.springs.terms(n),
+        dashpots=reading.dashpots.terms(n),
+        inertias=reading.inertias.terms(n),
+        constraints=reading.constraints.terms(n, constraints=True),
+        held=reading.held.terms(n, constraints=True),
+        rigid=tuple(rigid),
+        means=tuple(means),
+        read=read,
+        passed_over=passed_over,
+        left_out=reading.left_out,
+        notes=tuple(reading.notes),
+        scalar_points=reading.scalar_points,
+    )
+
+
+def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
+    """Grids, parameters and case control of a file; cards that are not known stand as left out."""
+    file = _elements_once(file)
+    parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
+    reading = Reading(
+        file,
+        read_grids(file),
+        _scalar_points(file),
+        read_case_control(whole.above),
+        parameters.get("WTMASS", 1.0) * parameters.get("CM1", 1.0),
+        parameters.get("CK1", 1.0),
+        parameters.get("CB1", 1.0),
+    )
+    if not whole.ended:
+        reading.note("No ENDDATA ends the file; check that it is whole.")
+    if any(name in file.by_name for name in ("SESET", "SEELT")):
+        reading.note(
+            "The parts that SESET and SEELT make are a way to solve; they are read as one body, the whole."
+        )
+    for kind, name in file.parts:
+        if kind != "SUPER":
+            reading.note(f"The part BEGIN {kind} = {name} is not read.")
+    for name, cards in file.by_name.items():
+        if name not in _READ and not has_no_effect(name):
+            meaning = _MEANINGS.get(name, "a card that is not known here")
+            for card in cards:
+                reading.leave_out(card, meaning)
+    return reading
+
+
+def _elements_once(file: BulkFile) -> BulkFile:
+    """The file without elements that repeat an earlier one; of one id, they must say the same."""
+    found: dict[str, BulkCard] = {}
+    again: set[int] = set()
+    for card in file.named(*_CELLS):
+        first = found.setdefault(card.fields[0], card)
+        if first is card:
+            continue
+        if (first.name, first.fields) != (card.name, card.fields):
+            raise card.error(
+                f"element {card.word(0)} is defined a second time and differs from the {first.name} of line "
+                f"{first.line}; renumber or remove it"
+            )
+        again.add(id(card))
+    return replace(file, cards=tuple(c for c in file.cards if id(c) not in again)) if again else file
+
+
+def _parameters(cards: list[BulkCard]) -> dict[str, float]:
+    """Numbers of the PARAMs that scale a model; two of one name must agree."""
+    found: dict[str, float] = {}
+    for card in cards:
+        name = card.word(0)
+        if name not in ("WTMASS", "CK1", "CM1", "CB1"):
+            continue
+        value = card.real(1, name, 1.0)
+        if value <= 0:
+            raise card.error(f"{name} is {value:g}; it must be positive")
+        if found.setdefault(name, value) != value:
+            raise card.error(f"{name} is {value:g}, and {found[name]:g} above; keep one of the two")
+    return found
+
+
+def _scalar_points(file: BulkFile) -> IntArray:
+    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2; and of what scalar elements name, as in Nastran."""
+    ids: dict[int, None] = {}
+    for card in file.named("SPOINT", "EPOINT"):
+        if card.word(1) == "THRU":
+            first, last = card.integer(0, "the first point"), card.integer(2, "the last point")
+            if last - first > 10**6:
+                raise card.error(f"{first} THRU {last} are over a million points; correct the range")
+            ids |= dict.fromkeys(range(first, last + 1))
+        else:
+            ids |= {card.integer(i, "a point"): None for i in range(len(card.fields)) if card.word(i)}
+    for card in file.named(*(f"{kind}{form}" for kind in ("CELAS", "CDAMP", "CMASS") for form in "34")):
+        ids |= {card.integer(i, "a scalar point", 0): None for i in (2, 3)}
+    ids.pop(0, None)
+    return np.array(list(ids), dtype=np.int64)
+
+
+def _counted(reading: Reading) -> tuple[dict[str, int], dict[str, int]]:
+    counts = {name: len(cards) for name, cards in reading.file.by_name.items()}
+    read = {name: count for name, count in counts.items() if name in _READ}
+    return read, {n: count for n, count in counts.items() if n not in _READ and has_no_effect(n)}
+
+
+def _tied_sets(rigid: list[RigidTie], means: list[WeightedMean]) -> dict[str, IntArray]:
+    return {tie.name: tie.nodes for tie in (*rigid, *means)}
+
+
+def _element_sets(elements: list[DeckElements]) -> dict[str, IntArray]:
+    """Element ids by the property they are made of: pshell_7, also where it is read in several ways."""
+    found: dict[str, list[IntArray]] = {}
+    for cells in elements:
+        name = "_".join(cells.property.split("_")[:2])
+        found.setdefault(name, []).append(np.unique(cells.ids))
+    return {name: np.concatenate(parts) for name, parts in found.items()}

@@ -1,0 +1,225 @@
+"""Beams and rods of a Nastran deck by their properties: PBAR(L), PBEAM(L), PBEND, PROD, PTUBE."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import pi
+
+from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, RodProperty
+from supple.importers.nastran.bulk_data import BulkCard, bulk_real
+from supple.importers.nastran.materials import Materials
+from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.section_shapes import SHAPES, SectionValues
+
+__all__ = ["BEAM_PROPERTY_CARDS", "ROD_PROPERTY_CARDS", "read_beam", "read_rod", "rod"]
+
+BEAM_PROPERTY_CARDS = ("PBAR", "PBARL", "PBEAM", "PBEAML", "PBEND")
+ROD_PROPERTY_CARDS = ("PROD", "PTUBE")
+
+# Rows that a station of a PBEAM takes: its section, and after YES its stress points.
+_STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
+
+
+def read_beam(card: BulkCard, materials: Materials, reading: Reading, added: float) -> BeamProperty | str:
+    """The section of a beam's property with non-structural mass `added`, kg/m; else why there is none."""
+    material = materials.isotropic(card.integer(1, "the material id"))
+    return material if isinstance(material, str) else _BEAMS[card.name](card, material, reading, added)
+
+
+def read_rod(card: BulkCard, materials: Materials, reading: Reading, added: float) -> RodProperty | str:
+    """The section of a rod's property; else why there is none.
+
+    PROD: MID A J C NSM. PTUBE: MID OD T NSM OD2, a tube of outer diameter OD, tapered to OD2; a blank T
+    makes it solid. A tapered tube takes the mean of its area, as Nastran does.
+    """
+    material = materials.isotropic(card.integer(1, "the material id"))
+    if isinstance(material, str):
+        return material
+    if card.name == "PROD":
+        area, J, _, nsm = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "J", "C", "NSM")))
+        return rod(material, area, J, nsm + added, reading)
+    outer = card.real(2, "OD")
+    thickness, nsm, other = (card.real(3 + i, what, 0.0) for i, what in enumerate(("T", "NSM", "OD2")))
+    areas, twists = [], []
+    for diameter in (outer, other or outer):
+        inner = diameter - 2 * thickness if thickness else 0.0
+        areas.append(pi / 4 * (diameter**2 - inner**2))
+        twists.append(pi / 32 * (diameter**4 - inner**4))
+    return rod(material, sum(areas) / 2, sum(twists) / 2, nsm + added, reading)
+
+
+def rod(material: IsotropicMaterial, area: float, J: float, added: float, reading: Reading) -> RodProperty:
+    """A rod's property; `added` is non-structural, without PARAM,WTMASS."""
+    return RodProperty(material, area, J, material.density * area + added * reading.mass_factor)
+
+
+def _pbar(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
+    area, I1, I2, J, nsm = (card.real(2 + i, w, 0.0) for i, w in enumerate(("A", "I1", "I2", "J", "NSM")))
+    K1, K2, I12 = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "I12")))
+    mass = material.density * area + (nsm + added) * reading.mass_factor
+    return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, I12))
+
+
+def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
+    """A curved beam by A I1 I2 J .. K1 K2 NSM; or a pipe by FSI, mean radius RM, thickness T .. NSM."""
+    if card.word(2) in ("1", "2", "3"):
+        middle, t = card.real(3, "the mean radius RM"), card.real(4, "the thickness T")
+        if card.word(2) != "1":
+            reading.leave_out(
+                card, "the flexibility of bent pipes (FSI = 2, 3) is not read: they are stiffer"
+            )
+        section = SHAPES["TUBE"].values(middle + t / 2, max(middle - t / 2, 0.0))
+        assert section is not None
+        area, I1, I2, J, K1, K2 = section.area, section.I1, section.I2, section.J, section.K1, section.K2
+        nsm = card.real(10, "NSM", 0.0)
+    else:
+        area, I1, I2, J = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "I1", "I2", "J")))
+        K1, K2, nsm = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "NSM")))
+        if any(card.real(19 + i, what, 0.0) for i, what in enumerate(("RC", "ZC", "DELTAN"))):
+            reading.leave_out(card, "the offsets RC, ZC, DELTAN of a curved beam are not read")
+    mass = material.density * area + (nsm + added) * reading.mass_factor
+    return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass))
+
+
+def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
+    """Stations with A I1 I2 I12 J NSM, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2; linear between the ends."""
+    names = ("A", "I1", "I2", "I12", "J", "NSM")
+    at_a = [card.real(2 + i, what, 0.0) for i, what in enumerate(names)]
+    stations, rest = _rows_of_beam(card)
+    at_b, between = at_a, False
+    for row in stations:
+        place = bulk_real(row[1]) if row[1] else 1.0
+        values = [
+            bulk_real(word) if word else start
+            for word, start in zip((*row[2:8], *[""] * 6)[:6], at_a, strict=True)
+        ]
+        if place == 1.0:
+            at_b = values
+        else:
+            between = True
+    if between:
+        reading.note("Sections of PBEAM are read at both ends; those between count as on the straight line.")
+    last = [bulk_real(word) if word else None for word in (*rest, *[""] * 16)[:16]]
+    K1, K2 = (1.0 if value is None else value for value in last[:2])
+    if last[2] or last[3]:
+        reading.note("The shear relief S1, S2 of tapered PBEAM is not read.")
+
+    def pair(place: int) -> tuple[list[float], list[float]]:
+        """What is given at A, and at B, where blank as at A: fields A B, or 1A 2A 1B 2B."""
+        first = last[place] or 0.0
+        second = last[place + 1]
+        return [first], [first if second is None else second]
+
+    (nsi_a,), (nsi_b,) = pair(4)
+    cw_a, cw_b = last[6], last[7]
+    if cw_a or cw_b:
+        reading.leave_out(card, "the warping stiffness CW is not read: the beam is softer in torsion")
+    offsets = []
+    for place in (8, 12):
+        a = (last[place] or 0.0, last[place + 1] or 0.0)
+        b = tuple(a[i] if last[place + 2 + i] is None else last[place + 2 + i] or 0.0 for i in range(2))
+        offsets.append((a, (b[0], b[1])))
+    (m_a, m_b), (n_a, n_b) = offsets
+    first, second = (
+        _values(values, (K1, K2), nsi, m, n, material, reading, added)
+        for values, nsi, m, n in ((at_a, nsi_a, m_a, n_a), (at_b, nsi_b, m_b, n_b))
+    )
+    return BeamProperty(material, first, None if first == second else second)
+
+
+def _values(
+    given: list[float],
+    K: tuple[float, float],
+    nsi: float,
+    nsm_at: tuple[float, float],
+    neutral: tuple[float, float],
+    material: IsotropicMaterial,
+    reading: Reading,
+    added: float,
+) -> BeamValues:
+    """One station; the mass of the section lies at its neutral axis, the non-structural one where M says."""
+    area, I1, I2, I12, J, nsm = given
+    own, other = material.density * area, (nsm + added) * reading.mass_factor
+    mass = own + other
+    centre = tuple(
+        (own * n + other * m) / mass if mass else 0.0 for n, m in zip(neutral, nsm_at, strict=True)
+    )
+    rotary = None
+    if nsi or (other and nsm_at != neutral):
+        # Moments about y and z grow with the distance along z and y.
+        y2, z2 = (
+            own * (neutral[i] - centre[i]) ** 2 + other * (nsm_at[i] - centre[i]) ** 2 for i in range(2)
+        )
+        Iyy, Izz = material.density * I2 + z2, material.density * I1 + y2
+        rotary = (Iyy + Izz + nsi * reading.mass_factor, Iyy, Izz)
+    return BeamValues(area, I1, I2, J, *K, mass, I12, neutral, (centre[0], centre[1]), rotary)
+
+
+def _rows_of_beam(card: BulkCard) -> tuple[list[tuple[str, ...]], tuple[str, ...]]:
+    """Stations of a PBEAM (SO, X/XB, section there) and the fields from K1 on, without stress points."""
+    rows = [card.fields[i : i + 8] for i in range(8, len(card.fields), 8)]
+    stations: list[tuple[str, ...]] = []
+    place = 0 if rows and rows[0][0].upper() in _STATIONS else 1
+    while place < len(rows) and rows[place][0].upper() in _STATIONS:
+        stations.append(rows[place])
+        place += _STATIONS[rows[place][0].upper()]
+    return stations, tuple(word for row in rows[place:] for word in row)
+
+
+def _shaped(
+    card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float
+) -> BeamProperty | str:
+    """PBARL, PBEAML: TYPE, then DIM1 .. NSM at A, and behind SO, X/XB those of further stations.
+
+    A bar's shear centre counts as its centroid; of a beam the grids carry the shear centre.
+    """
+    word = card.word(3)
+    shape = SHAPES.get(word)
+    if shape is None:
+        return f"its section {word or 'of no type'} is not read"
+    stations = [(0.0, _sizes(card, 8, shape.sizes, None))]
+    place = 8 + shape.sizes + 1
+    while card.name == "PBEAML" and not card.is_blank(place, place + shape.sizes + 3):
+        at = card.real(place + 1, "X/XB", 1.0)
+        stations.append((at, _sizes(card, place + 2, shape.sizes, stations[0][1])))
+        place += shape.sizes + 3
+    if any(0 < at < 1 for at, _ in stations):
+        reading.note("Sections of PBEAML are read at both ends; those between count as on the straight line.")
+    made = []
+    for at, sizes in stations:
+        if at not in (0.0, 1.0):
+            continue
+        section = shape.values(*sizes[:-1]) if min(sizes[:-1]) >= 0 else None
+        if section is None or section.area <= 0:
+            return f"the sizes {list(sizes[:-1])} do not make a section {word}"
+        made.append(_of_shape(card, section, material, (sizes[-1] + added) * reading.mass_factor))
+    return BeamProperty(material, made[0], made[-1] if len(made) > 1 and made[-1] != made[0] else None)
+
+
+def _sizes(card: BulkCard, place: int, count: int, default: tuple[float, ...] | None) -> tuple[float, ...]:
+    """DIM1 .. and NSM from a place on; what a further station leaves blank is that of the first."""
+    sizes = tuple(
+        card.real(place + i, f"DIM{i + 1}", None if default is None else default[i]) for i in range(count)
+    )
+    return (*sizes, card.real(place + count, "NSM", 0.0 if default is None else default[count]))
+
+
+def _of_shape(card: BulkCard, s: SectionValues, material: IsotropicMaterial, added: float) -> BeamValues:
+    mass = material.density * s.area + added
+    values = BeamValues(s.area, s.I1, s.I2, s.J, s.K1, s.K2, mass, s.I12)
+    if card.name == "PBARL" or s.shear_centre == (0.0, 0.0):
+        return values
+    neutral = (-s.shear_centre[0], -s.shear_centre[1])
+    own = material.density * s.area
+    share = own / mass if mass else 0.0
+    return replace(values, neutral=neutral, mass_centre=(share * neutral[0], share * neutral[1]))
+
+
+_BEAMS: dict[str, Callable[[BulkCard, IsotropicMaterial, Reading, float], BeamProperty | str]] = {
+    "PBAR": _pbar,
+    "PBARL": _shaped,
+    "PBEAM": _pbeam,
+    "PBEAML": _shaped,
+    "PBEND": _pbend,
+}

@@ -1,0 +1,273 @@
+"""Beams and rods of a Nastran deck as lines: CBAR, CBEAM, CBEND, CROD, CONROD, CTUBE."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import atan2, ceil, pi, sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import BeamProperty, DeckElements, Property
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.cells import Properties, by_id, grids_named
+from supple.importers.nastran.line_properties import (
+    BEAM_PROPERTY_CARDS,
+    ROD_PROPERTY_CARDS,
+    read_beam,
+    read_rod,
+    rod,
+)
+from supple.importers.nastran.materials import Materials
+from supple.importers.nastran.reading import Reading
+from supple.importers.plain_number import is_plain_digits
+from supple.mesh import CellType
+
+__all__ = ["BEAM_CARDS", "ROD_CARDS", "read_beams", "read_rods"]
+
+FloatArray = NDArray[np.float64]
+
+BEAM_CARDS = ("CBAR", "CBEAM", "CBEND")
+ROD_CARDS = ("CROD", "CTUBE", "CONROD")
+
+# Fields that BAROR and BEAMOR fill in where an element leaves them blank: property, orientation, flag.
+_DEFAULTS = {"CBAR": "BAROR", "CBEAM": "BEAMOR"}
+
+PIECES_OF_A_RIGHT_ANGLE = 16
+"""Straight pieces that a curved beam becomes; their deflection converges with the square of it."""
+
+
+@dataclass(eq=False)
+class _Lines:
+    """Cells of one card name and property while they are collected."""
+
+    nodes: list[list[int]] = field(default_factory=list)
+    ids: list[int] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+    directions: list[FloatArray] = field(default_factory=list)
+    offsets: list[FloatArray] = field(default_factory=list)
+    released: list[NDArray[np.bool_]] = field(default_factory=list)
+
+    def add(
+        self,
+        card: BulkCard,
+        ends: list[int],
+        direction: FloatArray | None = None,
+        offsets: FloatArray | None = None,
+        released: NDArray[np.bool_] | None = None,
+    ) -> None:
+        self.nodes.append(ends)
+        self.ids.append(int(card.fields[0]))
+        self.lines.append(card.line)
+        if direction is not None:
+            self.directions.append(direction)
+            self.offsets.append(np.zeros((2, 3)) if offsets is None else offsets)
+            self.released.append(np.zeros(12, dtype=bool) if released is None else released)
+
+    def elements(self, name: str, of: str) -> DeckElements:
+        offsets, released = np.array(self.offsets), np.array(self.released)
+        return DeckElements(
+            name,
+            CellType.LINE2,
+            np.array(self.nodes, dtype=np.int64),
+            np.array(self.ids, dtype=np.int64),
+            np.array(self.lines, dtype=np.int64),
+            of,
+            np.array(self.directions) if self.directions else None,
+            offsets if offsets.any() else None,
+            released if released.any() else None,
+        )
+
+
+def read_rods(
+    reading: Reading, materials: Materials, added: Mapping[int, float]
+) -> tuple[list[DeckElements], dict[str, Property]]:
+    """CROD with PROD, CTUBE with PTUBE, and CONROD, which carries its own values."""
+    properties = Properties(by_id(reading.file.named(*ROD_PROPERTY_CARDS), "property"))
+    own = Properties({})
+    groups: dict[tuple[str, str], _Lines] = {}
+    for card in reading.file.named(*ROD_CARDS):
+        element = card.integer(0, "the element id")
+        nsm = added.get(element, 0.0)
+        if card.name == "CONROD":
+            number, total = card.integer(3, "the material id"), card.real(7, "NSM", 0.0) + nsm
+            area, J = card.real(4, "A", 0.0), card.real(5, "J", 0.0)
+            material = materials.isotropic(number)
+            made = material if isinstance(material, str) else rod(material, area, J, total, reading)
+            own.cards = {number: card}
+            of, why = own.name(number, (area, J, total), lambda _, made=made: made)
+            ends = grids_named([card], reading, 1, 2)[0].tolist()
+        else:
+            number = card.integer(1, "the property id", element)
+            of, why = properties.name(number, nsm, lambda c, n=nsm: read_rod(c, materials, reading, n))
+            ends = grids_named([card], reading, 2, 2)[0].tolist()
+        if why:
+            reading.leave_out(card, f"elements left out: {why}")
+            continue
+        groups.setdefault((card.name, of), _Lines()).add(card, ends)
+    found = [lines.elements(name, of) for (name, of), lines in groups.items()]
+    return found, properties.found | own.found
+
+
+def read_beams(
+    reading: Reading, materials: Materials, added: Mapping[int, float]
+) -> tuple[list[DeckElements], dict[str, Property]]:
+    """CBAR and CBEAM with orientation, offsets and pins; CBEND as straight pieces of an arc."""
+    properties = Properties(by_id(reading.file.named(*BEAM_PROPERTY_CARDS), "property"))
+    defaults = {name: next(iter(reading.file.named(of)), None) for name, of in _DEFAULTS.items()}
+    groups: dict[tuple[str, str], _Lines] = {}
+    for given in reading.file.named(*BEAM_CARDS):
+        card = _filled(given, defaults.get(given.name))
+        element = card.integer(0, "the element id")
+        number, nsm = card.integer(1, "the property id", element), added.get(element, 0.0)
+        ends = grids_named([card], reading, 2, 2)[0].tolist()
+        if card.name == "CBEND":
+            _curved(card, ends, number, nsm, properties, groups, materials, reading)
+            continue
+        of, why = properties.name(number, nsm, lambda c, n=nsm: read_beam(c, materials, reading, n))
+        if why:
+            reading.leave_out(card, f"elements left out: {why}")
+            continue
+        direction, offsets = _orientation(card, ends, reading)
+        released = np.zeros(12, dtype=bool)
+        for end, place in enumerate((8, 9)):
+            pins = card.word(place)
+            if not set(pins) <= set("0123456"):
+                raise card.error(f"a pin flag is '{pins}'; it lists some of 123456")
+            released[[6 * end + int(pin) - 1 for pin in pins if pin != "0"]] = True
+        groups.setdefault((card.name, of), _Lines()).add(card, ends, direction, offsets, released)
+    return [lines.elements(name, of) for (name, of), lines in groups.items()], properties.found
+
+
+def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
+    """A beam with what BAROR or BEAMOR gives in place of its blank fields."""
+    if default is None:
+        return card
+    fields = list(card.fields) + [""] * (8 - len(card.fields))
+    if not fields[1]:
+        fields[1] = default.word(1)
+    if not any(fields[4:7]):
+        fields[4:7] = [default.word(place) for place in (4, 5, 6)]
+    if not fields[7]:
+        fields[7] = default.word(7)
+    return card._replace(fields=tuple(fields))
+
+
+def _orientation(card: BulkCard, ends: list[int], reading: Reading) -> tuple[FloatArray, FloatArray]:
+    """A vector in plane 1 and the offsets (2, 3) of the ends, in basic axes.
+
+    The flag OFFT says in which axes they are given: G those of the grids, B (of the vector) the basic ones,
+    O or E (of an offset) those of the element.
+    """
+    flag = card.word(7)
+    if len(flag) != 3 or not set(flag) <= set("GBOE"):
+        flag = "GGG"  # blank, or the number BIT of p-elements
+    start, end = reading.grids.positions[ends]
+    vector = _vector(card, ends[0], start, reading, basic=flag[0] == "B")
+    offsets = np.array(
+        [[card.real(10 + 3 * i + j, f"W{j + 1}{'AB'[i]}", 0.0) for j in range(3)] for i in range(2)]
+    )
+    chord = end - start
+    for i, letter in enumerate(flag[1:]):
+        if not offsets[i].any():
+            continue
+        axes = reading.grids.axes[ends[i]] if letter in "GB" else _element_axes(card, chord, vector)
+        offsets[i] = axes @ offsets[i]
+    _element_axes(card, end + offsets[1] - start - offsets[0], vector)
+    return vector, offsets
+
+
+def _vector(card: BulkCard, node: int, start: FloatArray, reading: Reading, *, basic: bool) -> FloatArray:
+    """The vector to grid G0, or (X1, X2, X3) in the axes of the first end or the basic ones; of length 1."""
+    if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
+        vector = reading.grids.positions[reading.node(card, 4, "the grid G0")] - start
+    else:
+        given = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
+        vector = given if basic else reading.grids.axes[node] @ given
+    length = np.linalg.norm(vector)
+    if not length > 0:
+        raise card.error("its orientation (X1 X2 X3, or G0) is missing; give a vector across the beam")
+    return vector / length
+
+
+def _element_axes(card: BulkCard, chord: FloatArray, vector: FloatArray) -> FloatArray:
+    """Axes of a beam as columns: x along it, y in plane 1."""
+    z = np.cross(chord, vector)
+    if not np.linalg.norm(z) > 1e-6 * np.linalg.norm(chord):
+        raise card.error(
+            "its orientation (X1 X2 X3, or G0) lies along the beam, or the beam has no length; give one "
+            "across it"
+        )
+    x, z = chord / np.linalg.norm(chord), z / np.linalg.norm(z)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def _curved(
+    card: BulkCard,
+    ends: list[int],
+    number: int,
+    nsm: float,
+    properties: Properties,
+    groups: dict[tuple[str, str], _Lines],
+    materials: Materials,
+    reading: Reading,
+) -> None:
+    """A curved beam as straight pieces between nodes on its arc; they have the mass of the arc."""
+    start, end = reading.grids.positions[ends]
+    known = properties.cards.get(number)
+    centre = None if known is None else _centre(card, known, start, end, ends[0], reading)
+    if centre is None:
+        reading.leave_out(card, "elements left out: their arc (GEOM, RB, THETAB) or property is not defined")
+        return
+    a, b = start - centre, end - centre
+    radius = float(np.linalg.norm(a))
+    angle = atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+    pieces = max(2, ceil(PIECES_OF_A_RIGHT_ANGLE * angle / (pi / 2)))
+    longer = (angle / pieces / 2) / sin(angle / pieces / 2)
+
+    def make(property_card: BulkCard) -> BeamProperty | str:
+        made = read_beam(property_card, materials, reading, nsm)
+        if isinstance(made, str):
+            return made
+        return replace(made, first=replace(made.first, mass_per_length=made.first.mass_per_length * longer))
+
+    of, why = properties.name(number, (nsm, round(longer, 12)), make)
+    if why:
+        reading.leave_out(card, f"elements left out: {why}")
+        return
+    across = b - (b @ a) / radius**2 * a
+    across *= radius / np.linalg.norm(across)
+    angles = angle * np.arange(pieces + 1) / pieces
+    arms = np.cos(angles)[:, None] * a + np.sin(angles)[:, None] * across
+    nodes = [ends[0], *(reading.add_node(centre + arm) for arm in arms[1:-1]), ends[1]]
+    lines = groups.setdefault((card.name, of), _Lines())
+    for i in range(pieces):
+        lines.add(card, [nodes[i], nodes[i + 1]], (arms[i] + arms[i + 1]) / (2 * radius))
+    reading.note(
+        f"Curved beams (CBEND) are {PIECES_OF_A_RIGHT_ANGLE} straight pieces a right angle, between nodes on "
+        "their arc."
+    )
+
+
+def _centre(
+    card: BulkCard, known: BulkCard, start: FloatArray, end: FloatArray, node: int, reading: Reading
+) -> FloatArray | None:
+    """Centre of the arc by GEOM: 1 on the line of the vector, 2 across it, 3 by RB, 4 by the angle THETAB."""
+    geometry = card.integer(7, "GEOM", 1)
+    vector, chord = _vector(card, node, start, reading, basic=False), end - start
+    length = float(np.linalg.norm(chord))
+    if geometry in (1, 2):
+        towards = vector if geometry == 1 else chord - (chord @ vector) * vector
+        along = float(towards @ chord)
+        if abs(along) < 1e-9 * length * np.linalg.norm(towards):
+            return None
+        return start + towards * (chord @ chord) / (2 * along)
+    radius = known.real(6, "RB", 0.0)
+    if geometry == 4:
+        half = np.radians(known.real(7, "THETAB", 0.0)) / 2
+        radius = length / 2 / sin(half) if half > 0 else 0.0
+    if radius <= length / 2:
+        return None
+    side = vector - (vector @ chord) / length**2 * chord
+    return start + chord / 2 - side / np.linalg.norm(side) * sqrt(radius**2 - length**2 / 4)

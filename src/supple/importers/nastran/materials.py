@@ -1,0 +1,170 @@
+"""Materials of a Nastran deck: MAT1, MAT2, MAT8, MAT9 and MAT11."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.reading import Reading
+
+__all__ = ["MATERIAL_CARDS", "Materials", "WallMaterial"]
+
+FloatArray = NDArray[np.float64]
+
+MATERIAL_CARDS = ("MAT1", "MAT2", "MAT8", "MAT9", "MAT11")
+
+# Nastran lists strains xx yy zz xy yz zx; a deck xx yy zz yz xz xy.
+_ORDER = [0, 1, 2, 4, 5, 3]
+
+LARGEST_INCONSISTENCY = 0.01
+"""Of G with E and nu, relative: beyond it Nastran warns, and shear goes by G alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class WallMaterial:
+    """A material in a wall: plane stress (3, 3), transverse shear (2, 2) or None where rigid; density."""
+
+    plane_stress: FloatArray
+    shear: FloatArray | None
+    density: float
+    isotropic: IsotropicMaterial | None
+
+
+class Materials:
+    """Materials by number, each read when it is first asked for."""
+
+    def __init__(self, reading: Reading) -> None:
+        self._reading = reading
+        self._cards: dict[int, BulkCard] = {}
+        self._line: dict[int, IsotropicMaterial] = {}
+        for card in reading.file.named(*MATERIAL_CARDS):
+            number = card.integer(0, "the material id")
+            first = self._cards.setdefault(number, card)
+            if first is not card and first[:2] != card[:2]:
+                raise card.error(
+                    f"material {number} is defined a second time and differs from that of line {first.line}; "
+                    "renumber or remove it"
+                )
+
+    def isotropic(self, number: int) -> IsotropicMaterial | str:
+        """The MAT1 of a beam or rod; else why there is none."""
+        card = self._cards.get(number)
+        if card is None or card.name != "MAT1":
+            return self._missing(number, card)
+        if number not in self._line:
+            self._line[number] = self._mat1(card)
+        found = self._line[number]
+        if not (found.youngs_modulus > 0 or found.shear_modulus):
+            return f"its material {number} has no stiffness"
+        return found
+
+    def of_solid(self, number: int) -> IsotropicMaterial | AnisotropicMaterial | str:
+        """The material of solid cells; else why there is none."""
+        card = self._cards.get(number)
+        if card is None or card.name not in ("MAT1", "MAT9", "MAT11"):
+            return self._missing(number, card)
+        if card.name == "MAT1":
+            return self.isotropic(number)
+        return self._mat9(card) if card.name == "MAT9" else self._mat11(card)
+
+    def of_wall(self, number: int) -> WallMaterial | str:
+        """The material of a wall or ply; else why there is none."""
+        card = self._cards.get(number)
+        if card is None or card.name not in ("MAT1", "MAT2", "MAT8"):
+            return self._missing(number, card)
+        if card.name == "MAT1":
+            return self._plane_isotropic(number)
+        return self._mat2(card) if card.name == "MAT2" else self._mat8(card)
+
+    def _missing(self, number: int, card: BulkCard | None) -> str:
+        if card is not None:
+            return f"its material {number} is a {card.name}, which such elements do not take"
+        other = next(
+            (
+                name
+                for name, cards in self._reading.file.by_name.items()
+                if name.startswith("MAT") and any(c.word(0) == str(number) for c in cards)
+            ),
+            None,
+        )
+        if other == "MAT10":
+            return "they are fluid (MAT10)"
+        return f"its material {number} is " + (f"a {other}, which is not read" if other else "not defined")
+
+    def _density(self, card: BulkCard, place: int) -> float:
+        return card.real(place, "the density RHO", 0.0) * self._reading.mass_factor
+
+    def _mat1(self, card: BulkCard) -> IsotropicMaterial:
+        """E, G and nu fill each other in; where all are given and do not fit, shear goes by G."""
+        E, G, nu = (card.real(1 + i, what, 0.0) for i, what in enumerate(("E", "G", "NU")))
+        has_E, has_G, has_nu = E > 0, G > 0, bool(card.word(3))
+        shear: float | None = None
+        if has_G and has_nu and not has_E:
+            E = 2 * G * (1 + nu)
+        elif has_G and has_E and not has_nu:
+            nu = E / (2 * G) - 1
+            if not -1 < nu < 0.5:
+                nu, shear = 0.0, G
+        elif has_G and (not has_E or abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY):
+            shear = G
+        elif has_E and not has_nu:
+            self._reading.note(
+                f"MAT1 {card.word(0)} gives E alone; NU counts as 0, G as E / 2 (Nastran: G = 0)."
+            )
+        factor = self._reading.stiffness_factor
+        return IsotropicMaterial(
+            E * factor, nu, self._density(card, 4), None if shear is None else shear * factor
+        )
+
+    def _plane_isotropic(self, number: int) -> WallMaterial | str:
+        found = self.isotropic(number)
+        if isinstance(found, str):
+            return found
+        E, nu = found.youngs_modulus, found.poissons_ratio
+        G = E / (2 * (1 + nu)) if found.shear_modulus is None else found.shear_modulus
+        C = E / (1 - nu**2)
+        Q = np.array([[C, nu * C, 0.0], [nu * C, C, 0.0], [0.0, 0.0, G]])
+        return WallMaterial(Q, G * np.eye(2) if G > 0 else None, found.density, found)
+
+    def _mat2(self, card: BulkCard) -> WallMaterial:
+        G = [card.real(1 + i, what, 0.0) for i, what in enumerate(("G11", "G12", "G13", "G22", "G23", "G33"))]
+        Q = np.array([[G[0], G[1], G[2]], [G[1], G[3], G[4]], [G[2], G[4], G[5]]])
+        Q = Q * self._reading.stiffness_factor
+        shear = Q[:2, :2] if np.linalg.det(Q[:2, :2]) > 0 else None  # as MID3 its G11, G12, G22 are the shear
+        return WallMaterial(Q, shear, self._density(card, 7), None)
+
+    def _mat8(self, card: BulkCard) -> WallMaterial | str:
+        names = ("E1", "E2", "NU12", "G12", "G1Z", "G2Z")
+        E1, E2, nu, G12, G1Z, G2Z = (card.real(1 + i, what, 0.0) for i, what in enumerate(names))
+        d = 1 - nu**2 * E2 / E1 if E1 > 0 else 0.0
+        if not (E2 > 0 and d > 0):
+            return f"its material {card.word(0)} has no stiffness: E1 = {E1:g}, E2 = {E2:g}, NU12 = {nu:g}"
+        Q = np.array([[E1 / d, nu * E2 / d, 0.0], [nu * E2 / d, E2 / d, 0.0], [0.0, 0.0, G12]])
+        factor = self._reading.stiffness_factor
+        shear = np.diag([G1Z, G2Z]) * factor if G1Z > 0 and G2Z > 0 else None
+        return WallMaterial(Q * factor, shear, self._density(card, 7), None)
+
+    def _mat9(self, card: BulkCard) -> AnisotropicMaterial:
+        G = np.zeros((6, 6))
+        G[np.triu_indices(6)] = [card.real(1 + i, "a stiffness G", 0.0) for i in range(21)]
+        G = G + np.triu(G, 1).T
+        return AnisotropicMaterial(
+            G[np.ix_(_ORDER, _ORDER)] * self._reading.stiffness_factor, self._density(card, 22)
+        )
+
+    def _mat11(self, card: BulkCard) -> AnisotropicMaterial | str:
+        names = ("E1", "E2", "E3", "NU12", "NU13", "NU23", "G12", "G13", "G23")
+        E1, E2, E3, nu12, nu13, nu23, G12, G13, G23 = (
+            card.real(1 + i, what, 0.0) for i, what in enumerate(names)
+        )
+        if min(E1, E2, E3, G12, G13, G23) <= 0:
+            return f"its material {card.word(0)} has a modulus that is not positive"
+        S = np.diag([1 / E1, 1 / E2, 1 / E3, 1 / G23, 1 / G13, 1 / G12])
+        S[0, 1] = S[1, 0] = -nu12 / E1
+        S[0, 2] = S[2, 0] = -nu13 / E1
+        S[1, 2] = S[2, 1] = -nu23 / E2
+        return AnisotropicMaterial(np.linalg.inv(S) * self._reading.stiffness_factor, self._density(card, 10))

@@ -1,0 +1,112 @@
+"""Non-structural mass of a Nastran deck by NSM, NSM1, NSML, NSML1 and NSMADD, as mass of its elements."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.reading import Reading
+
+__all__ = ["NSM_CARDS", "read_added_mass"]
+
+NSM_CARDS = ("NSM", "NSM1", "NSML", "NSML1", "NSMADD")
+
+_SHELLS = ("CQUAD4", "CQUADR", "CQUAD8", "CTRIA3", "CTRIAR", "CTRIA6")
+# Elements of each type of property that the cards may name.
+_ELEMENTS = {
+    "PSHELL": _SHELLS,
+    "PCOMP": _SHELLS,
+    "PBAR": ("CBAR",),
+    "PBARL": ("CBAR",),
+    "PBEAM": ("CBEAM",),
+    "PBEAML": ("CBEAM",),
+    "PROD": ("CROD",),
+    "PTUBE": ("CTUBE",),
+    "CONROD": ("CONROD",),
+}
+_BY_ELEMENT = (*_SHELLS, "CBAR", "CBEAM", "CROD", "CTUBE", "CONROD")
+
+
+def read_added_mass(reading: Reading) -> dict[int, float]:
+    """Added mass of elements, per area or length, by element id, without PARAM,WTMASS.
+
+    NSM, NSM1 give it per area or length; NSML, NSML1 give a total, spread over the elements they name. They
+    act where case control chooses them.
+    """
+    cards = reading.file.named("NSM", "NSM1", "NSML", "NSML1")
+    sets = {card.integer(0, "the set id") for card in cards}
+    chosen = reading.chosen_sets("NSM", "NSMADD", sets)
+    found: dict[int, float] = {}
+    for card in cards:
+        if card.integer(0, "the set id") not in chosen:
+            continue
+        for of, ids, value in _entries(card, reading):
+            elements = _members(card, of, ids, reading)
+            share = value
+            if card.name.startswith("NSML"):
+                total = sum(_extent(element, reading) for element in elements)
+                share = value / total if total else 0.0
+            for element in elements:
+                number = element.integer(0, "the element id")
+                found[number] = found.get(number, 0.0) + share
+    return found
+
+
+def _entries(card: BulkCard, reading: Reading) -> list[tuple[str, set[int] | None, float]]:
+    """Type, ids (None: all) and value of each entry: TYPE ID VALUE ID VALUE .., or TYPE VALUE ID ID .."""
+    of = card.word(1)
+    if card.name in ("NSM", "NSML"):
+        return [
+            (of, {card.integer(i, "an id")}, card.real(i + 1, "the value", 0.0))
+            for i in range(2, len(card.fields), 2)
+            if card.word(i)
+        ]
+    value = card.real(2, "the value", 0.0)
+    words = [card.word(i) for i in range(3, len(card.fields)) if card.word(i)]
+    if "ALL" in words:
+        return [(of, None, value)]
+    ids: set[int] = set()
+    place = 0
+    while place < len(words):
+        if words[place] == "THRU" and place and place + 1 < len(words):
+            first, last = int(words[place - 1]), int(words[place + 1])
+            step = 1
+            if words[place + 2 : place + 3] == ["BY"]:
+                step = int(words[place + 3])
+                place += 2
+            ids |= set(range(first, last + 1, step))
+            place += 2
+        else:
+            if not words[place].isdecimal():
+                reading.leave_out(card, f"left out: its list has '{words[place]}'")
+                return []
+            ids.add(int(words[place]))
+            place += 1
+    return [(of, ids, value)]
+
+
+def _members(card: BulkCard, of: str, ids: set[int] | None, reading: Reading) -> list[BulkCard]:
+    if of == "ELEMENT":
+        field, names = 0, _BY_ELEMENT
+    elif of in _ELEMENTS:
+        field, names = (0 if of == "CONROD" else 1), _ELEMENTS[of]
+    else:
+        reading.leave_out(card, f"left out: mass of {of or 'no type'} is not read")
+        return []
+    return [
+        element
+        for element in reading.file.named(*names)
+        if ids is None or element.integer(field, "an id", element.integer(0, "the element id")) in ids
+    ]
+
+
+def _extent(element: BulkCard, reading: Reading) -> float:
+    """Area of a shell by its corners, length of a line."""
+    start, count = (1 if element.name == "CONROD" else 2), 2
+    if element.name in _SHELLS:
+        count = 4 if "QUAD" in element.name else 3
+    x = reading.grids.positions[[reading.node(element, start + i, "a grid") for i in range(count)]]
+    if count == 2:
+        return float(np.linalg.norm(x[1] - x[0]))
+    across = (x[2] - x[0], x[3] - x[1]) if count == 4 else (x[1] - x[0], x[2] - x[0])
+    return float(np.linalg.norm(np.cross(*across)) / 2)

@@ -1,0 +1,330 @@
+"""Springs, dampers and masses of a Nastran deck: CELAS, CBUSH, CDAMP, CVISC, CMASS, CONM, CSHEAR."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import NodalMatrix
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.cells import by_id, grids_named
+from supple.importers.nastran.materials import Materials
+from supple.importers.nastran.reading import Reading, Rows, Term, times
+from supple.importers.plain_number import is_plain_digits
+
+__all__ = ["POINT_CARDS", "POINT_PROPERTY_CARDS", "read_point_elements"]
+
+FloatArray = NDArray[np.float64]
+
+POINT_CARDS = (
+    "CELAS1", "CELAS2", "CELAS3", "CELAS4", "CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "CMASS1", "CMASS2",
+    "CMASS3", "CMASS4", "CBUSH", "CBUSH1D", "CVISC", "CONM1", "CONM2", "CSHEAR",
+)  # fmt: skip
+POINT_PROPERTY_CARDS = ("PELAS", "PDAMP", "PMASS", "PBUSH", "PBUSH1D", "PVISC", "PSHEAR")
+
+# Fields of a property that holds several: how many it takes each time.
+_PER_PROPERTY = {"PELAS": 4, "PDAMP": 2, "PMASS": 2, "PVISC": 4}
+_VALUES = {"CELAS": "PELAS", "CDAMP": "PDAMP", "CMASS": "PMASS"}
+
+
+def read_point_elements(reading: Reading, materials: Materials) -> None:
+    """Every spring, damper and mass of the file, added to what the reading collects."""
+    scalars = {name: _several(reading.file.named(name), step) for name, step in _PER_PROPERTY.items()}
+    rows = {"CELAS": reading.springs, "CDAMP": reading.dashpots, "CMASS": reading.inertias}
+    factors = {
+        "CELAS": reading.stiffness_factor,
+        "CDAMP": reading.damping_factor,
+        "CMASS": reading.mass_factor,
+    }
+    for kind, of in _VALUES.items():
+        for form in "1234":
+            for card in reading.file.named(f"{kind}{form}"):
+                _scalar(card, form, scalars[of], of, rows[kind], factors[kind], reading)
+    for card in reading.file.named("CVISC"):
+        _viscous(card, scalars["PVISC"], reading)
+    for name, of, read in (
+        ("CBUSH", "PBUSH", _bush),
+        ("CBUSH1D", "PBUSH1D", _bush_along),
+    ):
+        properties = by_id(reading.file.named(of), "property")
+        for card in reading.file.named(name):
+            number = card.integer(1, "the property id", card.integer(0, "the element id"))
+            if number in properties:
+                read(card, properties[number], reading)
+            else:
+                reading.leave_out(card, f"elements left out: no {of} is their property")
+    panels = by_id(reading.file.named("PSHEAR"), "property")
+    for card in reading.file.named("CSHEAR"):
+        number = card.integer(1, "the property id", card.integer(0, "the element id"))
+        _shear_panel(card, panels.get(number), materials, reading)
+    for card in reading.file.named("CONM2"):
+        reading.masses.append(_conm2(card, reading))
+    for card in reading.file.named("CONM1"):
+        reading.masses.append(_conm1(card, reading))
+
+
+def _several(cards: list[BulkCard], step: int) -> dict[int, tuple[BulkCard, int]]:
+    """Properties of which a card holds several: card and first field of each."""
+    found: dict[int, tuple[BulkCard, int]] = {}
+    for card in cards:
+        for place in range(0, max(len(card.fields), 1), step):
+            if card.word(place):
+                found.setdefault(card.integer(place, "the property id"), (card, place))
+    return found
+
+
+def _scalar(
+    card: BulkCard,
+    form: str,
+    properties: dict[int, tuple[BulkCard, int]],
+    of: str,
+    rows: Rows,
+    factor: float,
+    reading: Reading,
+) -> None:
+    """EID, property (1, 3) or value (2, 4), then G1 C1 G2 C2 (1, 2) or points S1 S2; blank is ground."""
+    if form in "13":
+        number = card.integer(1, "the property id", card.integer(0, "the element id"))
+        if number not in properties:
+            reading.leave_out(card, f"elements left out: no {of} is their property")
+            return
+        known, place = properties[number]
+        value = known.real(place + 1, "its value", 0.0)
+    else:
+        value = card.real(1, "its value", 0.0)
+    pairs = ((2, 3), (4, 5)) if form in "12" else ((2, None), (3, None))
+    terms: list[Term] = []
+    for sign, (point, component) in zip((1.0, -1.0), pairs, strict=True):
+        if card.word(point) not in ("", "0"):
+            number = card.integer(point, "a point")
+            direction = 1 if component is None else card.integer(component, "a component", 0)
+            terms += times(reading.freedom(card, number, direction), sign)
+    if value and terms:
+        rows.add(terms, card.line, value=value * factor)
+
+
+# --- springs between two grids in axes of their own
+
+
+def _relative(
+    a: int, b: int | None, axes: FloatArray, at: FloatArray, place: int, reading: Reading
+) -> list[Term]:
+    """Terms of component `place` (0 to 5) of the motion of b less that of a, at a point, in given axes."""
+    terms: list[Term] = []
+    for node, sign in ((a, -1.0), (b, 1.0)):
+        if node is None:
+            continue
+        e = axes[:, place % 3]
+        if place < 3:
+            arm = np.cross(at - reading.grids.positions[node], e)
+            terms += [(6 * node + i, sign * float(e[i])) for i in range(3)]
+            terms += [(6 * node + 3 + i, sign * float(arm[i])) for i in range(3)]
+        else:
+            terms += [(6 * node + 3 + i, sign * float(e[i])) for i in range(3)]
+    scale = max(abs(value) for _, value in terms)
+    return [(freedom, value) for freedom, value in terms if abs(value) > 1e-14 * scale]
+
+
+def _bush(card: BulkCard, known: BulkCard, reading: Reading) -> None:
+    """EID PID GA GB X1 X2 X3/G0 CID S OCID S1 S2 S3: springs and dampers at a point between two grids."""
+    a = reading.node(card, 2, "the grid GA")
+    b = reading.node(card, 3, "the grid GB") if card.word(3) not in ("", "0") else None
+    xa = reading.grids.positions[a]
+    xb = xa if b is None else reading.grids.positions[b]
+    axes = _bush_axes(card, a, xa, xb, reading)
+    if card.word(9) in ("", "-1"):
+        at = xa + card.real(8, "S", 0.5) * (xb - xa)
+    else:
+        given = [card.real(10 + i, f"S{i + 1}", 0.0) for i in range(3)]
+        at = reading.system(card, card.integer(9, "OCID")).basic(given)
+    rows = {
+        "K": (reading.springs, reading.stiffness_factor),
+        "B": (reading.dashpots, reading.damping_factor),
+    }
+    for kind, values in _bush_values(known).items():
+        if kind == "M":
+            _bush_mass(a, b, values[0], reading)
+        elif kind == "RIGID":
+            reading.leave_out(known, "rigid directions of a CBUSH (K = RIGID) are not read")
+        elif kind in rows:
+            collected, factor = rows[kind]
+            for place, value in enumerate(values[:6]):
+                if value:
+                    terms = _relative(a, b, axes, at, place, reading)
+                    collected.add(terms, card.line, value=value * factor)
+
+
+def _bush_values(known: BulkCard) -> dict[str, list[float]]:
+    """PBUSH: groups K, B, GE, RCV, M .. each with its values, a row each."""
+    found: dict[str, list[float]] = {}
+    for start in range(0, len(known.fields), 8):
+        kind = known.word(start + 1)
+        if kind in ("K", "B", "M") or (not start and kind):
+            if "RIGID" in [known.word(start + 2 + i) for i in range(6)]:
+                found["RIGID"] = []
+                continue
+            found[kind] = [known.real(start + 2 + i, f"{kind}{i + 1}", 0.0) for i in range(6)]
+    return found
+
+
+def _bush_mass(a: int, b: int | None, mass: float, reading: Reading) -> None:
+    ends = [a] if b is None else [a, b]
+    for node in ends:
+        freedoms = 6 * node + np.arange(3)
+        share = mass * reading.mass_factor / len(ends)
+        reading.masses.append(NodalMatrix(freedoms, share * np.eye(3)))
+
+
+def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: Reading) -> FloatArray:
+    """Those of CID at GA; else x from GA to GB and y in the plane of the vector; else the basic ones."""
+    if card.word(7):
+        return reading.system(card, card.integer(7, "CID")).directions(xa[None])[0]
+    chord = xb - xa
+    if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
+        vector = reading.grids.positions[reading.node(card, 4, "the grid G0")] - xa
+    else:
+        given = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
+        vector = reading.grids.axes[a] @ given
+    length = np.linalg.norm(chord)
+    if not length > 0:
+        return np.identity(3)
+    x = chord / length
+    z = np.cross(x, vector)
+    if not np.linalg.norm(z) > 1e-6 * max(float(np.linalg.norm(vector)), 1e-300):
+        # Only the spring along the line is defined; across it all directions are alike.
+        z = np.cross(x, np.eye(3)[np.argmin(np.abs(x))])
+    z /= np.linalg.norm(z)
+    return np.stack([x, np.cross(z, x), z], axis=1).astype(np.float64)
+
+
+def _bush_along(card: BulkCard, known: BulkCard, reading: Reading) -> None:
+    """EID PID GA GB CID; PBUSH1D: K C M: a spring and damper along the line, or along x of CID."""
+    a = reading.node(card, 2, "the grid GA")
+    b = reading.node(card, 3, "the grid GB") if card.word(3) not in ("", "0") else None
+    xa = reading.grids.positions[a]
+    if card.word(4):
+        axes = reading.system(card, card.integer(4, "CID")).directions(xa[None])[0]
+    else:
+        chord = xa * 0 if b is None else reading.grids.positions[b] - xa
+        if not np.linalg.norm(chord) > 0:
+            raise card.error("its two grids lie in one place, so it has no direction; give CID")
+        axes = np.repeat((chord / np.linalg.norm(chord))[:, None], 3, axis=1)
+    terms = _relative(a, b, axes, xa, 0, reading)
+    k, c, m = (known.real(1 + i, what, 0.0) for i, what in enumerate("KCM"))
+    if any(known.word(place) for place in range(8, len(known.fields))):
+        reading.leave_out(known, "values that depend on displacement or speed are not read; K and C are")
+    if k:
+        reading.springs.add(terms, card.line, value=k * reading.stiffness_factor)
+    if c:
+        reading.dashpots.add(terms, card.line, value=c * reading.damping_factor)
+    if m:
+        _bush_mass(a, b, m, reading)
+
+
+def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], reading: Reading) -> None:
+    """EID PID G1 G2; PVISC: CE along the line, CR about it."""
+    number = card.integer(1, "the property id", card.integer(0, "the element id"))
+    if number not in properties:
+        reading.leave_out(card, "elements left out: no PVISC is their property")
+        return
+    known, place = properties[number]
+    a, b = (reading.node(card, 2 + i, "a grid") for i in range(2))
+    xa = reading.grids.positions[a]
+    chord = reading.grids.positions[b] - xa
+    if not np.linalg.norm(chord) > 0:
+        raise card.error("its two grids lie in one place, so it has no direction; use CDAMP")
+    axes = np.repeat((chord / np.linalg.norm(chord))[:, None], 3, axis=1)
+    for which, of in ((0, 1), (3, 2)):
+        value = known.real(place + of, "its damping", 0.0) * reading.damping_factor
+        if value:
+            reading.dashpots.add(_relative(a, b, axes, xa, which, reading), card.line, value=value)
+
+
+# --- masses
+
+
+def _conm2(card: BulkCard, reading: Reading) -> NodalMatrix:
+    """EID G CID M X1 X2 X3 - I11 I21 I22 I31 I32 I33: a rigid mass, moments about its own centre.
+
+    About the grid, with offset d:  [m, -m [d]x; m [d]x, I - m [d]x [d]x],  off-diagonal moments with a minus.
+    CID = -1: X is the place of the centre in basic coordinates.
+    """
+    node = reading.node(card, 1, "the grid G")
+    m = card.real(3, "M", 0.0)
+    offset = np.array([card.real(4 + i, f"X{i + 1}", 0.0) for i in range(3)])
+    I11, I21, I22, I31, I32, I33 = (
+        card.real(8 + i, what, 0.0) for i, what in enumerate(("I11", "I21", "I22", "I31", "I32", "I33"))
+    )
+    inertia = np.array([[I11, -I21, -I31], [-I21, I22, -I32], [-I31, -I32, I33]])
+    system = card.integer(2, "CID", 0)
+    at = reading.grids.positions[node]
+    if system == -1:
+        offset = offset - at
+    else:
+        axes = reading.system(card, system).directions(at[None])[0]
+        offset, inertia = axes @ offset, axes @ inertia @ axes.T
+    x = np.array([[0.0, -offset[2], offset[1]], [offset[2], 0.0, -offset[0]], [-offset[1], offset[0], 0.0]])
+    M = np.block([[m * np.eye(3), -m * x], [m * x, inertia - m * x @ x]])
+    return _kept(6 * node + np.arange(6), M * reading.mass_factor)
+
+
+def _conm1(card: BulkCard, reading: Reading) -> NodalMatrix:
+    """EID G CID M11 M21 M22 M31 .. M66: a symmetric matrix in the axes of CID."""
+    node = reading.node(card, 1, "the grid G")
+    M = np.zeros((6, 6))
+    M[np.tril_indices(6)] = [card.real(3 + i, "an entry", 0.0) for i in range(21)]
+    M = M + np.tril(M, -1).T
+    at = reading.grids.positions[node]
+    axes = np.kron(np.eye(2), reading.system(card, card.integer(2, "CID", 0)).directions(at[None])[0])
+    return _kept(6 * node + np.arange(6), axes @ M @ axes.T * reading.mass_factor)
+
+
+def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
+    """Without the rows that are empty, so that a mass alone asks for no rotation."""
+    used = np.abs(M).max(axis=1) > 0
+    used[:3] = True
+    return NodalMatrix(freedoms[used], M[np.ix_(used, used)])
+
+
+# --- shear panels
+
+
+def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, reading: Reading) -> None:
+    """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel that carries a constant shear flow alone.
+
+    Forces of the flow q along the four sides, at their ends, do work on  w = sum of -+ L/2 (u_i + u_j) t_ij,
+    so the stiffness is  w w^T / c,  the compliance  c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  a the lean of
+    a parallelogram; of another quadrilateral that of its middle lines. Its mass goes to the four grids.
+    Source: MacNeal, The NASTRAN Theoretical Manual (1972), section 5.3, after Garvey.
+    """
+    material = None if known is None else materials.isotropic(known.integer(1, "the material id"))
+    if known is None or isinstance(material, str) or material is None:
+        reading.leave_out(card, "elements left out: their property or material is not one that is read")
+        return
+    t, nsm, F1, F2 = (known.real(2 + i, what, 0.0) for i, what in enumerate(("T", "NSM", "F1", "F2")))
+    if F1 or F2:
+        reading.leave_out(known, "the tension that F1, F2 give a shear panel's edges is not read")
+    nodes = grids_named([card], reading, 2, 4)[0]
+    x = reading.grids.positions[nodes]
+    area = float(np.linalg.norm(np.cross(x[2] - x[0], x[3] - x[1])) / 2)
+    E, nu = material.youngs_modulus, material.poissons_ratio
+    G = E / (2 * (1 + nu)) if material.shear_modulus is None else material.shear_modulus
+    if not (area > 0 and t > 0 and G > 0):
+        raise card.error("its area, thickness or shear modulus is zero; correct it")
+    across, along = x[2] + x[3] - x[0] - x[1], x[1] + x[2] - x[0] - x[3]
+    lean = float(across @ along / np.linalg.norm(np.cross(across, along)))
+    terms: list[Term] = []
+    for i, sign in enumerate((-1.0, 1.0, -1.0, 1.0)):
+        j = (i + 1) % 4
+        side = sign * (x[j] - x[i]) / 2
+        terms += [(6 * int(node) + k, float(side[k])) for node in (nodes[i], nodes[j]) for k in range(3)]
+    compliance = area / (G * t) * (1 + 2 * lean**2 / (1 + nu))
+    reading.springs.add(terms, card.line, value=1 / compliance)
+    mass = (material.density * t + nsm * reading.mass_factor) * area / 4
+    if mass:
+        for node in nodes.tolist():
+            reading.masses.append(NodalMatrix(6 * node + np.arange(3), mass * np.eye(3)))
+    reading.note(
+        "Shear panels (CSHEAR) are one spring each, with the stiffness of a constant shear flow; their mass "
+        "lies in their grids."
+    )

@@ -1,0 +1,178 @@
+"""What the reader of a Nastran deck shares: grids and freedoms, and the record of what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import LeftOut, NodalMatrix, ScalarTerms
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile
+from supple.importers.nastran.case_control import CaseControl
+from supple.importers.nastran.coordinate_system import CoordinateSystem
+from supple.importers.nastran.grids import GridPoints
+from supple.importers.numbering import numbers_of
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+Term = tuple[int, float]
+
+# Scalar points count on from the last node; how many nodes there are is known at the end.
+_SCALARS = 2**40
+
+
+@dataclass(eq=False)
+class Rows:
+    """Sums of freedoms while they are collected; `terms` makes them one object."""
+
+    freedoms: list[int] = field(default_factory=list)
+    factors: list[float] = field(default_factory=list)
+    counts: list[int] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+    values: list[float] = field(default_factory=list)
+    dependent: list[int] = field(default_factory=list)
+
+    def add(self, terms: Sequence[Term], line: int, *, value: float = 0.0, dependent: int = -1) -> None:
+        """One more row; terms of the same freedom are added up."""
+        total: dict[int, float] = {}
+        for freedom, factor in terms:
+            total[freedom] = total.get(freedom, 0.0) + factor
+        kept = {f: v for f, v in total.items() if v != 0.0}
+        self.freedoms += kept
+        self.factors += kept.values()
+        self.counts.append(len(kept))
+        self.lines.append(line)
+        self.values.append(value)
+        self.dependent.append(dependent if dependent in kept else -1)
+
+    def terms(self, n_nodes: int, *, constraints: bool = False) -> tuple[ScalarTerms, ...]:
+        """The rows as one object; none where there are no rows."""
+        if not self.counts:
+            return ()
+        rows = np.repeat(np.arange(len(self.counts)), self.counts)
+        integer = [np.array(v, dtype=np.int64) for v in (self.freedoms, self.lines, self.dependent)]
+        for freedoms in (integer[0], integer[2]):
+            freedoms[freedoms >= 6 * _SCALARS] -= 6 * (_SCALARS - n_nodes)
+        factors, values = np.array(self.factors), np.array(self.values)
+        if constraints:
+            return (ScalarTerms(rows, integer[0], factors, integer[1], dependent=integer[2]),)
+        return (ScalarTerms(rows, integer[0], factors, integer[1], values),)
+
+
+@dataclass(eq=False)
+class Reading:
+    """A deck while it is read: what every part of the reader needs, and what each adds.
+
+    scalar_points : (S,) ids of points that are one freedom
+    mass_factor, stiffness_factor, damping_factor : what the PARAMs multiply
+    added_nodes : places of nodes that no grid of the file is: on an arc, amid an edge
+    """
+
+    file: BulkFile
+    grids: GridPoints
+    scalar_points: IntArray
+    case: CaseControl
+    mass_factor: float
+    stiffness_factor: float
+    damping_factor: float
+    added_nodes: list[FloatArray] = field(default_factory=list)
+    springs: Rows = field(default_factory=Rows)
+    dashpots: Rows = field(default_factory=Rows)
+    inertias: Rows = field(default_factory=Rows)
+    constraints: Rows = field(default_factory=Rows)
+    held: Rows = field(default_factory=Rows)
+    masses: list[NodalMatrix] = field(default_factory=list)
+    notes: dict[str, None] = field(default_factory=dict)
+    _left: dict[tuple[str, str], list[int]] = field(default_factory=dict)
+
+    def leave_out(self, card: BulkCard, meaning: str) -> None:
+        """Record that a card, or a part of what it says, is left out, and what that means."""
+        self._left.setdefault((card.name, meaning), []).append(card.line)
+
+    def note(self, sentence: str) -> None:
+        """Record what a user should know, once."""
+        self.notes[sentence] = None
+
+    @property
+    def left_out(self) -> tuple[LeftOut, ...]:
+        """All that was left out, by card and meaning."""
+        return tuple(
+            LeftOut(card, len(lines), min(lines), meaning) for (card, meaning), lines in self._left.items()
+        )
+
+    def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
+        """Sets that case control chooses, with those that the adding card joins; without it the only one."""
+        number = self.case.number(command)
+        if number is None:
+            if self.case.present or len(sets) != 1:
+                if sets:
+                    why = "case control chooses none" if self.case.present else "no case control chooses"
+                    self.note(f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}.")
+                return set()
+            return set(sets)
+        if command in self.case.varied:
+            self.note(f"Subcases choose several {command} sets; the first, {number}, is read.")
+        joined = {number}
+        for card in self.file.named(adder):
+            if card.integer(0, "the set id") == number:
+                joined |= {card.integer(i, "a set") for i in range(1, len(card.fields)) if card.word(i)}
+        return joined
+
+    def has_local_axes(self, node: int, components: str) -> bool:
+        """Whether these components of a grid are other ones in basic axes."""
+        parts = ({"1", "2", "3"} & set(components), {"4", "5", "6"} & set(components))
+        return any(len(part) in (1, 2) for part in parts) and not np.array_equal(
+            self.grids.axes[node], np.eye(3)
+        )
+
+    def system(self, card: BulkCard, number: int) -> CoordinateSystem:
+        """The coordinate system a card names; ImportFormatError for one that the file lacks."""
+        if number not in self.grids.systems:
+            raise card.error(f"names coordinate system {number}, which the file does not define; add it")
+        return self.grids.systems[number]
+
+    def node(self, card: BulkCard, place: int, what: str) -> int:
+        """Number of the grid in a field."""
+        return int(self.grids.numbers(card, [card.integer(place, what)])[0])
+
+    def positions(self, nodes: IntArray) -> FloatArray:
+        """Places of nodes, also of those added."""
+        if not self.added_nodes or nodes.max(initial=0) < len(self.grids.ids):
+            return self.grids.positions[nodes]
+        return np.concatenate([self.grids.positions, np.array(self.added_nodes)])[nodes]
+
+    def add_node(self, position: FloatArray) -> int:
+        """Number of a node that the file does not have."""
+        self.added_nodes.append(position)
+        return len(self.grids.ids) + len(self.added_nodes) - 1
+
+    def is_scalar(self, number: int) -> bool:
+        """Whether an id is that of a scalar point."""
+        return bool(numbers_of(self.scalar_points, np.array([number]))[1][0])
+
+    def freedom(self, card: BulkCard, point: int, component: int) -> list[Term]:
+        """Terms of a displacement component (1 to 6, in the axes CD of a grid) in basic freedoms.
+
+        A scalar point is one freedom, whatever the component.
+        """
+        if self.is_scalar(point):
+            number, _ = numbers_of(self.scalar_points, np.array([point]))
+            return [(6 * (_SCALARS + int(number[0])), 1.0)]
+        (node,) = self.grids.numbers(card, [point]).tolist()
+        if not 1 <= component <= 6:
+            raise card.error(f"component {component} of grid {point}; give 1 to 6")
+        return self.node_freedom(node, component - 1)
+
+    def node_freedom(self, node: int, component: int) -> list[Term]:
+        """Terms of component 0 to 5 of a grid number, in its axes CD."""
+        direction = self.grids.axes[node][:, component % 3]
+        first = 6 * node + 3 * (component // 3)
+        return [(first + i, float(direction[i])) for i in np.flatnonzero(np.abs(direction) > 1e-14).tolist()]
+
+
+def times(terms: Sequence[Term], factor: float) -> list[Term]:
+    """Terms, each multiplied."""
+    return [(freedom, factor * value) for freedom, value in terms]

@@ -1,0 +1,363 @@
+"""Ties of a Nastran deck: RBE1, RBE2, RBE3, RBAR, RBAR1, RROD, RTRPLT and MPC."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import RigidTie, WeightedMean
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.reading import Reading, Term, times
+
+__all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties"]
+
+IntArray = NDArray[np.int64]
+FloatArray = NDArray[np.float64]
+
+RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC", "MPCADD")
+
+# A node, and which of its six components: one side of a tie.
+Side = tuple[int, str]
+
+
+def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
+    """All rigid and averaging elements; what is neither simply one nor the other, as constraints.
+
+    turning : (N,) whether the rotations of a node have stiffness (shells, beams); ties of nodes of solids
+              alone take all or none of them alike
+    """
+    rigid: list[RigidTie] = []
+    means: list[WeightedMean] = []
+    taken: dict[int, BulkCard] = {}
+    for card in reading.file.named(*(name for name in RIGID_CARDS if name[0] == "R")):
+        number = card.integer(0, "the element id")
+        first = taken.setdefault(number, card)
+        if first is not card:
+            if first[:2] != card[:2]:
+                raise card.error(f"element {number} is defined a second time; renumber or remove it")
+            continue
+        match card.name:
+            case "RBE2":
+                _rbe2(card, reading, turning, rigid)
+            case "RBE3":
+                _rbe3(card, reading, turning, means)
+            case "RBAR" | "RBAR1":
+                _rbar(card, reading, rigid)
+            case "RROD":
+                _rrod(card, reading)
+            case "RTRPLT":
+                _rtrplt(card, reading, rigid)
+            case _:
+                _rbe1(card, reading)
+    return rigid, means
+
+
+def _components(card: BulkCard, word: str, what: str) -> str:
+    if not word or len(set(word)) < len(word) or not set(word) <= set("123456"):
+        raise card.error(f"{what} are '{word}', not some of 123456, each once; correct them")
+    return "".join(sorted(word))
+
+
+def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: Reading) -> list[int]:
+    """Grid numbers of a list that may hold THRU."""
+    ids: list[int] = []
+    place = 0
+    while place < len(words):
+        at, word = words[place]
+        if word == "THRU" and ids and place + 1 < len(words):
+            last = card.integer(words[place + 1][0], "the last grid")
+            known = reading.grids.ids
+            ids += np.sort(known[(known > ids[-1]) & (known <= last)]).tolist()
+            place += 2
+            continue
+        ids.append(card.integer(at, "a grid"))
+        place += 1
+    return reading.grids.numbers(card, ids).tolist() if ids else []
+
+
+def _rbe2(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
+    """EID GN CM GM1 .. [ALPHA]: components CM of the others follow GN rigidly, in the axes of each."""
+    ties = _components(card, card.word(2), "its components")
+    words = [(i, card.word(i)) for i in range(3, len(card.fields)) if card.word(i)]
+    if words and "." in words[-1][1]:  # ALPHA, thermal expansion, which nothing here heats
+        words.pop()
+    reference = reading.node(card, 1, "the grid GN")
+    nodes = [node for node in dict.fromkeys(_grid_list(card, words, reading)) if node != reference]
+    if not nodes:
+        reading.leave_out(card, "ties no grids")
+        return
+    if ties == "123456" or (ties == "123" and not turning[nodes].any()):
+        rigid.append(RigidTie(f"rbe2_{card.word(0)}", reference, np.array(nodes, dtype=np.int64), card.line))
+        return
+    for node in nodes:
+        for component in ties:
+            _follows(card, node, int(component) - 1, reference, reading)
+
+
+def _follows(card: BulkCard, node: int, component: int, reference: int, reading: Reading) -> None:
+    """The constraint that a component of a node is that of the rigid motion of another."""
+    own = reading.node_freedom(node, component)
+    direction = reading.grids.axes[node][:, component % 3]
+    arm = reading.grids.positions[node] - reading.grids.positions[reference]
+    terms = list(own)
+    if component < 3:
+        turn = np.cross(arm, direction)
+        terms += [(6 * reference + i, -float(direction[i])) for i in range(3)]
+        terms += [(6 * reference + 3 + i, -float(turn[i])) for i in range(3)]
+    else:
+        terms += [(6 * reference + 3 + i, -float(direction[i])) for i in range(3)]
+    reading.constraints.add(terms, card.line, dependent=_alone(own))
+
+
+def _alone(terms: list[Term]) -> int:
+    """The freedom that a component is, where its axis is a basic one."""
+    return terms[0][0] if len(terms) == 1 else -1
+
+
+def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], reading: Reading) -> None:
+    """Constraints of dependent components that follow the rigid motion of six independent ones.
+
+    The motion q (6,) of a rigid body is that of the independent components,  u_I = T_I q,  so the others are
+    u_M = T_M T_I^-1 u_I;  T of a component: its direction, and its moment about a common point.
+    """
+    origin = reading.grids.positions[independent[0][0]]
+
+    def rows(sides: list[Side]) -> tuple[FloatArray, list[list[Term]]]:
+        T, own = [], []
+        for node, components in sides:
+            arm = reading.grids.positions[node] - origin
+            for component in (int(c) - 1 for c in components):
+                e = reading.grids.axes[node][:, component % 3]
+                T.append([*e, *np.cross(arm, e)] if component < 3 else [0.0, 0.0, 0.0, *e])
+                own.append(reading.node_freedom(node, component))
+        return np.array(T), own
+
+    T_I, u_I = rows(independent)
+    if T_I.shape != (6, 6) or abs(np.linalg.det(T_I)) < 1e-12 * np.prod(np.linalg.norm(T_I, axis=1)):
+        reading.leave_out(card, "left out: its independent components do not determine a rigid motion")
+        return
+    T_M, u_M = rows(dependent)
+    weights = T_M @ np.linalg.inv(T_I)
+    for own, row in zip(u_M, weights, strict=True):
+        terms = list(own)
+        for factor, of in zip(row, u_I, strict=True):
+            if abs(factor) > 1e-12 * np.abs(row).max():
+                terms += times(of, -float(factor))
+        reading.constraints.add(terms, card.line, dependent=_alone(own))
+
+
+def _rest(components: str) -> str:
+    return "".join(c for c in "123456" if c not in components)
+
+
+def _rbar(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
+    """RBAR: EID GA GB CNA CNB CMA CMB; RBAR1: EID GA GB CB, all of GA independent."""
+    a, b = reading.node(card, 1, "the grid GA"), reading.node(card, 2, "the grid GB")
+    if card.name == "RBAR1":
+        cna, cnb, cma, cmb = "123456", "", "", card.word(3) or "123456"
+    else:
+        cna, cnb, cma, cmb = ("" if card.word(i) == "0" else card.word(i) for i in (3, 4, 5, 6))
+        if not cma and not cmb:
+            cma, cmb = _rest(cna), _rest(cnb)
+    name = f"rbar_{card.word(0)}"
+    for reference, own, node, ties in ((a, cna, b, cmb), (b, cnb, a, cma)):
+        if sorted(own) == list("123456") == sorted(ties):
+            rigid.append(RigidTie(name, reference, np.array([node]), card.line))
+            return
+    independent = [(node, c) for node, c in ((a, cna), (b, cnb)) if c]
+    dependent = [(node, c) for node, c in ((a, cma), (b, cmb)) if c]
+    if independent and dependent:
+        _rigid_rows(card, independent, dependent, reading)
+    else:
+        reading.leave_out(card, "left out: it has no independent, or no dependent components")
+
+
+def _rrod(card: BulkCard, reading: Reading) -> None:
+    """EID GA GB CMA CMB: two grids keep their distance."""
+    a, b = reading.node(card, 1, "the grid GA"), reading.node(card, 2, "the grid GB")
+    chord = reading.grids.positions[b] - reading.grids.positions[a]
+    length = np.linalg.norm(chord)
+    if not length > 0:
+        raise card.error("its two grids lie in one place; move one, or remove it")
+    e = chord / length
+    terms = [(6 * node + i, s * float(e[i])) for node, s in ((a, -1.0), (b, 1.0)) for i in range(3) if e[i]]
+    node, component = (a, card.word(3)) if card.word(3) else (b, card.word(4))
+    own = reading.node_freedom(node, int(component) - 1) if component in ("1", "2", "3") else []
+    reading.constraints.add(terms, card.line, dependent=_alone(own))
+
+
+def _rtrplt(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
+    """EID GA GB GC CNA CNB CNC - CMA CMB CMC: a rigid triangle."""
+    nodes = [reading.node(card, 1 + i, "a grid") for i in range(3)]
+    own = ["" if card.word(4 + i) == "0" else card.word(4 + i) for i in range(3)]
+    ties = ["" if card.word(8 + i) == "0" else card.word(8 + i) for i in range(3)]
+    if not any(ties):
+        ties = [_rest(c) for c in own]
+    if sorted(own[0]) == list("123456") and all(sorted(c) == list("123456") for c in ties[1:]):
+        rigid.append(RigidTie(f"rtrplt_{card.word(0)}", nodes[0], np.array(nodes[1:]), card.line))
+        return
+    _rigid_rows(
+        card,
+        [(n, c) for n, c in zip(nodes, own, strict=True) if c],
+        [(n, c) for n, c in zip(nodes, ties, strict=True) if c],
+        reading,
+    )
+
+
+def _rbe1(card: BulkCard, reading: Reading) -> None:
+    """EID GN1 CN1 .. GN6 CN6, then UM GM1 CM1 .. [ALPHA]."""
+    independent: list[Side] = []
+    dependent: list[Side] = []
+    sides = independent
+    place = 1
+    while place < len(card.fields):
+        word = card.word(place)
+        if word == "UM":
+            sides, place = dependent, place + 1
+            continue
+        if not word or "." in word:  # an empty field, or ALPHA
+            place += 1
+            continue
+        node = reading.node(card, place, "a grid")
+        sides.append((node, _components(card, card.word(place + 1), f"the components of grid {word}")))
+        place += 2
+    if not independent or not dependent:
+        reading.leave_out(card, "left out: it has no independent, or no dependent components")
+        return
+    _rigid_rows(card, independent, dependent, reading)
+
+
+def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: list[WeightedMean]) -> None:
+    """EID - REFGRID REFC WT1 C1 G1,1 G1,2 .. WT2 C2 G2,1 .. [UM ..] [ALPHA ..].
+
+    UM only chooses which freedoms of the same equations Nastran eliminates.
+    """
+    reference = reading.node(card, 2, "the reference grid")
+    follows = _components(card, card.word(3), "the components of its reference grid")
+    groups = _weighted(card, reading)
+    if not groups:
+        reading.leave_out(card, "averages no grids")
+        return
+    plain = all(
+        components == "123" or (components == "123456" and not turning[nodes].any())
+        for _, components, nodes in groups
+    )
+    if plain and not reading.has_local_axes(reference, follows):
+        weights: dict[int, float] = {}
+        for weight, _, members in groups:
+            for node in members:
+                weights[node] = weights.get(node, 0.0) + weight
+        means.append(
+            WeightedMean(
+                f"rbe3_{card.word(0)}",
+                reference,
+                np.array(list(weights), dtype=np.int64),
+                np.array(list(weights.values())),
+                card.line,
+                tuple(str(i) in follows for i in range(1, 7)),
+            )
+        )
+        return
+    _mean_rows(card, reference, follows, groups, reading)
+
+
+def _weighted(card: BulkCard, reading: Reading) -> list[tuple[float, str, list[int]]]:
+    """Weight, components and grids of each group of an RBE3."""
+    found: list[tuple[float, str, list[int]]] = []
+    place = 4
+    while place < len(card.fields):
+        word = card.word(place)
+        if word in ("UM", "ALPHA"):
+            break
+        if not word:
+            place += 1
+            continue
+        weight = card.real(place, "a weight")
+        if "." not in word and "E" not in word and "+" not in word[1:]:
+            raise card.error(f"'{word}' stands where a weight is expected; weights are written with a point")
+        components = _components(card, card.word(place + 1), "components that it averages")
+        place += 2
+        words: list[tuple[int, str]] = []
+        while place < len(card.fields) and (not card.word(place) or _is_grid(card.word(place))):
+            if card.word(place):
+                words.append((place, card.word(place)))
+            place += 1
+        nodes = _grid_list(card, words, reading)
+        if weight > 0 and nodes:
+            found.append((weight, components, nodes))
+    return found
+
+
+def _is_grid(word: str) -> bool:
+    return word.isdecimal() or word == "THRU"
+
+
+def _mean_rows(
+    card: BulkCard,
+    reference: int,
+    follows: str,
+    groups: list[tuple[float, str, list[int]]],
+    reading: Reading,
+) -> None:
+    """The least-squares rigid motion of the averaged components, as constraints of the reference grid.
+
+        u_ref = (S^T W S)^-1 S^T W u,   S the rigid motions about the reference, W the weights;
+
+    rotations weigh L^2 more, L the mean distance of the grids from the reference: units do not matter.
+    Source: MSC Nastran, Linear Static Analysis User's Guide, "RBE3".
+    """
+    origin = reading.grids.positions[reference]
+    nodes = [node for _, _, members in groups for node in members]
+    L = float(np.linalg.norm(reading.grids.positions[nodes] - origin, axis=1).mean()) or 1.0
+    S, W, own = [], [], []
+    for weight, components, members in groups:
+        for node in members:
+            arm = reading.grids.positions[node] - origin
+            for component in (int(c) - 1 for c in components):
+                e = reading.grids.axes[node][:, component % 3]
+                S.append([*e, *np.cross(arm, e)] if component < 3 else [0.0, 0.0, 0.0, *e])
+                W.append(weight * (1.0 if component < 3 else L**2))
+                own.append(reading.node_freedom(node, component))
+    S, W = np.array(S), np.array(W)
+    scale = np.array([1.0, 1.0, 1.0, L, L, L])
+    normal = (S / scale).T @ (W[:, None] * S / scale)
+    if np.linalg.matrix_rank(normal, tol=1e-10 * np.abs(normal).max(), hermitian=True) < 6:
+        reading.leave_out(card, "left out: the components it averages do not determine a rigid motion")
+        return
+    mean = np.linalg.solve(normal, (S / scale).T * W) / scale[:, None]
+    for component in (int(c) - 1 for c in follows):
+        e = reading.grids.axes[reference][:, component % 3]
+        row = e @ mean[3 * (component // 3) : 3 * (component // 3) + 3]
+        of = reading.node_freedom(reference, component)
+        terms = list(of)
+        for factor, term in zip(row, own, strict=True):
+            if abs(factor) > 1e-13 * np.abs(row).max():
+                terms += times(term, -float(factor))
+        reading.constraints.add(terms, card.line, dependent=_alone(of))
+
+
+def read_multipoint_constraints(reading: Reading) -> None:
+    """MPC of the set that case control chooses (through MPCADD, too), else of the only one."""
+    cards = reading.file.named("MPC")
+    sets = {card.integer(0, "the set id") for card in cards}
+    chosen = reading.chosen_sets("MPC", "MPCADD", sets)
+    for card in cards:
+        if card.integer(0, "the set id") not in chosen:
+            continue
+        terms: list[Term] = []
+        dependent = -1
+        # G C A G C A in rows of eight fields; the second of a row starts in its fifth, those of further rows
+        # behind one empty field.
+        for place in range(1, len(card.fields)):
+            at = place % 8
+            if at not in (1, 4) or not card.word(place):
+                continue
+            factor = card.real(place + 2, "a factor", 0.0)
+            of = reading.freedom(
+                card, card.integer(place, "a grid"), card.integer(place + 1, "a component", 0)
+            )
+            if not terms:
+                dependent = _alone(of)
+            terms += times(of, factor)
+        if terms:
+            reading.constraints.add(terms, card.line, dependent=dependent)

@@ -1,0 +1,347 @@
+"""Sections of beams by shape (PBARL, PBEAML): closed forms of area, second moments, torsion and shear."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi, tanh
+
+import numpy as np
+
+__all__ = ["SHAPES", "SectionShape", "SectionValues"]
+
+
+@dataclass(frozen=True)
+class SectionValues:
+    """A section about its centroid; y up and z right in the pictures of Nastran's manual.
+
+    I1, I2, I12 : int y^2, int z^2, int y z
+    K1, K2 : shear factors along y and z
+    shear_centre : (y, z) from the centroid
+    """
+
+    area: float
+    I1: float
+    I2: float
+    I12: float
+    J: float
+    K1: float
+    K2: float
+    shear_centre: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SectionShape:
+    """Number of sizes that a shape has, and its values from them; None where they do not fit together."""
+
+    sizes: int
+    values: Callable[..., SectionValues | None]
+
+
+@dataclass(frozen=True)
+class _Box:
+    """A rectangle of a section: its middle, and its sizes along y and z."""
+
+    y: float
+    z: float
+    height: float
+    width: float
+
+    @property
+    def area(self) -> float:
+        return self.height * self.width
+
+
+def _built(
+    boxes: list[_Box], J: float, shear_centre: tuple[float | None, float | None] = (None, None)
+) -> SectionValues | None:
+    """Values of rectangles that do not overlap; a place of the shear centre in the axes of the boxes.
+
+    The upright walls carry shear along y, the lying ones along z: K is their share of the area.
+    """
+    if min(min(b.height, b.width) for b in boxes) < 0 or J <= 0:
+        return None
+    area = sum(b.area for b in boxes)
+    y, z = (sum(b.area * getattr(b, axis) for b in boxes) / area for axis in "yz")
+    I1 = sum(b.area * ((b.y - y) ** 2 + b.height**2 / 12) for b in boxes)
+    I2 = sum(b.area * ((b.z - z) ** 2 + b.width**2 / 12) for b in boxes)
+    I12 = sum(b.area * (b.y - y) * (b.z - z) for b in boxes)
+    upright = sum(b.area for b in boxes if b.height > b.width) / area
+    lying = sum(b.area for b in boxes if b.height <= b.width) / area
+    at = tuple(0.0 if s is None else s - c for s, c in zip(shear_centre, (y, z), strict=True))
+    return SectionValues(area, I1, I2, I12, J, upright or 5 / 6, lying or 5 / 6, (at[0], at[1]))
+
+
+def _thin(*strips: tuple[float, float]) -> float:
+    """J of an open thin-walled section: int t^3 / 3 ds over strips of length and thickness."""
+    return sum(length * thickness**3 for length, thickness in strips) / 3
+
+
+def _rod(radius: float) -> SectionValues:
+    return _tube(radius, 0.0, 0.9)
+
+
+def _tube(outer: float, inner: float, K: float = 0.5) -> SectionValues:
+    area, second = pi * (outer**2 - inner**2), pi * (outer**4 - inner**4) / 4
+    return SectionValues(area, second, second, 0.0, 2 * second, K, K)
+
+
+def _tube2(outer: float, thickness: float) -> SectionValues:
+    return _tube(outer, max(outer - thickness, 0.0))
+
+
+def _bar(width: float, height: float) -> SectionValues:
+    """J by its series [Timoshenko & Goodier, Theory of Elasticity, 3rd ed., eq. (170)]."""
+    long, short = max(width, height), min(width, height)
+    odd = range(1, 20, 2)
+    series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in odd)
+    J = long * short**3 / 3 * (1 - 192 / pi**5 * short / long * series)
+    return SectionValues(width * height, width * height**3 / 12, height * width**3 / 12, 0.0, J, 5 / 6, 5 / 6)
+
+
+def _box(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
+    return _box1(width, height, lying, lying, upright, upright)
+
+
+def _box1(
+    width: float, height: float, top: float, bottom: float, right: float, left: float
+) -> SectionValues | None:
+    """J of a closed cell by Bredt: 4 A^2 / (int ds / t)."""
+    inner = height - top - bottom
+    boxes = [
+        _Box((height - top) / 2, 0.0, top, width),
+        _Box(-(height - bottom) / 2, 0.0, bottom, width),
+        _Box((bottom - top) / 2, (width - right) / 2, inner, right),
+        _Box((bottom - top) / 2, -(width - left) / 2, inner, left),
+    ]
+    if min(top, bottom, right, left, inner, width - right - left) <= 0:
+        return None
+    w, h = width - (left + right) / 2, height - (top + bottom) / 2
+    return _built(boxes, 4 * (w * h) ** 2 / (w / top + w / bottom + h / left + h / right))
+
+
+def _i(
+    height: float, bottom: float, top: float, web: float, t_bottom: float, t_top: float
+) -> SectionValues | None:
+    inner, between = height - t_bottom - t_top, height - (t_bottom + t_top) / 2
+    if min(height, bottom, top, web, t_bottom, t_top, inner) <= 0:
+        return None
+    boxes = [
+        _Box(0.0, 0.0, t_bottom, bottom),
+        _Box(between, 0.0, t_top, top),
+        _Box((t_bottom + inner) / 2, 0.0, inner, web),
+    ]
+    centre = between * t_top * top**3 / (t_top * top**3 + t_bottom * bottom**3)
+    return _built(boxes, _thin((bottom, t_bottom), (top, t_top), (between, web)), (centre, 0.0))
+
+
+def _i1(flanges: float, web: float, inner: float, height: float) -> SectionValues | None:
+    thickness = (height - inner) / 2
+    return _i(height, flanges + web, flanges + web, web, thickness, thickness)
+
+
+def _chan(width: float, height: float, web: float, flange: float) -> SectionValues | None:
+    """Web on the left; its shear centre lies 3 b^2 t_f / (6 b t_f + h t_w) outside the middle of the web."""
+    inner, b, h = height - 2 * flange, width - web / 2, height - flange
+    if min(width, web, flange, inner, width - web) <= 0:
+        return None
+    boxes = [
+        _Box(h / 2, b / 2 - web / 4, flange, width),
+        _Box(-h / 2, b / 2 - web / 4, flange, width),
+        _Box(0.0, 0.0, inner, web),
+    ]
+    out = 3 * b**2 * flange / (6 * b * flange + h * web)
+    return _built(boxes, _thin((b, flange), (b, flange), (h, web)), (0.0, -out))
+
+
+def _chan1(flange: float, web: float, inner: float, height: float) -> SectionValues | None:
+    return _chan(flange + web, height, web, (height - inner) / 2)
+
+
+def _chan2(leg: float, base: float, height: float, width: float) -> SectionValues | None:
+    """The channel that opens upwards: that of the web on the left, turned by a right angle."""
+    lying = _chan(height, width, base, leg)
+    return None if lying is None else _turned(lying)
+
+
+def _turned(s: SectionValues) -> SectionValues:
+    """Turned by a right angle, z to y and y to -z."""
+    y, z = s.shear_centre
+    return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, (z, -y))
+
+
+def _t(width: float, height: float, flange: float, web: float) -> SectionValues | None:
+    """Flange on top; the shear centre is where the middles of the walls meet."""
+    stem = height - flange
+    if min(width, flange, web, stem) <= 0:
+        return None
+    boxes = [_Box(0.0, 0.0, flange, width), _Box(-height / 2, 0.0, stem, web)]
+    return _built(boxes, _thin((width, flange), (height - flange / 2, web)), (0.0, 0.0))
+
+
+def _t1(height: float, stem: float, flange: float, web: float) -> SectionValues | None:
+    """Flange upright on the right, stem to the left: T turned by a right angle."""
+    turned = _t(height, stem + flange, flange, web)
+    return None if turned is None else _turned_back(turned)
+
+
+def _turned_back(s: SectionValues) -> SectionValues:
+    """Turned by a right angle, y to z and z to -y."""
+    y, z = s.shear_centre
+    return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, (-z, y))
+
+
+def _t2(width: float, height: float, flange: float, web: float) -> SectionValues | None:
+    """Flange at the bottom: T upside down."""
+    s = _t(width, height, flange, web)
+    if s is None:
+        return None
+    return SectionValues(s.area, s.I1, s.I2, s.I12, s.J, s.K1, s.K2, (-s.shear_centre[0], s.shear_centre[1]))
+
+
+def _l(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
+    """Corner at the bottom left; the shear centre is where the middles of the legs meet."""
+    b, h = width - upright / 2, height - lying / 2
+    if min(width - upright, height - lying, lying, upright) <= 0:
+        return None
+    boxes = [_Box(0.0, (width - upright) / 2, lying, width), _Box(height / 2, 0.0, height - lying, upright)]
+    return _built(boxes, _thin((b, lying), (h, upright)), (0.0, 0.0))
+
+
+def _cross(arms: float, web: float, height: float, thickness: float) -> SectionValues | None:
+    if min(arms, web, height, thickness, height - thickness) <= 0:
+        return None
+    boxes = [
+        _Box(0.0, 0.0, height, web),
+        *(_Box(0.0, s * (web + arms / 2) / 2, thickness, arms / 2) for s in (1, -1)),
+    ]
+    return _built(boxes, _thin((height, web), (arms, thickness)))
+
+
+def _h(inner: float, flanges: float, height: float, web: float) -> SectionValues | None:
+    if min(inner, flanges, height, web) <= 0:
+        return None
+    boxes = [
+        _Box(0.0, 0.0, web, inner),
+        *(_Box(0.0, s * (inner + flanges / 2) / 2, height, flanges / 2) for s in (1, -1)),
+    ]
+    return _built(boxes, _thin((inner, web), (height, flanges / 2), (height, flanges / 2)))
+
+
+def _z(flange: float, web: float, inner: float, height: float) -> SectionValues | None:
+    """Upper flange to the left, lower to the right."""
+    t = (height - inner) / 2
+    if min(flange, web, inner, t) <= 0:
+        return None
+    boxes = [
+        _Box(0.0, 0.0, height, web),
+        *(_Box(s * (height - t) / 2, -s * (web + flange) / 2, t, flange) for s in (1, -1)),
+    ]
+    strip = (flange + web / 2, t)
+    return _built(boxes, _thin(strip, strip, (height - t, web)))
+
+
+def _hexa(corner: float, width: float, height: float) -> SectionValues | None:
+    """Hexagon with points left and right; J by Saint-Venant's A^4 / (40 I_p)."""
+    flat = width - 2 * corner
+    if min(corner, height, flat) <= 0:
+        return None
+    # A rectangle and two triangles, each with its tip outwards.
+    rectangle, triangle = flat * height, corner * height / 2
+    area = rectangle + 2 * triangle
+    I1 = flat * height**3 / 12 + 2 * corner * height**3 / 48
+    I2 = height * flat**3 / 12 + 2 * (height * corner**3 / 36 + triangle * (flat / 2 + corner / 3) ** 2)
+    return SectionValues(area, I1, I2, 0.0, area**4 / (40 * (I1 + I2)), 5 / 6, 5 / 6)
+
+
+def _hat(height: float, t: float, top: float, brim: float) -> SectionValues | None:
+    inner = height - 2 * t
+    if min(t, brim, inner, top - 2 * t) <= 0:
+        return None
+    boxes = [_Box((height - t) / 2, 0.0, t, top)]
+    for s in (1, -1):
+        boxes.append(_Box(0.0, s * (top - t) / 2, inner, t))
+        boxes.append(_Box(-(height - t) / 2, s * (top / 2 - t + (brim + t) / 2), t, brim + t))
+    h = height - t
+    return _built(boxes, _thin((top - t, t), (h, t), (h, t), (brim + t / 2, t), (brim + t / 2, t)))
+
+
+def _hat1(width: float, height: float, top: float, t: float, bottom: float) -> SectionValues | None:
+    """A hat on a plate: one closed cell, with the brim and the plate below it beside."""
+    inner, brim = height - bottom - 2 * t, (width - top) / 2
+    if min(t, bottom, inner, top - 2 * t) <= 0 or brim < 0:
+        return None
+    boxes = [_Box(bottom / 2, 0.0, bottom, width), _Box(height - t / 2, 0.0, t, top)]
+    for s in (1, -1):
+        boxes.append(_Box(bottom + t + inner / 2, s * (top - t) / 2, inner, t))
+        boxes.append(_Box(bottom + t / 2, s * (top / 2 - t + (brim + t) / 2), t, brim + t))
+    w, h = top - t, height - t / 2 - bottom / 2
+    cell = 4 * (w * h) ** 2 / (w / t + 2 * h / t + w / bottom)
+    return _built(boxes, cell + _thin((2 * brim, t + bottom)))
+
+
+def _dbox(
+    width: float,
+    height: float,
+    middle_at: float,
+    left: float,
+    middle: float,
+    right: float,
+    top_left: float,
+    bottom_left: float,
+    top_right: float,
+    bottom_right: float,
+) -> SectionValues | None:
+    """Two cells side by side; their torsion by the equal twist of both [Bredt]."""
+    wl, wr = middle_at - left - middle / 2, width - middle_at - right - middle / 2
+    if min(wl, wr, left, middle, right, top_left, bottom_left, top_right, bottom_right) <= 0:
+        return None
+    boxes = [
+        _Box(height / 2, left / 2, height, left),
+        _Box(height / 2, middle_at, height, middle),
+        _Box(height / 2, width - right / 2, height, right),
+    ]
+    for at, w, top, bottom in (
+        (left + wl / 2, wl, top_left, bottom_left),
+        (middle_at + middle / 2 + wr / 2, wr, top_right, bottom_right),
+    ):
+        boxes += [_Box(height - top / 2, at, top, w), _Box(bottom / 2, at, bottom, w)]
+    # Shear flows q of unit twist: sum over the walls of a cell of q s / t, less the neighbour's, is 2 A.
+    spans = (wl + (left + middle) / 2, wr + (right + middle) / 2)
+    depths = (height - (top_left + bottom_left) / 2, height - (top_right + bottom_right) / 2)
+    areas = np.array([w * h for w, h in zip(spans, depths, strict=True)])
+    shared = (depths[0] + depths[1]) / 2 / middle
+    flow = np.array(
+        [
+            [spans[0] / top_left + spans[0] / bottom_left + depths[0] / left + shared, -shared],
+            [-shared, spans[1] / top_right + spans[1] / bottom_right + depths[1] / right + shared],
+        ]
+    )
+    return _built(boxes, float(4 * areas @ np.linalg.solve(flow, areas)))
+
+
+SHAPES = {
+    "ROD": SectionShape(1, _rod),
+    "TUBE": SectionShape(2, _tube),
+    "TUBE2": SectionShape(2, _tube2),
+    "BAR": SectionShape(2, _bar),
+    "BOX": SectionShape(4, _box),
+    "BOX1": SectionShape(6, _box1),
+    "I": SectionShape(6, _i),
+    "I1": SectionShape(4, _i1),
+    "CHAN": SectionShape(4, _chan),
+    "CHAN1": SectionShape(4, _chan1),
+    "CHAN2": SectionShape(4, _chan2),
+    "T": SectionShape(4, _t),
+    "T1": SectionShape(4, _t1),
+    "T2": SectionShape(4, _t2),
+    "L": SectionShape(4, _l),
+    "CROSS": SectionShape(4, _cross),
+    "H": SectionShape(4, _h),
+    "Z": SectionShape(4, _z),
+    "HEXA": SectionShape(3, _hexa),
+    "HAT": SectionShape(4, _hat),
+    "HAT1": SectionShape(5, _hat1),
+    "DBOX": SectionShape(10, _dbox),
+}
+"""The shapes of PBARL and PBEAML, in the order of sizes DIM1, DIM2 .."""

@@ -1,0 +1,194 @@
+"""Supports and sets of a Nastran deck: SPC, SPC1, SPCADD, PS of GRID, ASET; and matrices by DMIG."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import NodalMatrix
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.reading import Reading
+
+__all__ = ["SUPPORT_CARDS", "analysis_set", "read_matrices", "read_supports"]
+
+IntArray = NDArray[np.int64]
+
+SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
+
+
+def read_supports(reading: Reading) -> dict[str, IntArray]:
+    """Node sets `spcS_C` of support set S and components C, `spc_C` of PS fields, `aset`; each node once.
+
+    What the chosen set and the PS fields hold is added to the reading's `held`.
+    """
+    found: dict[str, dict[int, None]] = {}
+    cards = reading.file.named("SPC", "SPC1")
+    chosen = reading.chosen_sets("SPC", "SPCADD", {card.integer(0, "the set id") for card in cards})
+    held: dict[tuple[int, int], int] = {}
+    for node, word in enumerate(reading.grids.supports.tolist()):
+        if word and word != "0":
+            card = reading.grids.cards[node]
+            components = _components(card, word)
+            found.setdefault(f"spc_{components}", {})[node] = None
+            held |= {(node, int(c) - 1): card.line for c in components}
+    for card in cards:
+        number = card.integer(0, "the set id")
+        for node, components in _supported(card, reading):
+            found.setdefault(f"spc{number}_{components}", {})[node] = None
+            if number in chosen:
+                for component in components:
+                    held.setdefault((node, int(component) - 1), card.line)
+    for node, _ in _analysis_members(reading):
+        found.setdefault("aset", {})[node] = None
+    for (node, component), line in held.items():
+        reading.held.add(reading.node_freedom(node, component), line)
+    return {name: np.array(list(nodes), dtype=np.int64) for name, nodes in found.items() if nodes}
+
+
+def analysis_set(reading: Reading) -> IntArray | None:
+    """Freedoms of ASET as rows (grid id, component), in Nastran's order; None without such cards."""
+    rows = {
+        (int(reading.grids.ids[node]), int(component))
+        for node, components in _analysis_members(reading)
+        for component in components
+    }
+    return np.array(sorted(rows), dtype=np.int64) if rows else None
+
+
+def _analysis_members(reading: Reading) -> list[tuple[int, str]]:
+    """Node and components of every entry of the analysis set."""
+    return [
+        member
+        for card in reading.file.named("ASET", "ASET1")
+        for member in (_pairs(card, 0, 2, reading) if card.name == "ASET" else _listed(card, 0, 1, reading))
+    ]
+
+
+def _supported(card: BulkCard, reading: Reading) -> list[tuple[int, str]]:
+    """Node and components of every entry of an SPC or SPC1."""
+    if card.name == "SPC1":
+        return _listed(card, 1, 2, reading)
+    if any(card.real(i + 2, "a displacement", 0.0) for i in (1, 4) if card.word(i)):
+        reading.note("Enforced displacements of SPC are not read; their freedoms are held.")
+    return _pairs(card, 1, 3, reading)
+
+
+def _pairs(card: BulkCard, start: int, step: int, reading: Reading) -> list[tuple[int, str]]:
+    found: list[tuple[int, str]] = []
+    for place in range(start, len(card.fields), step):
+        if card.word(place) in ("", "0"):
+            continue
+        number = card.integer(place, "a grid")
+        if reading.is_scalar(number):
+            terms = reading.freedom(card, number, 1)
+            if card.name == "SPC":
+                reading.held.add(terms, card.line)
+            continue
+        found += [(node, _components(card, card.word(place + 1))) for node in _known(card, [number], reading)]
+    return found
+
+
+def _listed(card: BulkCard, components: int, start: int, reading: Reading) -> list[tuple[int, str]]:
+    """Nodes of a list G1 G2 .., with G1 THRU G2 for all there are between, and their components."""
+    ids: list[int] = []
+    place = start
+    while place < len(card.fields):
+        word = card.word(place)
+        if word == "THRU":
+            last = card.integer(place + 1, "the last grid")
+            between = reading.grids.ids
+            first = ids.pop()
+            ids += np.sort(between[(between >= first) & (between <= last)]).tolist()
+            place += 2
+        else:
+            ids += [card.integer(place, "a grid")] if word else []
+            place += 1
+    scalars = [number for number in ids if reading.is_scalar(number)]
+    if card.name == "SPC1":
+        for number in scalars:
+            reading.held.add(reading.freedom(card, number, 1), card.line)
+    grids = [number for number in ids if number not in set(scalars)] if scalars else ids
+    if not grids:
+        return []
+    what = _components(card, card.word(components))
+    return [(node, what) for node in _known(card, grids, reading)]
+
+
+def _known(card: BulkCard, ids: list[int], reading: Reading) -> list[int]:
+    """Numbers of the grids there are; supports of others hold nothing."""
+    numbers, known = reading.grids.lookup(np.array(ids, dtype=np.int64))
+    if not known.all():
+        reading.note(f"{card.name} cards name grids that the file does not define; these are passed over.")
+    return numbers[known].tolist()
+
+
+def _components(card: BulkCard, word: str) -> str:
+    word = "".join(c for c in word if c != "0")
+    if len(set(word)) < len(word) or not set(word) <= set("123456"):
+        raise card.error(f"components '{word}' are not some of 123456, each once; correct them")
+    return "".join(sorted(word))
+
+
+# --- DMIG that case control adds to those of the elements
+
+
+def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
+    """Matrices by what they add to: K2GG to stiffness, M2GG to mass, B2GG to damping."""
+    found: dict[str, list[NodalMatrix]] = {"K2GG": [], "M2GG": [], "B2GG": []}
+    cards: dict[str, list[BulkCard]] = {}
+    for card in reading.file.named("DMIG"):
+        cards.setdefault(card.word(0), []).append(card)
+    used: set[str] = set()
+    for command, matrices in found.items():
+        for word in reading.case.chosen.get(command, "").replace("+", ",").split(","):
+            factor, name = _scaled(word.strip())
+            if name in cards:
+                used.add(name)
+                matrices.append(_matrix(cards[name], factor, reading))
+            elif name:
+                reading.note(f"Case control adds {command} = {name}, and the file has no such DMIG.")
+    for command in ("K2PP", "M2PP", "B2PP"):
+        name = reading.case.chosen.get(command, "")
+        if name in cards:
+            used.add(name)
+            reading.leave_out(cards[name][0], f"{command} = {name}, which direct solutions add, is not read")
+    for name, unused in cards.items():
+        if name not in used and not reading.case.present:
+            reading.leave_out(unused[0], f"no case control says what the matrix {name} adds to")
+    return found
+
+
+def _scaled(word: str) -> tuple[float, str]:
+    factor, star, name = word.rpartition("*")
+    try:
+        return (float(factor) if star else 1.0), name.strip()
+    except ValueError:
+        return 1.0, word
+
+
+def _matrix(cards: list[BulkCard], factor: float, reading: Reading) -> NodalMatrix:
+    """Entries by grid and component, one triangle or both, turned to basic axes."""
+    entries: dict[tuple[int, int], float] = {}
+    for card in cards:
+        if card.word(1) == "0":
+            continue
+        column = reading.freedom(
+            card, card.integer(1, "the grid of the column"), card.integer(2, "its component", 0)
+        )
+        for place in range(4, len(card.fields), 4):
+            if card.is_blank(place, place + 3):
+                continue
+            row = reading.freedom(
+                card, card.integer(place, "a grid"), card.integer(place + 1, "a component", 0)
+            )
+            value = factor * card.real(place + 2, "an entry")
+            for i, a in row:
+                for j, b in column:
+                    entries[i, j] = entries.get((i, j), 0.0) + a * b * value
+                    if row != column and cards[0].word(2) == "6":
+                        entries[j, i] = entries.get((j, i), 0.0) + a * b * value
+    freedoms, places = np.unique(np.array(list(entries)), return_inverse=True)
+    places = places.reshape(-1, 2)
+    values = np.zeros((len(freedoms), len(freedoms)))
+    np.add.at(values, (places[:, 0], places[:, 1]), list(entries.values()))
+    return NodalMatrix(freedoms, (values + values.T) / 2)

@@ -1,0 +1,148 @@
+"""Walls of a Nastran deck: PSHELL, PCOMP and PCOMPG as shells and walls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from supple.importers.deck import ShellProperty, WallProperty
+from supple.importers.laminate import Ply, laminate, moved_wall
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.materials import Materials, WallMaterial
+from supple.importers.nastran.reading import Reading
+
+__all__ = ["WALL_CARDS", "WallOptions", "read_wall"]
+
+WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
+
+
+@dataclass(frozen=True)
+class WallOptions:
+    """What an element says of its wall.
+
+    thicknesses : T1 .. T4, None where blank, of which the mean counts;  relative : to that of the property
+    offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, without PARAM,WTMASS
+    """
+
+    thicknesses: tuple[float | None, ...] = ()
+    relative: bool = False
+    offset: float = 0.0
+    added_mass: float = 0.0
+
+
+def read_wall(
+    card: BulkCard, materials: Materials, reading: Reading, options: WallOptions
+) -> ShellProperty | WallProperty | str:
+    """The wall of a property card with the options of an element; else why there is none."""
+    if card.name == "PSHELL":
+        return _pshell(card, materials, reading, options)
+    return _pcomp(card, materials, reading, options)
+
+
+def _pshell(
+    card: BulkCard, materials: Materials, reading: Reading, options: WallOptions
+) -> ShellProperty | WallProperty | str:
+    """MID1 membrane, MID2 bending, MID3 transverse shear, MID4 coupling.
+
+        A = T G1,  D = 12I/T^3 T^3/12 G2,  H = TS/T T G3,  B = -T^2 G4
+
+    B has its sign from Nastran's curvature, which is that of the other side.
+    """
+    if card.word(3) == "-1":
+        return "its bending is that of plane strain (MID2 = -1), which is not read"
+    used: dict[int, WallMaterial] = {}
+    for place in (1, 3, 5, 10):
+        if card.word(place):
+            found = materials.of_wall(card.integer(place, "a material"))
+            if isinstance(found, str):
+                return found
+            used[place] = found
+    if not used:
+        return "its property names no material"
+    own = card.real(2, "the thickness T", 0.0)
+    factor = own if options.relative else 1.0
+    given = [own if value is None else factor * value for value in options.thicknesses]
+    t = sum(given) / len(given) if given else own
+    if t <= 0:
+        return "its property has no thickness"
+    ratio, shear_ratio = card.real(4, "12I/T^3", 1.0), card.real(6, "TS/T", 5 / 6)
+    added = (card.real(7, "NSM", 0.0) + options.added_mass) * reading.mass_factor
+    membrane, bending, shear, coupling = (used.get(place) for place in (1, 3, 5, 10))
+    material = membrane.isotropic if membrane else None
+    if (
+        material is not None
+        and material.shear_modulus is None
+        and card.word(1) == card.word(3)
+        and abs(ratio - 1) < 1e-9
+        and coupling is None
+        and (shear is None or card.word(5) == card.word(1))
+    ):
+        return ShellProperty(material, t, added, options.offset, shear_ratio if shear else 0.0)
+    none = np.zeros((3, 3))
+    density = (membrane or bending or next(iter(used.values()))).density
+    wall = WallProperty(
+        membrane=t * membrane.plane_stress if membrane else none,
+        coupling=-(t**2) * coupling.plane_stress if coupling else none,
+        bending=ratio * t**3 / 12 * bending.plane_stress if bending else none,
+        shear=shear_ratio * t * shear.shear if shear and shear.shear is not None else None,
+        mass_per_area=density * t + added,
+        rotary_inertia_per_area=(density + added / t) * t**3 / 12,
+        thickness=t,
+    )
+    return moved_wall(wall, options.offset) if options.offset else wall
+
+
+def _pcomp(
+    card: BulkCard, materials: Materials, reading: Reading, options: WallOptions
+) -> WallProperty | str:
+    """Plies from the bottom up, each with material, thickness and angle; Z0 is the lower face."""
+    plies: list[Ply] = []
+    for material, thickness, angle in _rows(card):
+        found = materials.of_wall(material)
+        if isinstance(found, str):
+            return found
+        plies.append(Ply(found.plane_stress, found.shear, found.density, thickness, float(np.radians(angle))))
+    option = card.word(7)
+    if option == "SYM":
+        plies += plies[::-1]
+    plies = [ply for ply in plies if ply.thickness > 0]
+    if not plies:
+        return "its property has no plies"
+    if option not in ("", "SYM", "MEM", "BEND", "SMEAR", "SMCORE"):
+        return f"the option LAM = {option} of its property is not read"
+    if option == "SMCORE":
+        return "its property smears the faces about a core (LAM = SMCORE), which is not read"
+    total = sum(ply.thickness for ply in plies)
+    bottom = card.real(1, "Z0", -total / 2)
+    added = (card.real(2, "NSM", 0.0) + options.added_mass) * reading.mass_factor
+    wall = _with_option(laminate(plies, added_mass=added), option)
+    middle = bottom + total / 2 + options.offset
+    return moved_wall(wall, middle) if abs(middle) > 1e-12 * total else wall
+
+
+def _with_option(wall: WallProperty, option: str) -> WallProperty:
+    """A wall whose order of plies is left open (SMEAR), or that only stretches or only bends."""
+    none = np.zeros((3, 3))
+    if option == "SMEAR":
+        return replace(wall, coupling=none, bending=wall.membrane * wall.thickness**2 / 12)
+    if option == "MEM":
+        return replace(wall, coupling=none, bending=none)
+    if option == "BEND":
+        return replace(wall, coupling=none, membrane=none)
+    return wall
+
+
+def _rows(card: BulkCard) -> list[tuple[int, float, float]]:
+    """Material, thickness and angle of each ply; a blank material or thickness is that of the ply before."""
+    # PCOMP: two plies a row of four fields; PCOMPG: one a row, behind its global id.
+    start, step, first = (8, 4, 0) if card.name == "PCOMP" else (8, 8, 1)
+    found: list[tuple[int, float, float]] = []
+    material, thickness = 0, 0.0
+    for place in range(start, len(card.fields), step):
+        if card.is_blank(place, place + step):
+            continue
+        material = card.integer(place + first, "a ply's material", material or None)
+        thickness = card.real(place + first + 1, "a ply's thickness", thickness or None)
+        found.append((material, thickness, card.real(place + first + 2, "a ply's angle", 0.0)))
+    return found

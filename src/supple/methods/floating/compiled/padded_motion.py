@@ -1,0 +1,66 @@
+"""Systems and motions with the padding coordinates of their bodies, and without."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from supple.integrate import FloatingMotion, Solution
+from supple.machine import Placed, System
+from supple.reduction import ReducedBody, filled_up, with_zeros_behind
+
+__all__ = ["in_all_coordinates", "in_own_coordinates", "with_padding_coordinates"]
+
+_OF_COORDINATES = ("coordinates", "coordinate_rates", "coordinate_accelerations")
+
+
+def with_padding_coordinates(system: System) -> System:
+    """The system with its bodies filled up; itself, where they have no room."""
+
+    def filled(placed: Placed) -> Placed:
+        body = placed.body
+        if not isinstance(body, ReducedBody) or not body.padding:
+            return placed
+        return replace(
+            placed,
+            body=filled_up(body),
+            coordinates=with_zeros_behind(placed.coordinates, body.padding),
+            coordinate_rates=with_zeros_behind(placed.coordinate_rates, body.padding),
+        )
+
+    if not _roomy(system):
+        return system
+    return replace(system, bodies=tuple(filled(placed) for placed in system.bodies))
+
+
+def in_all_coordinates(system: System, solution: Solution) -> Solution:
+    """A motion of the system as that of its bodies filled up."""
+    return _resized(system, solution, lambda own, body: with_zeros_behind(own, body.padding))
+
+
+def in_own_coordinates(system: System, solution: Solution) -> Solution:
+    """A motion of the bodies filled up as that of the system."""
+    return _resized(system, solution, lambda own, body: own[..., : body.r])
+
+
+def _roomy(system: System) -> dict[str, ReducedBody]:
+    """The bodies that are run with padding coordinates."""
+    return {name: body for name, body in system.bodies_of(ReducedBody).items() if body.padding}
+
+
+def _resized(
+    system: System, solution: Solution, to_size: Callable[[np.ndarray, ReducedBody], np.ndarray]
+) -> Solution:
+    """A solution whose coordinates have another number."""
+    roomy = _roomy(system)
+    if not roomy:
+        return solution
+    bodies = dict(solution.bodies)
+    for name, body in roomy.items():
+        motion = bodies[name]
+        assert isinstance(motion, FloatingMotion)
+        sized = {item: to_size(getattr(motion, item), body) for item in _OF_COORDINATES}
+        bodies[name] = replace(motion, **sized)
+    return replace(solution, bodies=bodies)

@@ -1,0 +1,84 @@
+"""Coordinates that never move: bodies of nearby sizes run by one compiled program.
+
+A reduced body of r coordinates is filled up to R by such of unit mass and its highest frequency, that
+nothing couples or loads: they stay at rest, and every number of the run is what it was. The sizes of the
+arrays, which a compiled program is made for, no longer tell r. It costs the products of R coordinates instead
+of r, against several seconds of the compiler for every other r; so it is for runs made once, as the rounds of
+a self-correction are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy import linalg
+
+from supple.reduction.reduced_body import ReducedBody
+
+__all__ = ["filled_up", "padded", "with_zeros_behind"]
+
+MULTIPLE = 16
+LARGEST = 32
+"""Coordinates: beyond, products of the quartic tensor take longer than a compiler in runs of some seconds."""
+
+
+def padded(body: ReducedBody) -> ReducedBody:
+    """The same body, to be run with padding coordinates: up to the next multiple of sixteen."""
+    if body.condensed is not None or body.r > LARGEST or body.r % MULTIPLE == 0:
+        return body
+    return replace(body, padding=-body.r % MULTIPLE)
+
+
+def filled_up(body: ReducedBody) -> ReducedBody:
+    """The body with its padding coordinates as coordinates like all others, behind them."""
+    if not body.padding:
+        return body
+    r, size = body.r, body.r + body.padding
+    highest, inert = float(np.max(body.frequencies)), np.eye(body.padding)
+    gram = np.zeros((6 + 4 * size,) * 2)
+    kept = np.r_[: 6 + 3 * r, 6 + 3 * size : 6 + 3 * size + r]
+    gram[np.ix_(kept, kept)] = body.gram
+    gram[6 + 3 * size + r :, 6 + 3 * size + r :] = inert
+    second = np.triu_indices(size)[1]
+
+    def spread(tensor: np.ndarray) -> np.ndarray:
+        """Rows of pairs where they stand among those of all coordinates."""
+        whole = np.zeros((len(second), tensor.shape[1]))
+        whole[second < r] = tensor
+        return whole
+
+    def cubic(tensor: np.ndarray | None) -> np.ndarray | None:
+        return None if tensor is None else with_zeros_behind(spread(tensor), body.padding)
+
+    def quartic(tensor: np.ndarray | None) -> np.ndarray | None:
+        return None if tensor is None else spread(spread(tensor).T).T
+
+    filled = replace(
+        body,
+        padding=0,
+        gram=gram,
+        stiffness=linalg.block_diag(body.stiffness, highest**2 * inert),
+        cubic=cubic(body.cubic),
+        quartic=quartic(body.quartic),
+        damping=np.pad(body.damping, (0, body.padding)),
+        damping_cubic=cubic(body.damping_cubic),
+        damping_quartic=quartic(body.damping_quartic),
+        interfaces=tuple(
+            replace(each, motion=with_zeros_behind(each.motion, body.padding)) for each in body.interfaces
+        ),
+        nodal_basis=with_zeros_behind(body.nodal_basis, body.padding),
+        rotation_basis=None
+        if body.rotation_basis is None
+        else with_zeros_behind(body.rotation_basis, body.padding),
+        frequencies=np.append(body.frequencies, np.full(body.padding, highest)),
+    )
+    # Not by the blocks of their zeros, which would tell r.
+    vars(filled)["quartic_blocks"] = filled.quartic
+    vars(filled)["damping_quartic_blocks"] = filled.damping_quartic
+    return filled
+
+
+def with_zeros_behind(columns: np.ndarray, more: int) -> np.ndarray:
+    """Arrays (.., r) of coordinates with room for more of them."""
+    return np.pad(columns, [(0, 0)] * (columns.ndim - 1) + [(0, more)])

@@ -1,0 +1,7 @@
+"""Dual coupling of sub-domains at rest in space: multipliers on velocities, several time steps."""
+
+from supple_benchmarks.explicit.dual_coupling.chosen_scheme import *
+from supple_benchmarks.explicit.dual_coupling.dual_march import *
+from supple_benchmarks.explicit.dual_coupling.interface_operator import *
+from supple_benchmarks.explicit.dual_coupling.multi_time_step import *
+from supple_benchmarks.explicit.dual_coupling.sides import *

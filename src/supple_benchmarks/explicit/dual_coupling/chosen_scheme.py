@@ -1,0 +1,39 @@
+"""Which scheme two coupled sides are marched by, and how many short steps go into a long one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from supple.errors import ModelError
+from supple_benchmarks.explicit.dual_coupling.multi_time_step import GravouilCombescure, PrakashHjelmstad
+from supple_benchmarks.explicit.dual_coupling.sides import Coupling
+
+__all__ = ["chosen_scheme"]
+
+
+def chosen_scheme(
+    coupling: Coupling, h: float, *, linear: bool, safety: float = 0.9, largest_ratio: int = 50
+) -> GravouilCombescure | PrakashHjelmstad:
+    """The longest stable long step, of the scheme that suits the elements.
+
+        ratio = floor(safety 2 / (omega_max h)),     h <= 2 / omega_max(M_2, K_2)
+
+    With multipliers each side keeps a limit of its own. Prakash and Hjelmstad lose least energy and
+    needs two passes over linear elements; nonlinear ones get Gravouil and Combescure's, which needs one.
+
+    h : of the elements, s;   linear : whether their force is;   largest_ratio : short steps, at most
+    Raises ModelError for a step above the limit of the elements, or of the modes.
+    """
+    side = coupling.elements
+    root = 1 / np.sqrt(side.mass)
+    stiffness = side.stiffness @ np.eye(len(root))  # sparse or dense
+    own = float(2 / np.sqrt(np.linalg.eigvalsh(root[:, None] * stiffness * root)[-1]))
+    modes = float(2 / coupling.modal.frequencies.max())
+    for limit, what in ((own, "elements"), (modes, "modes")):
+        if h > limit:
+            raise ModelError(
+                f"the step {h:g} s is above the limit of the {what}, {limit:.4g} s; give at most "
+                f"{safety * limit:.3g}"
+            )
+    ratio = min(max(int(safety * modes / h), 1), largest_ratio)
+    return PrakashHjelmstad(ratio) if linear else GravouilCombescure(ratio)

@@ -1,0 +1,216 @@
+"""How the two sides share a long step: Gravouil and Combescure, or Prakash and Hjelmstad.
+
+Sources: A. Gravouil, A. Combescure, "Multi-time-step explicit-implicit method for non-linear structural
+dynamics", Int. J. Numer. Methods Eng. 50 (2001) 199-225; A. Prakash, K. D. Hjelmstad, "A FETI-based
+multi-time- step coupling method for Newmark schemes in structural dynamics", Int. J. Numer. Methods Eng. 61
+(2004) 2183-2204.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array, lax
+
+from supple.algebra import jax_settings  # noqa: F401 - 64-bit floats, before the first array
+from supple.errors import ModelError
+from supple_benchmarks.explicit.dual_coupling.interface_operator import InterfaceOperator, interface_operator
+from supple_benchmarks.explicit.dual_coupling.sides import Coupling
+
+__all__ = ["GravouilCombescure", "MultiTimeStep", "PrakashHjelmstad"]
+
+
+class Side(NamedTuple):
+    """Displacement, velocity and acceleration of a side at one instant."""
+
+    u: Array
+    v: Array
+    a: Array
+
+
+class CoupledState(NamedTuple):
+    """Both sides at a long step's end.
+
+    multiplier : (l,) N, the last;   works : (2,) of the interface on either side so far, J
+    gap : largest difference of velocities across the interface so far, where continuity is asked, m/s
+    """
+
+    time: Array
+    modal: Side
+    elements: Side
+    multiplier: Array
+    works: Array
+    gap: Array
+
+
+class CoupledArrays(NamedTuple):
+    """Constants: squares omega^2 (k,), modal rows (l, k), element rows (l, n), mass (n,), H^-1."""
+
+    squares: Array
+    modal_rows: Array
+    rows: Array
+    mass: Array
+    operator: InterfaceOperator
+
+
+class MultiTimeStep(Protocol):
+    """A scheme; its `ratio` is the number of short steps in a long one."""
+
+    @property
+    def ratio(self) -> int:
+        """Short steps in a long one."""
+        ...
+
+    def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
+        """The interface operator for short steps of h."""
+        ...
+
+    def step(self, arrays: CoupledArrays, coupling: Coupling, state: CoupledState, h: Array) -> CoupledState:
+        """The state a long step later."""
+        ...
+
+
+@dataclass(frozen=True)
+class GravouilCombescure:
+    """Continuity at every short step, of the elements with the interpolated free velocity of the modes.
+
+    Stable; takes energy out for ratio > 1. The interpolation starts from the FREE part of the velocity at the
+    beginning: with the whole velocity all gaps close as well, and half of the energy goes.
+    """
+
+    ratio: int = 1
+
+    def __post_init__(self) -> None:
+        _check(self.ratio)
+
+    def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
+        """H = dT/2 C_1 C_1^T + dt/2 C_2 M_2^-1 C_2^T."""
+        rows = coupling.elements.rows
+        own = 0.5 * h * (rows / coupling.elements.mass) @ rows.T
+        return interface_operator(own, np.sqrt(0.5 * h * self.ratio) * coupling.modal.rows)
+
+    def step(self, arrays: CoupledArrays, coupling: Coupling, state: CoupledState, h: Array) -> CoupledState:
+        """The state a long step later."""
+        long = self.ratio * h
+        free = _free_modes(arrays, state.modal, long)
+        # What the last multiplier added to the velocity is taken out: the free part at the beginning.
+        begin = arrays.modal_rows @ (state.modal.v - 0.5 * long * (arrays.modal_rows.T @ state.multiplier))
+        end = arrays.modal_rows @ free.v
+
+        def short(j: Array, carry: tuple[Side, Array, Array, Array]) -> tuple[Side, Array, Array, Array]:
+            side, multiplier, work, gap = carry
+            part = (j + 1) / self.ratio
+            own = _free_elements(arrays, coupling, side, state.time + (j + 1) * h, h)
+            between = (1 - part) * begin + part * end
+            new = arrays.operator.solve(-(between + arrays.rows @ own.v))
+            pull = arrays.rows.T @ new / arrays.mass
+            after = Side(own.u, own.v + 0.5 * h * pull, own.a + pull)
+            work = work + 0.5 * (multiplier + new) @ (arrays.rows @ (after.u - side.u))
+            left = (
+                between
+                + 0.5 * long * (arrays.modal_rows @ (arrays.modal_rows.T @ new))
+                + arrays.rows @ after.v
+            )
+            return after, new, work, jnp.maximum(gap, jnp.abs(left).max())
+
+        elements, multiplier, work, gap = lax.fori_loop(
+            0, self.ratio, short, (state.elements, state.multiplier, jnp.zeros(()), state.gap)
+        )
+        return _joined(arrays, state, free, elements, multiplier, work, gap, long)
+
+
+@dataclass(frozen=True)
+class PrakashHjelmstad:
+    """Continuity at long steps only, multipliers straight between: no work is lost in linear sides.
+
+    passes : over the short steps: 2 are exact for linear elements, more correct nonlinear ones
+    """
+
+    ratio: int = 1
+    passes: int = 2
+
+    def __post_init__(self) -> None:
+        _check(self.ratio)
+        if self.passes < 2:
+            raise ModelError(f"Prakash and Hjelmstad's scheme needs at least 2 passes, got {self.passes}")
+
+    def operator(self, coupling: Coupling, h: float) -> InterfaceOperator:
+        """H = dT/2 C_1 C_1^T + velocity of side 2 at the end of a unit ramp, its stiffness that at rest."""
+        side = coupling.elements
+        pull = side.rows.T / side.mass[:, None]
+        stiff = side.stiffness
+        u = v = a = np.zeros_like(pull)
+        for j in range(self.ratio):
+            u = u + h * v + 0.5 * h * h * a
+            new = -(stiff @ u) / side.mass[:, None] + (j + 1) / self.ratio * pull
+            v, a = v + 0.5 * h * (a + new), new
+        ramp = side.rows @ v
+        return interface_operator(0.5 * (ramp + ramp.T), np.sqrt(0.5 * h * self.ratio) * coupling.modal.rows)
+
+    def step(self, arrays: CoupledArrays, coupling: Coupling, state: CoupledState, h: Array) -> CoupledState:
+        """The state a long step later."""
+        long = self.ratio * h
+        free = _free_modes(arrays, state.modal, long)
+
+        def marched(last: Array) -> tuple[Side, Array]:
+            def short(j: Array, carry: tuple[Side, Array]) -> tuple[Side, Array]:
+                side, work = carry
+                part = (j + 1) / self.ratio
+                before = state.multiplier + (part - 1 / self.ratio) * (last - state.multiplier)
+                new = (1 - part) * state.multiplier + part * last
+                own = _free_elements(arrays, coupling, side, state.time + (j + 1) * h, h)
+                pull = arrays.rows.T @ new / arrays.mass
+                after = Side(own.u, own.v + 0.5 * h * pull, own.a + pull)
+                return after, work + 0.5 * (before + new) @ (arrays.rows @ (after.u - side.u))
+
+            return lax.fori_loop(0, self.ratio, short, (state.elements, jnp.zeros(())))
+
+        def gap(last: Array, elements: Side) -> Array:
+            own = free.v + 0.5 * long * (arrays.modal_rows.T @ last)
+            return arrays.modal_rows @ own + arrays.rows @ elements.v
+
+        last = jnp.zeros_like(state.multiplier)
+        elements, work = marched(last)
+        for _ in range(self.passes - 1):
+            last = last - arrays.operator.solve(gap(last, elements))
+            elements, work = marched(last)
+        left = jnp.abs(gap(last, elements)).max()
+        return _joined(arrays, state, free, elements, last, work, jnp.maximum(state.gap, left), long)
+
+
+def _free_modes(arrays: CoupledArrays, modal: Side, long: Array) -> Side:
+    u = modal.u + long * modal.v + 0.5 * long**2 * modal.a
+    a = -arrays.squares * u
+    return Side(u, modal.v + 0.5 * long * (modal.a + a), a)
+
+
+def _free_elements(arrays: CoupledArrays, coupling: Coupling, side: Side, time: Array, h: Array) -> Side:
+    u = side.u + h * side.v + 0.5 * h**2 * side.a
+    a = coupling.elements.force(u, time) / arrays.mass
+    return Side(u, side.v + 0.5 * h * (side.a + a), a)
+
+
+def _joined(
+    arrays: CoupledArrays,
+    state: CoupledState,
+    free: Side,
+    elements: Side,
+    multiplier: Array,
+    work: Array,
+    gap: Array,
+    long: Array,
+) -> CoupledState:
+    pull = arrays.modal_rows.T @ multiplier
+    modal = Side(free.u, free.v + 0.5 * long * pull, free.a + pull)
+    on_modes = 0.5 * (state.multiplier + multiplier) @ (arrays.modal_rows @ (modal.u - state.modal.u))
+    return CoupledState(
+        state.time + long, modal, elements, multiplier, state.works + jnp.stack([on_modes, work]), gap
+    )
+
+
+def _check(ratio: int) -> None:
+    if ratio < 1 or ratio != int(ratio):
+        raise ModelError(f"the ratio of the steps is a whole number of at least 1, got {ratio}")
