@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fixtures.beam_bodies import beam_body
@@ -12,8 +14,10 @@ from scipy.linalg import block_diag
 from scipy.sparse import csc_array
 
 from supple.body import (
+    FullBody,
     MeanAxisFrame,
     NodalFixedFrame,
+    RayleighDamping,
     Recovery,
     RigidInterface,
     Verdict,
@@ -25,6 +29,7 @@ from supple.body import (
 )
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import LabelledMatrix, NodeTable
+from supple.methods.floating.full.full_damping import full_damping
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
 
 MODES = 6
@@ -344,6 +349,32 @@ def test_a_recovery_matrix_that_misses_rigid_motion(beam):
             dofs_per_node=6,
             recovery=Recovery(points, ids, T[:, 1:]),
         )
+
+
+def test_a_damping_matrix_is_that_of_the_body(tmp_path, beam, labels):
+    """beta K as a file is Rayleigh damping with beta, reduced and in full; drag on rigid motion is refused."""
+    beta = 0.01
+    (tmp_path / "arm.bdf").write_text("\n".join(cards_of_grids(beam)))
+    write_dmig(tmp_path / "arm.pch", labels, KAAX=beam.stiffness, MAAX=beam.mass, BAAX=beta * beam.stiffness)
+    files = dict.fromkeys(("stiffness", "mass", "damping"), tmp_path / "arm.pch")
+    body = read_labelled_superelement("arm", nodes=tmp_path / "arm.bdf", **files)
+    frame = NodalFixedFrame(f"grid_{ROOT}")
+    plain = replace(body, damping=None)
+    one = reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives(), loads=NoLoads)
+    other = reduce(
+        plain,
+        frame,
+        CompleteBasis(),
+        derivatives=NoDerivatives(),
+        loads=NoLoads,
+        damping=RayleighDamping(0, beta),
+    )
+    np.testing.assert_allclose(one.damping, other.damping, atol=1e-9 * np.abs(other.damping).max())
+    whole = full_damping(FullBody(body, frame)).constant
+    assert abs(whole - beta * body.stiffness).max() < 1e-12 * abs(body.stiffness).max()
+    drag = beta * beam.stiffness + np.eye(12 + MODES)
+    with pytest.raises(ModelError, match="its damping resists rigid motion"):
+        superelement("arm", beam.grids, beam.stiffness, beam.mass, dofs_per_node=6, damping=drag)
 
 
 def test_the_mean_axis_frame_carries_no_momentum(beam):

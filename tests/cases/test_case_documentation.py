@@ -88,7 +88,7 @@ def test_the_scripts_of_the_import_page_run(tmp_path, monkeypatch, bulk):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.bdf").write_text(bulk.text(mesh, *bulk.solid()))
     page = (ROOT / "docs" / "how-to" / "imported_models.md").read_text(encoding="utf-8")
-    writer, script = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    writer, script, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {}
     exec(compile(writer, "imported_models.md", "exec"), names)
     ids = np.arange(1, mesh.n_nodes + 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fixtures.beam_bodies import beam_body
@@ -158,6 +160,8 @@ def test_its_nodes_do_not_show_which_coordinates_a_basis_keeps(beam):
         kept_basis(FullBody(body, NodalFixedFrame("root")), small)
     with pytest.raises(ModelError, match="does not say where its modal coordinates have mass"):
         modal_subdomain(body, CraigBampton(2))
+    with pytest.raises(ModelError, match="a damping matrix is not read here"):
+        modal_subdomain(replace(body, damping=body.stiffness), CraigBampton(2))
 
 
 def test_keys_of_a_recovery(tmp_path, beam):

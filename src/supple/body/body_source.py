@@ -108,9 +108,11 @@ def labelled_matrices_source(
     nodes: Path,
     stiffness: Path,
     mass: Path,
+    damping: Path | None = None,
     recovery: Path | None = None,
     stiffness_name: str | None = None,
     mass_name: str | None = None,
+    damping_name: str | None = None,
     recovery_name: str | None = None,
     rigid_tolerance: float | None = None,
 ) -> BodySource:
@@ -125,9 +127,11 @@ def labelled_matrices_source(
             nodes=nodes,
             stiffness=stiffness,
             mass=mass,
+            damping=damping,
             recovery=recovery,
             stiffness_name=stiffness_name,
             mass_name=mass_name,
+            damping_name=damping_name,
             recovery_name=recovery_name,
         )
 
@@ -156,6 +160,7 @@ def matrices_source(
     stiffness: Path,
     mass: Path,
     dofs_per_node: int,
+    damping: Path | None = None,
     recovery: Path | None = None,
     points: Path | None = None,
 ) -> BodySource:
@@ -178,6 +183,7 @@ def matrices_source(
             stiffness=stiffness,
             mass=mass,
             dofs_per_node=dofs_per_node,
+            damping=damping,
             interfaces=interfaces,
             recovery=recovery,
             points=points,

@@ -79,17 +79,18 @@ def check_positive_mass(body: str, nodal_mass: sparse.csc_array, dofs_per_node: 
 
 def check_moves_rigidly(
     body: str,
-    stiffness: sparse.csc_array,
+    what: str,
+    matrix: sparse.csc_array,
     rigid_modes: NDArray[np.float64],
     dofs_per_node: int,
     tolerance: float,
 ) -> None:
-    """K R = 0 of nodal freedoms and modal ones, up to round-off of the forces that cancel in it."""
-    ratio = rigid_force_ratios(stiffness, rigid_modes)
+    """K R = 0 (or C R) of nodal freedoms and modal ones, up to round-off of the forces that cancel in it."""
+    ratio = rigid_force_ratios(matrix, rigid_modes)
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:
         raise ModelError(
-            f"body '{body}': its stiffness resists rigid motion: {RIGID_NAMES[mode]} meets "
+            f"body '{body}': its {what} resists rigid motion: {RIGID_NAMES[mode]} meets "
             f"{ratio[row, mode]:.1e} of the forces that should cancel (allowed {tolerance:.0e}), most at "
             f"{_freedom(int(row), dofs_per_node)}. A body must be free: leave supports "
             "out of its matrices and hold it by joints; for matrices printed with few digits, raise "

@@ -38,6 +38,7 @@ def free_body(
     nodal_mass: Any,
     *,
     dofs_per_node: int,
+    nodal_damping: Any = None,
     n_modal: int = 0,
     recovery: Recovery | None = None,
     interfaces: tuple[RigidInterface | AveragingInterface, ...],
@@ -80,7 +81,11 @@ def free_body(
     M, K = made.of(M_nodal), made.of(K_nodal)
     # Before freedoms follow others: forces that have cancelled do not show their size.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
-    check_moves_rigidly(name, K_nodal, R, dofs_per_node, rigid_tolerance)
+    check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)
+    C = None
+    if nodal_damping is not None:
+        C = checked_nodal_matrix(name, "damping", nodal_damping, nodes, dofs_per_node, n_modal)
+        check_moves_rigidly(name, "damping", C, R, dofs_per_node, rigid_tolerance)
     n_nodal = len(nodes) * dofs_per_node
     of_all, T = made.expansion, made.expansion
     if n_modal:
@@ -115,6 +120,7 @@ def free_body(
         rotation_limit=rotation_limit,
         threes=threes,
         n_modal=n_modal,
+        damping=None if C is None else made.of(C),
     )
     _ = body.grounded_stiffness  # made now, so that a mechanism is named where the body is built
     return body

@@ -53,7 +53,7 @@ class NodalMatrices:
     """Stiffness and mass node by node, in the mesh axes, on the nodes that carry any; then modal coordinates.
 
     nodes           : (N, 3);  node_ids : (N,) labels
-    stiffness, mass : csc (n, n), n = N * dofs_per_node + n_modal
+    stiffness, mass : csc (n, n), n = N * dofs_per_node + n_modal;  damping : likewise, or None
     node_sets       : {name: node numbers};  connections : on these nodes
     resolution      : relative error of an entry
     modal           : (n_modal, 2) id and component of modal coordinates, 0 of scalar points
@@ -71,6 +71,7 @@ class NodalMatrices:
     resolution: float
     modal: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     recovery: Recovery | None = field(default=None, repr=False)
+    damping: sparse.csc_array | None = field(default=None, repr=False)
 
     @property
     def all_ids(self) -> IntArray:
@@ -89,10 +90,12 @@ def read_labelled_superelement(
     nodes: str | Path,
     stiffness: str | Path,
     mass: str | Path,
+    damping: str | Path | None = None,
     interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
     recovery: str | Path | None = None,
     stiffness_name: str | None = None,
     mass_name: str | None = None,
+    damping_name: str | None = None,
     recovery_name: str | None = None,
 ) -> FlexibleBody:
     """A linear body from the matrices of another program and the file with its nodes, whole or condensed.
@@ -106,8 +109,9 @@ def read_labelled_superelement(
     stiffness, mass : DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5, Abaqus .mtx, CalculiX .sti and .mas
     interfaces      : with node sets of the mesh file, or node numbers; None takes its RBE2 and RBE3, and
                       where it has none each boundary grid of a condensed model (grid_ID)
+    damping         : as stiffness and mass; None without
     recovery        : HDF5 or OUTPUT4 file of displacements of points inside, which become nodes of the body
-    stiffness_name, mass_name, recovery_name : where a file holds several matrices (DMIG, OUTPUT4)
+    stiffness_name, mass_name, damping_name, recovery_name : where a file holds several (DMIG, OUTPUT4)
     Raises
     ------
     ImportFormatError   files that cannot be read
@@ -117,9 +121,11 @@ def read_labelled_superelement(
         nodes=nodes,
         stiffness=stiffness,
         mass=mass,
+        damping=damping,
         recovery=recovery,
         stiffness_name=stiffness_name,
         mass_name=mass_name,
+        damping_name=damping_name,
         recovery_name=recovery_name,
     )
     return labelled_superelement(name, matrices, interfaces)
@@ -130,9 +136,11 @@ def read_nodal_matrices(
     nodes: str | Path,
     stiffness: str | Path,
     mass: str | Path,
+    damping: str | Path | None = None,
     recovery: str | Path | None = None,
     stiffness_name: str | None = None,
     mass_name: str | None = None,
+    damping_name: str | None = None,
     recovery_name: str | None = None,
 ) -> NodalMatrices:
     """The matrices of `read_labelled_superelement`, before any body is made of them."""
@@ -142,6 +150,9 @@ def read_nodal_matrices(
         read_labelled_matrix(stiffness, MatrixRole.STIFFNESS, table, name=stiffness_name),
         read_labelled_matrix(mass, MatrixRole.MASS, table, name=mass_name),
         None if recovery is None else read_recovery(recovery, table, name=recovery_name),
+        None
+        if damping is None
+        else read_labelled_matrix(damping, MatrixRole.DAMPING, table, name=damping_name),
     )
 
 
@@ -175,6 +186,7 @@ def labelled_superelement(
             matrices.mass,
             dofs_per_node=matrices.dofs_per_node,
             interfaces=resolved,
+            damping=matrices.damping,
             recovery=matrices.recovery,
             rigid_tolerance=matrices.rigid_tolerance if rigid_tolerance is None else rigid_tolerance,
         )
@@ -187,6 +199,7 @@ def nodal_matrices(
     stiffness: LabelledMatrix,
     mass: LabelledMatrix,
     recovery: RecoveryMatrix | None = None,
+    damping: LabelledMatrix | None = None,
 ) -> NodalMatrices:
     """Rows of labelled matrices in the order of the nodes, three or six to each, in the mesh axes.
 
@@ -202,8 +215,9 @@ def nodal_matrices(
                  coordinates alone, of a model whose boundary was held
     ImportFormatError   a recovery matrix by other freedoms
     """
-    modal = _modal_freedoms(nodes, stiffness, mass)
-    K, M = (_on_all_freedoms(nodes, modal, matrix) for matrix in (stiffness, mass))
+    given = [stiffness, mass, *([] if damping is None else [damping])]
+    modal = _modal_freedoms(nodes, *given)
+    K, M, *C = (_on_all_freedoms(nodes, modal, matrix) for matrix in given)
     n_all = 6 * len(nodes.ids)
     used = ((abs(K).sum(axis=1) + abs(M).sum(axis=1)) > 0)[:n_all].reshape(-1, 6)
     kept = used.any(axis=1)
@@ -229,11 +243,11 @@ def nodal_matrices(
     number = np.cumsum(kept) - 1
     labels = np.concatenate([np.column_stack([nodes.ids[of_nodes // 6], of_nodes % 6 + 1]), modal])
     T = None if recovery is None else in_order(recovery, labels).matrix
-    K, M = (matrix[freedoms][:, freedoms] for matrix in (K, M))
+    K, M, *C = (matrix[freedoms][:, freedoms] for matrix in (K, M, *C))
     if nodes.axes is not None:
         turn = _turned(nodes.axes[kept], dofs_per_node)
         turn = sparse.csr_array(sparse.block_diag([turn, sparse.eye_array(len(modal))], format="csr"))
-        K, M = (turn @ matrix @ turn.T for matrix in (K, M))
+        K, M, *C = (turn @ matrix @ turn.T for matrix in (K, M, *C))
         T = None if T is None else T @ turn.T
     sets = {name: number[members[kept[members]]] for name, members in nodes.node_sets.items()}
     return NodalMatrices(
@@ -245,9 +259,10 @@ def nodal_matrices(
         mass=_symmetric(M),
         node_sets={name: members for name, members in sets.items() if members.size},
         connections=tuple(made for c in nodes.connections if (made := _on_kept(c, kept, number)) is not None),
-        resolution=max(stiffness.resolution, mass.resolution),
+        resolution=max(matrix.resolution for matrix in given),
         modal=modal,
         recovery=None if recovery is None or T is None else Recovery(recovery.points, recovery.ids, T),
+        damping=_symmetric(C[0]) if C else None,
     )
 
 

@@ -27,6 +27,7 @@ def superelement(
     mass: Any,
     *,
     dofs_per_node: int,
+    damping: Any = None,
     interfaces: Sequence[RigidInterface | AveragingInterface] = (),
     recovery: Recovery | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
@@ -43,6 +44,7 @@ def superelement(
     nodes           : (N, 3) m, where the freedoms sit
     stiffness, mass : sparse or dense (n, n), n >= N * dofs_per_node, node by node: ux uy uz [rx ry rz]
     dofs_per_node   : 3 or 6
+    damping         : (n, n) N s/m, likewise; None without
     interfaces      : as for `flexible_body`, with node numbers
     recovery        : points inside, which become nodes of the body after the others
     rigid_tolerance : largest |K R| against the forces that cancel in it; about the last digit of the matrices
@@ -70,6 +72,7 @@ def superelement(
         stiffness,
         mass,
         dofs_per_node=dofs_per_node,
+        nodal_damping=damping,
         n_modal=n_modal,
         recovery=recovery,
         interfaces=tuple(interfaces),
@@ -85,6 +88,7 @@ def read_superelement(
     stiffness: str | Path,
     mass: str | Path,
     dofs_per_node: int,
+    damping: str | Path | None = None,
     interfaces: Sequence[RigidInterface | AveragingInterface] = (),
     recovery: str | Path | None = None,
     points: str | Path | None = None,
@@ -111,6 +115,7 @@ def read_superelement(
             K,
             M,
             dofs_per_node=dofs_per_node,
+            damping=None if damping is None else read_matrix(damping),
             interfaces=interfaces,
             recovery=inside,
             rigid_tolerance=rigid_tolerance,

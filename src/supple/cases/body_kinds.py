@@ -176,6 +176,8 @@ class Matrices(ElasticKind):
         None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
     )
     mass_name: str | None = Field(None, description="likewise; the one with M.. if left out")
+    damping: FileName | None = Field(None, description="likewise, where there is one")
+    damping_name: str | None = Field(None, description="likewise; the one with B.. if left out")
     recovery: FileName | None = Field(
         None, description="HDF5 or OUTPUT4 file of displacements of points inside by the rows of the matrices"
     )
@@ -190,9 +192,11 @@ class Matrices(ElasticKind):
             nodes=folder / mesh,
             stiffness=folder / self.stiffness,
             mass=folder / self.mass,
+            damping=None if self.damping is None else folder / self.damping,
             recovery=None if self.recovery is None else folder / self.recovery,
             stiffness_name=self.stiffness_name,
             mass_name=self.mass_name,
+            damping_name=self.damping_name,
             recovery_name=self.recovery_name,
             rigid_tolerance=self.rigid_tolerance,
         )
@@ -209,6 +213,7 @@ class Superelement(ElasticKind):
     dofs_per_node: Literal[3, 6] = Field(
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )
+    damping: FileName | None = Field(None, description="Matrix Market file of the damping matrix")
     recovery: FileName | None = Field(
         None, description="Matrix Market file of displacements, 3 rows a point, by the rows of the matrices"
     )
@@ -221,6 +226,7 @@ class Superelement(ElasticKind):
             stiffness=folder / self.stiffness,
             mass=folder / self.mass,
             dofs_per_node=self.dofs_per_node,
+            damping=None if self.damping is None else folder / self.damping,
             recovery=None if self.recovery is None else folder / self.recovery,
             points=None if self.points is None else folder / self.points,
         )

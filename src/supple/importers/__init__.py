@@ -1,8 +1,10 @@
 """One file format per module; every importer of a mesh ends in a Mesh."""
 
 from supple.importers.abaqus.mesh_view import *
+from supple.importers.ansys import *
 from supple.importers.connection import *
 from supple.importers.deck_file import *
+from supple.importers.exodus import *
 from supple.importers.file_mesh import *
 from supple.importers.gmsh import *
 from supple.importers.included_files import *
@@ -23,3 +25,4 @@ from supple.importers.turbine.rotor_table import *
 from supple.importers.turbine.station_table import *
 from supple.importers.turbine.windio import *
 from supple.importers.turbine.windio_sections import *
+from supple.importers.vtu import *

@@ -77,7 +77,8 @@ def project(
         stiffness=tensors.stiffness,
         cubic=tensors.cubic,
         quartic=tensors.quartic,
-        damping=damping_matrix(damping, body, V, tensors.stiffness),
+        damping=damping_matrix(damping, body, V, tensors.stiffness)
+        + (0.0 if body.damping is None else V.T @ (body.damping @ V)),
         damping_cubic=None if material is None else time * material.cubic,
         damping_quartic=None if material is None else time * material.quartic,
         interfaces=tuple(

@@ -34,6 +34,7 @@ class MatrixRole(Enum):
 
     STIFFNESS = ("stiffness", "K")
     MASS = ("mass", "M")
+    DAMPING = ("damping", "B")
 
     def __init__(self, label: str, letter: str) -> None:
         self.label = label

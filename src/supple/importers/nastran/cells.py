@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.deck import DeckElements, Property, ShellProperty, SolidProperty
+from supple.importers.deck import DeckElements, IsotropicMaterial, Property, ShellProperty, SolidProperty
 from supple.importers.nastran.bulk_data import BulkCard, integers
 from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.reading import Reading
@@ -146,7 +146,10 @@ class Properties:
         card = self.cards.get(number)
         if card is None:
             return "", f"their property {number} is not one that is read"
-        made = make(card)
+        try:
+            made = make(card)
+        except (OverflowError, np.linalg.LinAlgError):
+            made = "its values are too large or too small to work with"
         if isinstance(made, str):
             return "", f"{card.name} {number}: {made}"
         self._counts[number] = self._counts.get(number, 0) + 1
@@ -175,7 +178,7 @@ def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElemen
                 continue
             groups.setdefault((of, number), []).append(card)
         for (of, number), cards in groups.items():
-            system = properties.cards[number].word(2)
+            system = properties.cards[number].integer(2, "the material's axes CORDM", 0)
             found += _solid_cells(name, cards, of, system, reading, middles, properties)
     middles.tie()
     return found, properties.found
@@ -184,9 +187,9 @@ def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElemen
 def _solid(card: BulkCard, materials: Materials) -> SolidProperty | str:
     """PSOLID with its material; PCOMPS where all its plies are of one isotropic material."""
     if card.name == "PCOMPS":
-        plies = {card.word(place + 1) for place in range(8, len(card.fields), 8)} - {""}
-        material = materials.of_solid(int(plies.pop())) if len(plies) == 1 else ""
-        if not isinstance(material, str) and hasattr(material, "poissons_ratio"):
+        plies = {card.integer(i, "a ply's material") for i in range(9, len(card.fields), 8) if card.word(i)}
+        material = materials.of_solid(plies.pop()) if len(plies) == 1 else ""
+        if isinstance(material, IsotropicMaterial):
             return SolidProperty(material)
         return "layered solids (PCOMPS) of several or anisotropic materials are not read"
     if card.word(6) not in ("", "SMECH"):
@@ -199,7 +202,7 @@ def _solid_cells(
     name: str,
     cards: list[BulkCard],
     of: str,
-    system: str,
+    system: int,
     reading: Reading,
     middles: _Middles,
     properties: Properties,
@@ -223,22 +226,22 @@ def _solid_cells(
 
 def _material_axes(
     made: Property,
-    system: str,
+    system: int,
     nodes: IntArray,
     reading: Reading,
     cards: Sequence[BulkCard],
 ) -> FloatArray | None:
     """Axes (C, 3, 3) of an anisotropic solid, those of CORDM at the middle of each cell; else None."""
-    if not isinstance(made, SolidProperty) or hasattr(made.material, "poissons_ratio") or system in ("", "0"):
+    if not isinstance(made, SolidProperty) or isinstance(made.material, IsotropicMaterial) or system == 0:
         return None
-    if system.startswith("-"):
+    if system < 0:
         for card in cards:
             reading.leave_out(
                 card,
                 "the material's axes go with the element (CORDM = -1); basic axes are taken",
             )
         return None
-    return reading.system(cards[0], int(system)).directions(reading.positions(nodes).mean(axis=1))
+    return reading.system(cards[0], system).directions(reading.positions(nodes).mean(axis=1))
 
 
 class _Middles:

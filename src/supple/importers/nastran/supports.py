@@ -9,6 +9,7 @@ from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading
 from supple.importers.nastran.retained_freedoms import retained_freedoms
+from supple.importers.plain_number import plain_number
 
 __all__ = ["SUPPORT_CARDS", "read_matrices", "read_supports"]
 
@@ -145,7 +146,7 @@ def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
 def _scaled(word: str) -> tuple[float, str]:
     factor, star, name = word.rpartition("*")
     try:
-        return (float(factor) if star else 1.0), name.strip()
+        return (plain_number(factor) if star else 1.0), name.strip()
     except ValueError:
         return 1.0, word
 
