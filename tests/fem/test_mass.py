@@ -120,3 +120,11 @@ def test_a_lumped_mass_beside_its_nodes_stays_where_it_is():
     model = finite_element_model(mesh, (section,), mass_of=CellMass.lumped)
     centre = rigid_mass_properties(model.mass, mesh.nodes, 6).centre
     np.testing.assert_allclose(centre - mesh.nodes.mean(axis=0), [0, 0, 0.05], atol=1e-12)
+
+
+def test_a_lumped_mass_of_no_density_is_none():
+    wall = HomogeneousSection(Isotropic(1.0, 0.3, 0.0), 0.01)
+    mesh = plate(1.0, 0.5, 2, 1)
+    section = Section(CellType.TRIANGLE3, np.arange(mesh.n_cells), wall)
+    mass = finite_element_model(mesh, (section,), mass_of=CellMass.lumped).mass
+    assert (mass.data == 0).all()
