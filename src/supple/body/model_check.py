@@ -21,7 +21,7 @@ from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import AccuracyError, ModelError
-from supple.fem import Attached, FiniteElementModel
+from supple.fem import Attached, FiniteElementModel, consistent_mass
 from supple.mesh import Mesh
 
 __all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", "check_nodal_matrices"]
@@ -156,6 +156,11 @@ def check_model(
 
 def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
     """`check_model` of finite elements, their mass against that of the mesh, and how their cells meet."""
+    expected = mesh_mass_properties(model)
+    if model.mass_of is not consistent_mass:
+        # Mass at the nodes has an inertia of its own, which the size of the cells tells.
+        found = rigid_mass_properties(model.mass, model.mesh.nodes, model.dofs_per_node)
+        expected = replace(expected, inertia=found.inertia)
     check = check_model(
         model.mesh.nodes,
         model.stiffness,
@@ -163,7 +168,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         dofs_per_node=model.dofs_per_node,
         n_frequencies=n_frequencies,
         node_ids=model.mesh.node_ids,
-        mesh_mass=mesh_mass_properties(model),
+        mesh_mass=expected,
         attached=model.attached,
     )
     return replace(check, findings=(*check.findings, _cells_twice(model.mesh), *_middle_nodes(model.mesh)))
