@@ -235,6 +235,100 @@ DMIG    MAA     0       6       1       0
 DMIG,MAA,1,1,,1,1,1.5
 """
 
+_STEEL_INP = "*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E11, 0.3, 20.\n2.0E11, 0.3, 200.\n*DENSITY\n7850.\n"
+_DECK_INP = (
+    _INP.partition("*ELEMENT")[0]
+    + _STEEL_INP
+    + """\
+*NODE
+11, 0., 0., 1.
+12, 1., 0., 1.
+13, 1., 1., 1.
+14, 0., 1., 1.
+21, 0., 0., 2.
+22, 1., 0., 2.
+23, 1., 1., 2.
+24, 0., 1., 2.
+31, 0., 0., 3.
+33, 2., 0., 3.
+*NGEN, NSET=BETWEEN
+31, 33, 1
+*NODE, NSET=ABOVE
+51, 0., 0., 4.
+52, 1., 0., 4.
+53, 2., 0., 4.
+*NFILL, NSET=FILLED
+BETWEEN, ABOVE, 2, 10
+*ELEMENT, TYPE=C3D8R, ELSET=SOLID
+1, 1, 2, 3, 4, 11, 12, 13, 14
+*ELEMENT, TYPE=S4R, ELSET=SKIN
+2, 21, 22, 23, 24
+*ELEMENT, TYPE=B32, ELSET=BEAM
+3, 1, 11, 21
+*ELEMENT, TYPE=SPRINGA, ELSET=SPRING
+4, 14, 24
+*ELEMENT, TYPE=MASS, ELSET=MASS
+5, 5
+*ELEMENT, TYPE=ROTARYI, ELSET=ROTARY
+6, 5
+*ORIENTATION, NAME=AXES, SYSTEM=CYLINDRICAL
+0., 0., 0., 0., 0., 1.
+3, 30.
+*SOLID SECTION, ELSET=SOLID, MATERIAL=STEEL
+*SHELL SECTION, ELSET=SKIN, COMPOSITE, ORIENTATION=AXES, OFFSET=SPOS
+0.01, 3, STEEL, 0.
+0.02, 3, STEEL, 90.
+*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=I
+0.1, 0.2, 0.1, 0.1, 0.01, 0.01, 0.02
+0., 1., 0.
+*SPRING, ELSET=SPRING, NONLINEAR
+
+-10., -1.
+10., 1.
+*MASS, ELSET=MASS
+2.
+*ROTARY INERTIA, ELSET=ROTARY
+1., 2., 3.
+*NSET, NSET=TOP, GENERATE
+21, 24
+*SURFACE, NAME=UPPER
+SOLID, S2
+*SURFACE, NAME=LOWER
+SKIN, SNEG
+*TRANSFORM, NSET=TOP, TYPE=C
+0., 0., 0., 0., 0., 1.
+*EQUATION
+2
+TOP, 1, 1., 12, 2, -1.
+*MPC
+BEAM, 13, 23
+*TIE, NAME=TIE, POSITION TOLERANCE=2.
+LOWER, UPPER
+*COUPLING, REF NODE=5, SURFACE=UPPER, CONSTRAINT NAME=HUB
+*KINEMATIC
+1, 3
+*COUPLING, REF NODE=6, SURFACE=LOWER, CONSTRAINT NAME=MEAN
+*DISTRIBUTING
+*BOUNDARY
+1, ENCASTRE
+2, 1, 3
+*STEP
+*STATIC
+*BOUNDARY
+3, 1, 3, 0.
+*END STEP
+"""
+)
+_TWO_INP = (
+    "*PART, NAME=P\n"
+    + _INP
+    + "*SHELL SECTION, ELSET=QUADS, MATERIAL=STEEL\n0.01\n*END PART\n*ASSEMBLY, NAME=A\n"
+    + "*INSTANCE, NAME=A, PART=P\n*END INSTANCE\n*INSTANCE, NAME=B, PART=P\n0., 0., 1.\n"
+    + "0., 0., 0., 1., 0., 0., 90.\n*END INSTANCE\n*NODE\n1, 0., 0., 5.\n*NSET, NSET=R\n1\n"
+    + "*RIGID BODY, REF NODE=R, TIE NSET=B.ALL\n*END ASSEMBLY\n"
+    + _STEEL_INP
+)
+
 
 def _meshes() -> Iterator[Kind]:
     def abaqus(path: Path) -> None:
@@ -257,6 +351,9 @@ def _meshes() -> Iterator[Kind]:
     )
     yield Kind("Nastran", nastran, (Seed("mesh.bdf", _BDF.encode()), Seed("mesh.bdf", _SOLID_BDF.encode())))
     yield Kind("Nastran deck", read_deck, (Seed("deck.bdf", _DECK_BDF.encode()),))
+    yield Kind(
+        "Abaqus deck", read_deck, (Seed("deck.inp", _DECK_INP.encode()), Seed("two.inp", _TWO_INP.encode()))
+    )
     folder = REPOSITORY / "tests" / "importers" / "gmsh_square"
     squares = tuple(Seed("mesh.msh", path.read_bytes()) for path in sorted(folder.glob("*.msh")))
     yield Kind("Gmsh", sp.read_gmsh, squares)

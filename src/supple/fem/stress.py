@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
+from supple.fem.attached import RigidPiece
 from supple.fem.kinematics import VOIGT
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
@@ -21,7 +22,7 @@ from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
 from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection
 from supple.fem.shell_triangle import element_axes, layer_strain
-from supple.fem.solid_element import extrapolation
+from supple.fem.solid_element import extrapolation, solid_element
 
 __all__ = [
     "StressRecovery",
@@ -105,6 +106,8 @@ class StressRecovery:
 
     n_nodes: int
     sections: tuple[SectionStress, ...]
+    pieces: tuple[RigidPiece, ...] = ()
+    """Nodes that move as one, to second order in their rotation: elements beside them see it"""
 
     def linearized(self) -> StressRecovery:
         """The stress of the linear strain alone, which belongs to a body's linear stiffness."""
@@ -190,7 +193,9 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     sections = [_section(model, *pair) for pair in pairs]
     n_layers = max(section.to_nodes.shape[1] for section in sections)
     # Solids beside shells have the same stress in all layers.
-    return StressRecovery(model.mesh.n_nodes, tuple(section.in_layers(n_layers) for section in sections))
+    pieces = model.attached.rigid if model.strains_vanish_when_turned else ()
+    layered = tuple(section.in_layers(n_layers) for section in sections)
+    return StressRecovery(model.mesh.n_nodes, layered, pieces)
 
 
 def has_stress(model: FiniteElementModel) -> bool:
@@ -241,7 +246,8 @@ def _as_strain(section: Section, stress: SectionStress) -> SectionStress:
 def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
-        to_nodes = extrapolation(SOLID_ELEMENTS[section.cell_type])[:, None]
+        element = solid_element(section.cell_type, reduced=section.reduced)
+        to_nodes = extrapolation(element)[:, None]
         of_strain = block.D if block.D.ndim == 3 else block.D[None]
         return SectionStress(
             nodes, block, np.broadcast_to(of_strain[:, None], (len(nodes), 1, 6, 6)), to_nodes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, Sca
 __all__ = ["restricted_deck"]
 
 IntArray = NDArray[np.int64]
+Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 
 def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
@@ -56,7 +58,7 @@ def _inside(tie: RigidTie | WeightedMean, own: NDArray[np.bool_]) -> bool:
     return bool(own[tie.reference] and own[tie.nodes].all())
 
 
-def _tie[T: (RigidTie, WeightedMean)](tie: T, number: IntArray) -> T:
+def _tie(tie: Tie, number: IntArray) -> Tie:
     return replace(tie, reference=int(number[tie.reference]), nodes=number[tie.nodes])
 
 

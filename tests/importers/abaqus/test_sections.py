@@ -10,7 +10,7 @@ from supple.body import deck_frequencies, deck_models, mass_of_models
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.beam_shapes import beam_shape
 from supple.importers.deck import RodProperty, ShellProperty, WallProperty
-from supple.mesh import CellType
+from supple.mesh import CellType, block
 from supple.mesh.reference_cell import reference_nodes
 
 SQUARE8 = np.array(
@@ -43,6 +43,27 @@ def test_solids(deck, name, kind, volume):
     assert made.left_out == ()
     assert made.elements[0].kind is kind
     assert total(made).mass == pytest.approx(7850 * volume, rel=1e-12)
+
+
+def rod_of_three(name):
+    """A free bar of three hexahedra of second order in a row."""
+    mesh = block(0.3, 0.1, 0.1, 3, 1, 1, CellType.HEXA20)
+    text = node_rows(mesh.nodes) + element_rows(name, mesh.cells[CellType.HEXA20])
+    return text + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n"
+
+
+def test_reduced_integration_softens_coarse_cells_and_leaves_no_mechanism(deck):
+    """Beside the same bar refined to 6 x 2 x 2; its eight points alone leave four motions without energy."""
+    mesh = block(0.3, 0.1, 0.1, 6, 2, 2, CellType.HEXA20)
+    text = node_rows(mesh.nodes) + element_rows("C3D20", mesh.cells[CellType.HEXA20])
+    fine = deck(text + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n")
+    exact = deck_frequencies(fine, 4)
+    full, reduced = (deck_frequencies(deck(rod_of_three(name)), 4) for name in ("C3D20", "C3D20R"))
+    # The third is torsion, which warps the section of a single cell as little in both.
+    assert (exact[[0, 1, 3]] < reduced[[0, 1, 3]]).all()
+    assert (reduced[[0, 1, 3]] < full[[0, 1, 3]]).all()
+    assert reduced[2] == pytest.approx(full[2])
+    assert deck(rod_of_three("C3D20RH")).elements[0].reduced
 
 
 @pytest.mark.parametrize(
@@ -135,6 +156,17 @@ def test_the_middle_lies_away_from_the_nodes(deck, offset, middle):
     assert wall.offset == pytest.approx(middle)
 
 
+@pytest.mark.parametrize(("name", "factor"), [("S4", 5 / 6), ("S4R5", 0.0)])
+def test_shells_shear_but_for_thin_ones(deck, name, factor):
+    text = SHELL.replace("TYPE=S4", f"TYPE={name}")
+    assert (
+        deck(text + "*SHELL SECTION, ELSET=all, MATERIAL=steel\n0.01\n").properties["all"].shear_factor
+        == factor
+    )
+    plies = deck(text + "*SHELL SECTION, ELSET=all, COMPOSITE\n0.01,, steel\n").properties["all"]
+    assert (plies.shear is None) is (factor == 0)
+
+
 def test_plies_of_one_material_are_a_homogeneous_wall(deck):
     """A = E t / (1 - nu^2), D = A t^2 / 12, B = A z of an offset, shear 5/6 G t."""
     plies = "0.004, 3, steel, 0.\n0.006, 3, steel, 30.\n"
@@ -217,10 +249,12 @@ def test_a_wall_by_its_stiffness(deck):
 
 def test_membranes_do_not_bend(deck):
     text = node_rows(SQUARE8[:4]) + element_rows("M3D4", [[0, 1, 2, 3]]) + STEEL
-    wall = deck(text + "*MEMBRANE SECTION, ELSET=all, MATERIAL=steel\n0.01\n").properties["all"]
+    made = deck(text + "*MEMBRANE SECTION, ELSET=all, MATERIAL=steel\n0.01\n")
+    wall = made.properties["all"]
     assert wall.membrane[0, 0] == pytest.approx(2.1e11 * 0.01 / 0.91)
     assert not wall.bending.any()
     assert wall.mass_per_area == pytest.approx(78.5)
+    assert total(made).mass == pytest.approx(157)
 
 
 # --- axes of solids
