@@ -118,6 +118,12 @@ def test_analysis_set(deck):
     assert sorted(read.node_ids[read.node_sets["aset"]]) == [10, 20, 40]
 
 
+def test_a_wrong_analysis_set_is_noted(deck):
+    read = deck(SQUARE + "ASET1,123,99\n")
+    assert "aset" not in read.node_sets
+    assert any("analysis set is not read: " in note and "names 99" in note for note in read.notes)
+
+
 # --- matrices
 
 
