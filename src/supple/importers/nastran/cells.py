@@ -117,7 +117,7 @@ def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
     for card in cards:
         number = card.integer(0, f"the {what} id")
         first = found.setdefault(number, card)
-        if first is not card and first[:2] != card[:2]:
+        if first is not card and not card.same_as(first):
             raise card.error(
                 f"{what} {number} is defined a second time and differs from that of line {first.line}; "
                 "renumber or remove it"

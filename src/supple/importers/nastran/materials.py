@@ -44,7 +44,7 @@ class Materials:
         for card in reading.file.named(*MATERIAL_CARDS):
             number = card.integer(0, "the material id")
             first = self._cards.setdefault(number, card)
-            if first is not card and first[:2] != card[:2]:
+            if first is not card and not card.same_as(first):
                 raise card.error(
                     f"material {number} is defined a second time and differs from that of line {first.line}; "
                     "renumber or remove it"
