@@ -364,7 +364,7 @@ def _matrices(folder: Path) -> Iterator[Kind]:
 
     def both(path: Path) -> None:
         table = read_nodes(folder / nodes.name)
-        for role in MatrixRole:
+        for role in (MatrixRole.STIFFNESS, MatrixRole.MASS):
             read_labelled_matrix(path, role, table)
 
     def one(path: Path) -> None:
