@@ -22,3 +22,4 @@ from supple.importers.turbine.rotor_table import *
 from supple.importers.turbine.station_table import *
 from supple.importers.turbine.windio import *
 from supple.importers.turbine.windio_sections import *
+from supple.importers.vtu import *

@@ -10,11 +10,13 @@ from supple.importers.abaqus.mesh_view import read_abaqus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
 from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES, read_nastran
+from supple.importers.vtu import read_vtu
 from supple.mesh import Mesh
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
-READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran)
+_OTHERS = {".inp": read_abaqus, ".msh": read_gmsh, ".vtu": read_vtu}
+READERS = _OTHERS | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran)
 
 MESH_SUFFIXES = tuple(READERS)
 """Files that `read_mesh` reads."""
@@ -24,9 +26,9 @@ MESH_SUFFIXES = tuple(READERS)
 def read_mesh(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
-    """Mesh of a Gmsh (.msh), Abaqus or CalculiX (.inp) or Nastran (.bdf, .dat, .nas, .blk) file.
+    """Mesh of a Gmsh (.msh), Abaqus or CalculiX (.inp), VTK (.vtu) or Nastran (.bdf, .dat, .nas, .blk) file.
 
-    See `read_gmsh`, `read_abaqus` and `read_nastran`.
+    See `read_gmsh`, `read_abaqus`, `read_vtu` and `read_nastran`.
 
     Raises
     ------
