@@ -110,6 +110,7 @@ def test_appended_points(encoding, tmp_path):
         ("<?xml", "<!DOCTYPE a><?xml", "it declares a document type"),
         (">0.0 ", ">zero ", "could not convert"),
         ("Float64", "Float80", "Float80"),
+        (">4<", ">99999999999<", "out of bounds"),
     ],
 )
 def test_errors(old, new, message, tmp_path):

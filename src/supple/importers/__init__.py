@@ -3,6 +3,7 @@
 from supple.importers.abaqus.mesh_view import *
 from supple.importers.connection import *
 from supple.importers.deck_file import *
+from supple.importers.exodus import *
 from supple.importers.file_mesh import *
 from supple.importers.gmsh import *
 from supple.importers.included_files import *

@@ -7,6 +7,7 @@ from pathlib import Path
 from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.mesh_view import read_abaqus
+from supple.importers.exodus import EXODUS_SUFFIXES, read_exodus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
 from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES, read_nastran
@@ -15,8 +16,11 @@ from supple.mesh import Mesh
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
-_OTHERS = {".inp": read_abaqus, ".msh": read_gmsh, ".vtu": read_vtu}
-READERS = _OTHERS | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran)
+READERS = (
+    {".inp": read_abaqus, ".msh": read_gmsh, ".vtu": read_vtu}
+    | dict.fromkeys(EXODUS_SUFFIXES, read_exodus)
+    | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran)
+)
 
 MESH_SUFFIXES = tuple(READERS)
 """Files that `read_mesh` reads."""
@@ -26,9 +30,9 @@ MESH_SUFFIXES = tuple(READERS)
 def read_mesh(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
-    """Mesh of a Gmsh (.msh), Abaqus or CalculiX (.inp), VTK (.vtu) or Nastran (.bdf, .dat, .nas, .blk) file.
+    """Mesh of a Gmsh (.msh), Abaqus, CalculiX (.inp), Nastran (.bdf ..), VTK (.vtu), Exodus (.exo ..) file.
 
-    See `read_gmsh`, `read_abaqus`, `read_vtu` and `read_nastran`.
+    See `read_gmsh`, `read_abaqus`, `read_vtu`, `read_exodus` and `read_nastran`.
 
     Raises
     ------

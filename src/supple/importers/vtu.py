@@ -73,7 +73,14 @@ def read_vtu(
     path = Path(path)
     try:
         pieces = list(_File.of(file_content(path)).pieces())
-    except (ValueError, KeyError, zlib.error, lzma.LZMAError, ElementTree.ParseError) as error:
+    except (
+        ArithmeticError,
+        ValueError,
+        KeyError,
+        zlib.error,
+        lzma.LZMAError,
+        ElementTree.ParseError,
+    ) as error:
         raise ImportFormatError(
             f"{path}: not readable as a VTK unstructured grid ({str(error)[:150]}); save it anew as .vtu"
         ) from error
