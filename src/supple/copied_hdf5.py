@@ -38,7 +38,7 @@ _EXPLAINED = 3
 
 @contextmanager
 def open_copied(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
-    """A copy of an HDF5 file, open to read: arrays as they are, attributes (of arrays words alone), unpacked.
+    """A copy of an HDF5 file, open to read: arrays with their texts, attributes of groups, no compression.
 
     parts : names of what is copied, of all that the root holds; everything where left out. Names that are not
         there are passed over, links are followed.
@@ -108,9 +108,9 @@ def _copy_group(source: h5py.Group, target: h5py.Group, names: Collection[str]) 
             case h5py.Dataset():
                 _check_size(found)
                 made = target.create_dataset(name, data=found[()], dtype=found.dtype)
-                # Of attributes the words alone; others may refer to what is not copied.
-                words = {key: value for key, value in found.attrs.items() if isinstance(value, str | bytes)}
-                made.attrs.update(words)
+                for key in found.attrs:
+                    if h5py.check_string_dtype(found.attrs.get_id(key).dtype):
+                        made.attrs[key] = found.attrs[key]
             case h5py.Group():
                 _copy_group(found, target.create_group(name), list(found))
 

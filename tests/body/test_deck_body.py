@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 from supple.body import (
     AveragingInterface,
+    FullBody,
     MeanAxisFrame,
     RigidInterface,
     check_elements,
@@ -27,6 +30,9 @@ from supple.body import (
     rigid_mass_properties,
 )
 from supple.body.inertia_polynomial import InertiaPolynomial
+from supple.body.sections import CuttingPlane, section_loads
+from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
+from supple.body.turned_elements import turned_force
 from supple.errors import ModelError, SuppleWarning
 from supple.fem import lumped_mass, stress_recovery
 from supple.importers.deck import (
@@ -461,13 +467,51 @@ def test_what_is_beside_the_elements_is_refused_where_elements_alone_count():
 def test_a_body_with_ties_masses_and_a_rotation_that_rests_is_reduced():
     """Its kinetic energy of rigid motion stays; the lowest modes are those of the whole."""
     given = skinned(
-        rigid=(RigidTie("rbe2_1", 0, np.array([1, 2, 3]), 1),), masses=(point_mass(12, 0.5, (0.01, 0.01, 0.01)),)
+        rigid=(RigidTie("rbe2_1", 0, np.array([1, 2, 3]), 1),),
+        masses=(point_mass(12, 0.5, (0.01, 0.01, 0.01)),),
     )
     body = deck_body("panel", given, [RigidInterface("tip", "tip")])
-    small = reduce(body, MeanAxisFrame(), CraigBampton(n_modes=10), derivatives=NoDerivatives(), loads=NoLoads)
+    small = reduce(
+        body, MeanAxisFrame(), CraigBampton(n_modes=10), derivatives=NoDerivatives(), loads=NoLoads
+    )
     R = body.rigid_modes
     np.testing.assert_allclose(small.gram[:6, :6], R.T @ (body.mass @ R), rtol=1e-9, atol=1e-9)
     own = np.sort(frequencies(body, 3))
     free = body.lowest_modes(9).values[6:]
     np.testing.assert_allclose(own, np.sqrt(free) / (2 * np.pi))
     assert small.frequencies[0] / (2 * np.pi) == pytest.approx(own[0], rel=1e-3)
+
+
+def test_stress_beside_a_tie_that_turns_is_none():
+    """As of energies: at |theta| = tan phi the stress is of order phi^4; without second order of phi^2."""
+    bare = solid_bar()
+    own = middle(bare)
+    given = replace(bare, rigid=(RigidTie("rbe2_7", int(own[-1]), own[:-1], 7),))
+    body = deck_body("bar", given, [])
+    phi = 0.1
+    turn = Rotation.from_rotvec([phi, 0, 0]).as_matrix() - np.eye(3)
+    free = np.setdiff1d(np.arange(len(given.nodes)), own)
+    place = turn @ given.nodes[own[-1]]
+    q = np.concatenate([(given.nodes[free] @ turn.T).ravel(), place, [np.tan(phi), 0, 0]])
+    recovery = stress_recovery(body.model)
+    nodal = body.expansion @ q
+    linear = np.abs(recovery.at_nodes(nodal)).max()
+    inner = inner_pieces(recovery.pieces, body.nodes, 3, body.interfaces)
+    fields = with_virtual_freedoms(
+        nodal[:, None], [piece.motion @ nodal[:, None] for piece in inner], inner, 3
+    )
+    tied = tied_recovery(recovery, body.nodes, 3, inner)
+    assert np.abs(tied.at_nodes(fields[:, 0])).max() < 0.02 * linear
+    # Elements that turn exactly have no force, where the rotation vector is that of phi to the last digit.
+    q[-3] = brentq(lambda theta: theta * (1 - theta**2 / 3) - phi, 0.0, 0.2, xtol=1e-15)
+    assert np.abs(turned_force(body, q)).max() < 1e-9 * np.abs(body.stiffness @ q).max()
+
+
+def test_a_section_beside_a_tie_is_refused():
+    bare = solid_bar()
+    own = middle(bare)
+    body = deck_body("bar", replace(bare, rigid=(RigidTie("rbe2_7", int(own[-1]), own[:-1], 7),)), [])
+    full = FullBody(body, MeanAxisFrame())
+    plane = CuttingPlane((0.5, 0.0, 0.0), (1.0, 0.0, 0.0))
+    with pytest.raises(ModelError, match="lies beside the rigid tie 'rbe2_7'"):
+        section_loads(full, body.model, SimpleNamespace(coordinates=np.zeros((1, body.n))), plane)

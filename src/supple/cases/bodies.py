@@ -88,7 +88,7 @@ class Body(CheckedTable):
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
     mesh: FileName | None = Field(
         None,
-        description="mesh file beside the case file: Gmsh .msh, Abaqus/CalculiX .inp, Nastran .bdf, VTK .vtu or Exodus .exo; "
+        description="mesh file beside the case file: Gmsh .msh, Abaqus/CalculiX .inp or Nastran .bdf; "
         "for matrices also HDF5 .h5",
     )
     cells: str | None = Field(

@@ -102,7 +102,8 @@ def _materials(body: FlexibleBody) -> list[Isotropic]:
 
 def _of_material(units: UnitSystem, material: Isotropic) -> Iterator[str]:
     density, modulus = units.in_si(**_DENSITY.powers), units.in_si(**_MODULUS.powers)
-    yield from _outside(units, "the density", material.density, units.density, _DENSITY)
+    if material.density:
+        yield from _outside(units, "the density", material.density, units.density, _DENSITY)
     yield from _outside(units, "Young's modulus", material.youngs_modulus, units.stress, _MODULUS)
     if density is None or modulus is None:
         return

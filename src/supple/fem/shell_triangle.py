@@ -147,14 +147,11 @@ def _free_bending(section: ShellSection) -> FloatArray:
 def _stiffness_per_area(xy: FloatArray, section: ShellSection, phi: FloatArray) -> FloatArray:
     """The constitutive matrix (E, 18, 18) of the strains of the element."""
     membrane, bending = resultant_strains(xy, MIDSIDES, section)
-    drilling = np.zeros((len(xy), 3, N_STRAINS))
-    drilling[..., DRILLING] = np.eye(3)
+    turn = np.zeros((len(xy), 1, N_STRAINS))
     if section.coupling.any():
         # The wall stretches, and turns in its plane, where its middle is: on arms of the nodes.
         middle = (section.coupling * section.membrane).sum() / (section.membrane**2).sum()
-        turn = np.zeros((len(xy), 1, N_STRAINS))
         turn[..., CORNER_ROTATION] = 0.5 * middle * linear_gradients(xy)[:, None]
-        drilling += turn
         membrane += membrane[..., DRILLING].sum(axis=2, keepdims=True) * turn
         to_stretch = np.linalg.solve(section.membrane, section.coupling)
         membrane[..., BENDING] += to_stretch @ linear_curvature(xy)
@@ -167,7 +164,12 @@ def _stiffness_per_area(xy: FloatArray, section: ShellSection, phi: FloatArray) 
         stress = (section.shear @ shear).reshape(points.shape)
         D[:, BENDING, BENDING] += points.swapaxes(1, 2) @ stress / len(MIDSIDES)
     stiffness = drilling_stiffness(xy, section.membrane) / triangle_area(xy)[:, None, None]
-    return D + drilling.swapaxes(1, 2) @ stiffness @ drilling
+    if not turn.any():
+        D[:, DRILLING, DRILLING] += stiffness
+        return D
+    turn = np.repeat(turn, 3, axis=1)
+    turn[..., DRILLING] = np.eye(3)
+    return D + turn.swapaxes(1, 2) @ stiffness @ turn
 
 
 def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
+from supple.fem.attached import RigidPiece
 from supple.fem.kinematics import VOIGT
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
@@ -105,6 +106,8 @@ class StressRecovery:
 
     n_nodes: int
     sections: tuple[SectionStress, ...]
+    pieces: tuple[RigidPiece, ...] = ()
+    """Nodes that move as one, to second order in their rotation: elements beside them see it"""
 
     def linearized(self) -> StressRecovery:
         """The stress of the linear strain alone, which belongs to a body's linear stiffness."""
@@ -190,7 +193,9 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     sections = [_section(model, *pair) for pair in pairs]
     n_layers = max(section.to_nodes.shape[1] for section in sections)
     # Solids beside shells have the same stress in all layers.
-    return StressRecovery(model.mesh.n_nodes, tuple(section.in_layers(n_layers) for section in sections))
+    pieces = model.attached.rigid if model.strains_vanish_when_turned else ()
+    layered = tuple(section.in_layers(n_layers) for section in sections)
+    return StressRecovery(model.mesh.n_nodes, layered, pieces)
 
 
 def has_stress(model: FiniteElementModel) -> bool:

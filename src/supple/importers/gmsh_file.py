@@ -8,19 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.cell_file import (
-    WITHOUT_INNER,
-    CellElements,
-    CellFile,
-    cell_elements,
-    without_inner_nodes,
-)
 from supple.importers.numbering import first_repeated
 from supple.importers.plain_number import is_plain
 
@@ -45,9 +39,41 @@ _ORDER = {
     "wedge15": (0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11),
     "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
 }
+# Cells with nodes inside faces or themselves, as the cells without these.
+_WITHOUT_INNER = {
+    "quad9": ("quad8", 8), "pyramid14": ("pyramid13", 13), "wedge18": ("wedge15", 15),
+    "hexahedron27": ("hexahedron20", 20),
+}  # fmt: skip
 
 
-def read_gmsh_file(path: Path, content: bytes) -> CellFile:
+@dataclass(frozen=True)
+class GmshElements:
+    """Elements of one type.
+
+    type_name : as a `CellType` names its shape;  dimension : 0 to 3
+    ids : (E,) element tags;  nodes : (E, k) node tags
+    groups : {physical tag: (E,) which of them are in that group}
+    dropped : (E, j) tags of the nodes inside faces and cells, which are not read
+    """
+
+    type_name: str
+    dimension: int
+    ids: IntArray
+    nodes: IntArray
+    groups: dict[int, NDArray[np.bool_]]
+    dropped: IntArray
+
+
+@dataclass(frozen=True)
+class GmshFile:
+    """What a file holds: tags (N,) and positions (N, 3) of its nodes, and its elements in blocks."""
+
+    tags: IntArray
+    positions: FloatArray
+    blocks: tuple[GmshElements, ...]
+
+
+def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
     """The nodes and elements of a file whose sections are known to be there.
 
     Raises
@@ -68,7 +94,12 @@ def read_gmsh_file(path: Path, content: bytes) -> CellFile:
     second = first_repeated(tags)
     if second is not None:
         raise _unreadable(path, f"node {tags[second]} stands twice in $Nodes")
-    return without_inner_nodes(tags, positions, blocks)
+    dropped, used = (
+        np.concatenate([np.zeros(0, dtype=np.int64), *(getattr(block, part).ravel() for block in blocks)])
+        for part in ("dropped", "nodes")
+    )
+    kept = ~np.isin(tags, np.setdiff1d(dropped, used))
+    return GmshFile(tags[kept], positions[kept], blocks)
 
 
 def _unreadable(path: Path, why: str) -> ImportFormatError:
@@ -196,13 +227,11 @@ def _type(section: _Section, number: int) -> tuple[str, int, int]:
 
 def _elements(
     section: _Section, number: int, ids: IntArray, nodes: IntArray, groups: dict[int, NDArray[np.bool_]]
-) -> CellElements:
+) -> GmshElements:
     name, dimension, _ = _type(section, number)
-    # What has nodes inside its faces has the others in the order of what has none.
-    order = _ORDER.get(WITHOUT_INNER.get(name, (name, 0))[0])
-    if order is not None:
-        nodes = np.concatenate([nodes[:, order], nodes[:, len(order) :]], axis=1)
-    return cell_elements(name, dimension, ids, nodes, groups)
+    name, n = _WITHOUT_INNER.get(name, (name, nodes.shape[1]))
+    ordered = nodes[:, _ORDER[name]] if name in _ORDER else nodes[:, :n]
+    return GmshElements(name, dimension, ids, ordered, groups, nodes[:, n:])
 
 
 def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:
@@ -222,7 +251,7 @@ def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:
     return section.converted([row[0] for row in words], np.int64), positions.reshape(n, 3)
 
 
-def _elements_of_2(section: _Section) -> Iterator[CellElements]:
+def _elements_of_2(section: _Section) -> Iterator[GmshElements]:
     """Elements by their type; a group is the first tag of an element."""
     n = section.count_in_text()
     lines = section.lines
@@ -249,7 +278,7 @@ def _elements_of_2(section: _Section) -> Iterator[CellElements]:
         yield _elements(section, number, flat[starts[of_type]], nodes, _groups_of_tags(physical))
 
 
-def _binary_elements_of_2(section: _Section, n: int) -> Iterator[CellElements]:
+def _binary_elements_of_2(section: _Section, n: int) -> Iterator[GmshElements]:
     read = 0
     while read < n:
         number, count, n_tags = section.integers(3).tolist()
@@ -315,7 +344,7 @@ def _groups_of_4(section: _Section, *, old: bool) -> dict[tuple[int, int], list[
 
 def _elements_of_4(
     section: _Section, groups: dict[tuple[int, int], list[int]], *, old: bool
-) -> Iterator[CellElements]:
+) -> Iterator[GmshElements]:
     n_blocks, n = section.integers(2 if old else 4, wide=True).tolist()[:2]
     read = 0
     for _ in range(n_blocks):

@@ -11,6 +11,7 @@ __all__ = ["CASES", "TOPICS"]
 TOPICS = (
     "driven_starts",
     "intrinsic_lines",
+    "section_tables",
     "flying_spaghetti",
     "rotors",
     "damping",
@@ -24,6 +25,7 @@ TOPICS = (
     "beams_at_rest",
     "vibrations",
     "elements_at_rest",
+    "sections_and_cells",
     "flexible_motion",
     "machine_elements",
 )

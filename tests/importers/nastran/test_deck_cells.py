@@ -170,13 +170,13 @@ def test_shells_cover_the_same_area_the_same_way_up(deck, cards, cells):
     areas = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])[:, 2] / 2
     assert areas.min() > 0
     assert areas.sum() == pytest.approx(2.0)
-    assert list(read.properties.values()) == [ShellProperty(STEEL, 0.1)]
+    assert list(read.properties.values()) == [ShellProperty(STEEL, 0.1, shear_factor=5 / 6)]
     assert not read.left_out
 
 
 def test_a_wall_by_four_equal_materials_is_homogeneous(deck):
     made = wall(deck, "PSHELL,9,5,.1,5,1.,5,.833333,3.\n")
-    assert made == ShellProperty(STEEL, 0.1, 3.0, 0.0)
+    assert made == ShellProperty(STEEL, 0.1, 3.0, 0.0, 0.833333)
 
 
 def test_a_wall_by_its_parts(deck):
@@ -225,11 +225,11 @@ def test_what_elements_say_of_their_wall(deck):
     ]
     read = deck(text + "\n".join(elements) + "\n")
     made = {found.ids[0]: read.properties[found.property] for found in read.elements}
-    assert made[1] == ShellProperty(STEEL, 0.1)
-    assert made[2] == made[5] == ShellProperty(STEEL, pytest.approx(0.3), 0.0, 0.01)
+    assert made[1] == ShellProperty(STEEL, 0.1, shear_factor=5 / 6)
+    assert made[2] == made[5] == ShellProperty(STEEL, pytest.approx(0.3), 0.0, 0.01, 5 / 6)
     assert made[3].thickness == pytest.approx((0.2 + 0.1 + 0.0 + 0.1) / 4)
     assert made[4].thickness == pytest.approx(0.3)
-    assert made[6] == ShellProperty(STEEL, pytest.approx(0.3), 0.0, 0.02)
+    assert made[6] == ShellProperty(STEEL, pytest.approx(0.3), 0.0, 0.02, 5 / 6)
     assert sorted(read.element_sets["pshell_9"]) == [1, 2, 3, 4, 5, 6]
 
 
