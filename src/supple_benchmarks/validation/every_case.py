@@ -23,6 +23,7 @@ TOPICS = (
     "rigid_rotation",
     "beams_at_rest",
     "vibrations",
+    "condensed_models",
     "elements_at_rest",
     "flexible_motion",
     "machine_elements",
