@@ -1,4 +1,4 @@
-"""A beam condensed in plain NumPy, as suppliers do it, and read as matrices of boundary and modal coordinates."""
+"""A beam condensed in plain NumPy, and read as matrices of its boundary and its modal coordinates."""
 
 from __future__ import annotations
 
