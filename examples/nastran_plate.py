@@ -14,7 +14,8 @@ import numpy as np
 
 import supple as sp
 from supple import machine as m
-from supple.body import nastran_model
+from supple.body import deck_body
+from supple.importers import read_deck
 from supple.reduction import CraigBampton
 
 LENGTH, WIDTH, THICKNESS, G = 0.6, 0.06, 0.002, 9.81
@@ -43,15 +44,14 @@ def main(picture: Path = Path("nastran_plate.png")) -> tuple[float, float]:
     """Sag of the free edge, m, and the lowest frequency, Hz."""
     file = picture.with_name("plate.bdf")
     file.write_text(bulk_data())
-    read = sp.read_nastran(file)
-    model = nastran_model(read)
-    body = sp.flexible_body("plate", model, [sp.RigidInterface("root", "spc1_123456")]).linearized()
+    body = deck_body("plate", read_deck(file), [sp.RigidInterface("root", "spc1_123456")]).linearized()
+    mesh = body.model.mesh
     plate = sp.reduce(body, sp.MeanAxisFrame(), CraigBampton(n_modes=8), derivatives=sp.NoDerivatives())
     clamp = m.Fixed(first="ground", second="plate.root")
     system = sp.System([plate], [clamp], gravity=np.array([0, 0, -G]))
 
     found = sp.equilibrium(system)
-    tip = np.argmax(read.mesh.nodes[:, 0])
+    tip = np.argmax(mesh.nodes[:, 0])
     sag = float(-found.system.bodies[0].positions([tip])[0, 2])
     lowest = float(sp.machine_modes(sp.linearize(system), 1).frequencies[0]) / (2 * np.pi)
     bending = YOUNGS_MODULUS * WIDTH * THICKNESS**3 / 12
@@ -62,7 +62,7 @@ def main(picture: Path = Path("nastran_plate.png")) -> tuple[float, float]:
 
     from supple.viz import draw_machine
 
-    draw_machine(picture, found.system, found.solution, {"plate": read.mesh})
+    draw_machine(picture, found.system, found.solution, {"plate": mesh})
     return sag, lowest
 
 

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 from supple.body import (
     AveragingInterface,
+    FullBody,
+    MeanAxisFrame,
     RigidInterface,
     check_elements,
     deck_body,
@@ -26,7 +30,11 @@ from supple.body import (
     rigid_mass_properties,
 )
 from supple.body.inertia_polynomial import InertiaPolynomial
+from supple.body.sections import CuttingPlane, section_loads
+from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
+from supple.body.turned_elements import turned_force
 from supple.errors import ModelError, SuppleWarning
+from supple.fem import lumped_mass, stress_recovery
 from supple.importers.deck import (
     BeamProperty,
     BeamValues,
@@ -44,6 +52,7 @@ from supple.importers.deck import (
     WeightedMean,
 )
 from supple.mesh import CellType, block
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 
 STEEL = IsotropicMaterial(2.1e11, 0.0, 7850.0)
 SIDE = 0.02
@@ -74,8 +83,8 @@ def deck(nodes, *given, **more):
     return Deck(Path("own.bdf"), np.arange(len(nodes)) + 1, nodes, given, made_of, **more)
 
 
-def along_x(length, n):
-    return np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))])
+def along_x(length, n, start=(0.0, 0.0, 0.0)):
+    return np.column_stack([np.linspace(0, length, n + 1), np.zeros((n + 1, 2))]) + start
 
 
 def point_mass(node, mass, inertia=(0.0, 0.0, 0.0)):
@@ -142,7 +151,7 @@ def test_mass_properties_with_a_concentrated_mass_beside_its_node():
 
 def test_a_spring_between_two_bars_moves_them_as_two_masses():
     """The nodes lie in one place; along the bars a soft spring, across them and in rotation they are one."""
-    nodes = np.vstack([along_x(0.5, 4), along_x(0.5, 4) + [0.5, 0, 0]])
+    nodes = np.vstack([along_x(0.5, 4), along_x(0.5, 4, [0.5, 0, 0])])
     k = 1e3
     same = [{6 * 4 + c: 1.0, 6 * 5 + c: -1.0} for c in (1, 2, 3, 4, 5)]
     given = deck(
@@ -159,7 +168,7 @@ def test_a_spring_between_two_bars_moves_them_as_two_masses():
 
 def test_nodes_made_one_by_constraints_are_the_machine_with_one_node():
     """Also where the file's choice of dependent freedoms cannot stand, and with a row said twice."""
-    nodes = np.vstack([along_x(0.5, 4), along_x(0.5, 4) + [0.5, 0, 0]])
+    nodes = np.vstack([along_x(0.5, 4), along_x(0.5, 4, [0.5, 0, 0])])
     same = [{6 * 4 + c: 1.0, 6 * 5 + c: -1.0} for c in range(6)]
     again = {24: 2.0, 30: -2.0}
     halves = (beam(np.arange(5)), beam(np.arange(5, 10), first=10))
@@ -307,7 +316,7 @@ def test_rods_and_nodes_that_nothing_turns():
 
 
 def test_parts_are_named_and_nodes_without_use_left_out():
-    nodes = np.vstack([along_x(1.0, 4), along_x(1.0, 2) + [0, 1, 0], [[9.0, 9.0, 9.0]]])
+    nodes = np.vstack([along_x(1.0, 4), along_x(1.0, 2, [0, 1, 0]), [[9.0, 9.0, 9.0]]])
     given = deck(nodes, beam(np.arange(5)), beam(np.arange(5, 8), first=10), masses=(point_mass(7, 1.0),))
     assert {name: len(part.node_ids) for name, part in deck_parts(given).items()} == {
         "part_1": 5,
@@ -337,7 +346,7 @@ def test_springs_to_ground_and_springs_across_are_named():
     with pytest.warns(SuppleWarning, match="1 springs to ground, first on line 100, are supports"):
         deck_model(ground)
     across = deck(nodes, beam(np.arange(3)), springs=(terms({1: 1.0, 13: -1.0}, values=[1e3]),))
-    with pytest.raises(ModelError, match="line 100: a spring .* resists rigid motion"):
+    with pytest.raises(ModelError, match=r"line 100: a spring .* resists rigid motion"):
         deck_model(across)
 
 
@@ -367,7 +376,7 @@ def test_averaging_nodes_on_a_line_of_solids_is_refused():
 def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
     """Cantilever and free-free beam of Euler and Bernoulli, (beta L)^2 = 3.516, 22.034; and 22.373."""
     n, length = 40, 1.0
-    nodes = np.vstack([along_x(length, n), along_x(length, n) + [0, 1, 0]])
+    nodes = np.vstack([along_x(length, n), along_x(length, n, [0, 1, 0])])
     clamped = terms(*({c: 1.0} for c in range(6)))
     given = deck(nodes, beam(np.arange(n + 1)), beam(np.arange(n + 1, 2 * n + 2), first=500), held=(clamped,))
     unit = np.sqrt(STEEL.youngs_modulus * SQUARE.I1 / SQUARE.mass_per_length) / (2 * np.pi)
@@ -383,8 +392,8 @@ def test_frequencies_of_all_parts_free_and_at_the_supports_of_the_deck():
 
 
 def test_the_inertia_of_a_body_with_constraints_is_that_of_the_body_without():
-    """Coordinates of two halves joined by constraints stand no longer in threes; the Gram matrix is the same."""
-    nodes = np.vstack([along_x(0.5, 3), along_x(0.5, 3) + [0.5, 0, 0]])
+    """Coordinates of two halves joined by constraints stand no longer in threes; the inertia is the same."""
+    nodes = np.vstack([along_x(0.5, 3), along_x(0.5, 3, [0.5, 0, 0])])
     same = [{6 * 3 + c: 1.0, 6 * 4 + c: -1.0} for c in range(6)]
     parts = (beam(np.arange(4)), beam(np.arange(4, 8), first=10))
     joined = terms(*same, dependent=[18, 25, 20, 27, 22, 29])
@@ -434,5 +443,75 @@ def test_the_direction_of_a_wall_that_is_normal_to_it_is_replaced():
     triangles = elements("CTRIA3", CellType.TRIANGLE3, [[0, 1, 2], [0, 2, 3]], "wall", 1, [0.0, 0.0, 1.0])
     square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
     given = replace(deck(square, triangles), properties={"wall": wall})
-    with pytest.warns(SuppleWarning, match=r"line 1: the direction of the wall of CTRIA3 1 \(one of 2\) is normal"):
+    with pytest.warns(SuppleWarning, match=r"line 1: the direction of the wall .* \(one of 2\) is normal"):
         deck_model(given)
+
+
+def test_stress_of_solids_and_shells_in_one_body():
+    """Uniform stretching: E eps in every layer at every node."""
+    model = deck_model(skinned())
+    u = np.zeros((model.mesh.n_nodes, 6))
+    u[:, 0] = 1e-6 * model.mesh.nodes[:, 0]
+    stress = stress_recovery(model).linearized().at_nodes(u.ravel())
+    assert stress.shape == (model.mesh.n_nodes, 3, 6)
+    np.testing.assert_allclose(stress[..., 0], STEEL.youngs_modulus * 1e-6, rtol=1e-9)
+    np.testing.assert_allclose(stress[..., 1:], 0, atol=1e-3)
+
+
+def test_what_is_beside_the_elements_is_refused_where_elements_alone_count():
+    model = deck_model(skinned(rigid=(RigidTie("rbe2_1", 0, np.array([1, 2]), 1),)))
+    with pytest.raises(ModelError, match="a lumped mass has elements alone, and this model has rigid ties"):
+        lumped_mass(model)
+
+
+def test_a_body_with_ties_masses_and_a_rotation_that_rests_is_reduced():
+    """Its kinetic energy of rigid motion stays; the lowest modes are those of the whole."""
+    given = skinned(
+        rigid=(RigidTie("rbe2_1", 0, np.array([1, 2, 3]), 1),),
+        masses=(point_mass(12, 0.5, (0.01, 0.01, 0.01)),),
+    )
+    body = deck_body("panel", given, [RigidInterface("tip", "tip")])
+    small = reduce(
+        body, MeanAxisFrame(), CraigBampton(n_modes=10), derivatives=NoDerivatives(), loads=NoLoads
+    )
+    R = body.rigid_modes
+    np.testing.assert_allclose(small.gram[:6, :6], R.T @ (body.mass @ R), rtol=1e-9, atol=1e-9)
+    own = np.sort(frequencies(body, 3))
+    free = body.lowest_modes(9).values[6:]
+    np.testing.assert_allclose(own, np.sqrt(free) / (2 * np.pi))
+    assert small.frequencies[0] / (2 * np.pi) == pytest.approx(own[0], rel=1e-3)
+
+
+def test_stress_beside_a_tie_that_turns_is_none():
+    """As of energies: at |theta| = tan phi the stress is of order phi^4; without second order of phi^2."""
+    bare = solid_bar()
+    own = middle(bare)
+    given = replace(bare, rigid=(RigidTie("rbe2_7", int(own[-1]), own[:-1], 7),))
+    body = deck_body("bar", given, [])
+    phi = 0.1
+    turn = Rotation.from_rotvec([phi, 0, 0]).as_matrix() - np.eye(3)
+    free = np.setdiff1d(np.arange(len(given.nodes)), own)
+    place = turn @ given.nodes[own[-1]]
+    q = np.concatenate([(given.nodes[free] @ turn.T).ravel(), place, [np.tan(phi), 0, 0]])
+    recovery = stress_recovery(body.model)
+    nodal = body.expansion @ q
+    linear = np.abs(recovery.at_nodes(nodal)).max()
+    inner = inner_pieces(recovery.pieces, body.nodes, 3, body.interfaces)
+    fields = with_virtual_freedoms(
+        nodal[:, None], [piece.motion @ nodal[:, None] for piece in inner], inner, 3
+    )
+    tied = tied_recovery(recovery, body.nodes, 3, inner)
+    assert np.abs(tied.at_nodes(fields[:, 0])).max() < 0.02 * linear
+    # Elements that turn exactly have no force, where the rotation vector is that of phi to the last digit.
+    q[-3] = brentq(lambda theta: theta * (1 - theta**2 / 3) - phi, 0.0, 0.2, xtol=1e-15)
+    assert np.abs(turned_force(body, q)).max() < 1e-9 * np.abs(body.stiffness @ q).max()
+
+
+def test_a_section_beside_a_tie_is_refused():
+    bare = solid_bar()
+    own = middle(bare)
+    body = deck_body("bar", replace(bare, rigid=(RigidTie("rbe2_7", int(own[-1]), own[:-1], 7),)), [])
+    full = FullBody(body, MeanAxisFrame())
+    plane = CuttingPlane((0.5, 0.0, 0.0), (1.0, 0.0, 0.0))
+    with pytest.raises(ModelError, match="lies beside the rigid tie 'rbe2_7'"):
+        section_loads(full, body.model, SimpleNamespace(coordinates=np.zeros((1, body.n))), plane)

@@ -92,7 +92,8 @@ def test_a_consistent_rotary_mass_is_integrated_with_the_rotations_between_the_n
         e3 = np.cross(e1, SECTION.orientation)
         e3 /= np.linalg.norm(e3)
         axes = np.array([e1, np.cross(e3, e1), e3])
-        J = axes.T @ np.diag(SECTION.rotary_inertia_per_length) @ axes
+        own = SECTION.material.density * np.array([SECTION.I1 + SECTION.I2, SECTION.I2, SECTION.I1])
+        J = axes.T @ np.diag(own) @ axes
         for point, weight in zip((points + 1) / 2, weights * length / 2, strict=True):
             at = (1 - point) * np.eye(2)[0] + point * np.eye(2)[1]
             place, here, there, rate, spin = (at @ v[[a, b]] for v in (NODES, u, theta, moving, turning))

@@ -11,13 +11,14 @@ from supple.body import (
     NodalFixedFrame,
     RigidInterface,
     connection_named,
-    flexible_body,
-    nastran_model,
-    read_nastran_body,
+    deck_body,
+    deck_connections,
+    deck_model,
+    deck_parts,
 )
 from supple.errors import ModelError
 from supple.fem import VON_KARMAN, HomogeneousSection, Isotropic, shell_model, solid_model
-from supple.importers import read_nastran
+from supple.importers import read_deck
 from supple.mesh import CellType, block, strip
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
@@ -34,10 +35,19 @@ def write(tmp_path):
     return write_text
 
 
+def model_of(path, **options):
+    (part,) = deck_parts(read_deck(path)).values()
+    return deck_model(part, **options)
+
+
+def body_of(name, path):
+    return deck_body(name, read_deck(path))
+
+
 @pytest.mark.parametrize("kind", [CellType.TETRA4, CellType.TETRA10, CellType.HEXA20])
 def test_a_block_has_the_matrices_and_frequencies_of_our_own_path(write, bulk, kind):
     mesh = block(1.0, 0.3, 0.2, 4, 2, 2, kind)
-    model = nastran_model(read_nastran(write(bulk.text(mesh, *bulk.solid()))))
+    model = model_of(write(bulk.text(mesh, *bulk.solid())))
     own = solid_model(mesh, STEEL)
     assert abs(model.stiffness - own.stiffness).max() == 0
     assert abs(model.mass - own.mass).max() == 0
@@ -47,10 +57,10 @@ def test_a_block_has_the_matrices_and_frequencies_of_our_own_path(write, bulk, k
 
 def test_shells_take_their_walls_and_kinematics(write, bulk):
     mesh = strip(2.0, 0.4, 8, 2)
-    file = read_nastran(write(bulk.text(mesh, *bulk.shell(0.02))))
+    path = write(bulk.text(mesh, *bulk.shell(0.02)))
     for options in ({}, {"kinematics": VON_KARMAN}):
         model, own = (
-            nastran_model(file, **options),
+            model_of(path, **options),
             shell_model(mesh, HomogeneousSection(STEEL, 0.02), **options),
         )
         assert abs(model.stiffness - own.stiffness).max() == 0
@@ -80,7 +90,7 @@ def quadrilaterals(bulk, n_length, n_width):
 def test_a_cantilever_of_cquad4_has_the_frequencies_of_a_beam(write, bulk):
     """omega = (beta L)^2 sqrt(E I / (rho A L^4)), Euler-Bernoulli; a strip without Poisson coupling."""
     text, _, _ = quadrilaterals(bulk, 40, 4)
-    body = read_nastran_body("strip", write(text.replace(",0.3,7850.0", ",0.0,7850.0")))
+    body = body_of("strip", write(text.replace(",0.3,7850.0", ",0.0,7850.0")))
     D = NodalFixedFrame("rbe2_501").constraint(body)
     omega = np.sqrt(lowest_modes(body.stiffness, body.mass, 5, constraint=D).values)
     unit = np.sqrt(2.1e11 * THICKNESS**2 / 12 / 7850.0) / LENGTH**2
@@ -92,10 +102,10 @@ def test_a_cantilever_of_cquad4_has_the_frequencies_of_a_beam(write, bulk):
 def test_connections_are_our_interfaces(write, bulk):
     text, root, tip = quadrilaterals(bulk, 6, 2)
     path = write(text)
-    body = read_nastran_body("strip", path)
-    own = flexible_body(
+    body = body_of("strip", path)
+    own = deck_body(
         "strip",
-        nastran_model(read_nastran(path)),
+        read_deck(path),
         [
             RigidInterface("rbe2_501", root, (-0.05, 0, 0)),
             AveragingInterface("rbe3_502", tip, (LENGTH, 0, 0)),
@@ -112,30 +122,19 @@ def test_an_averaging_connection_follows_its_weights(write, bulk):
     """Two nodes pull three times as much as the other: the mean of u is weighted so."""
     mesh = block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8)
     cards = ["GRID,900,,0.,0.,0.", "RBE3,7,,900,123456,1.0,123,1,2", ",3.0,123,3,4"]
-    body = read_nastran_body("cube", write(bulk.text(mesh, *bulk.solid(), *cards)))
+    body = body_of("cube", write(bulk.text(mesh, *bulk.solid(), *cards)))
     motion = body.interface("rbe3_7").motion.toarray()
     position = body.interface("rbe3_7").position
     at_centroid = motion[:3] - np.cross(motion[3:].T, position - mesh.nodes[:4].T @ [1, 1, 3, 3] / 8).T
     np.testing.assert_allclose(at_centroid[0, [0, 3, 6, 9]], np.array([1, 1, 3, 3]) / 8, atol=1e-12)
 
 
-def test_shells_and_solids_in_one_file_are_refused(write, bulk):
-    mesh = block(1.0, 1.0, 1.0, 1, 1, 1, CellType.HEXA8)
-    path = write(bulk.text(mesh, *bulk.solid(), "CTRIA3,99,2,1,2,3", "PSHELL,2,5,.01,5"))
-    with pytest.raises(
-        ModelError,
-        match=r"model\.bdf: shells or beams \(pshell_2\) and solids \(psolid_1\) in one model.*two",
-    ):
-        nastran_model(read_nastran(path))
-
-
 def test_a_frame_of_beams_has_the_stiffness_of_its_members(write, bulk):
     """A cantilever of CBEAM along y: P L^3 / 3 E I + P L / (K G A) at its tip, in both planes."""
     cards = bulk.grids(np.linspace(0, 2, 5)[:, None] * [0, 1.0, 0])
     cards += [bulk.card("CBEAM", i, 1, i, i + 1, 0.0, 0.0, 1.0) for i in range(1, 5)]
-    model = nastran_model(
-        read_nastran(write(bulk.deck(*cards, "PBEAM,1,5,.01,2.-5,1.-5,0.,3.-5", ",", ",.5,.8", bulk.steel())))
-    )
+    properties = "PBEAM,1,5,.01,2.-5,1.-5,0.,3.-5", ",", ",.5,.8"
+    model = model_of(write(bulk.deck(*cards, *properties, bulk.steel())))
     flexibility = np.linalg.inv(model.stiffness.toarray()[6:, 6:])[-6:, -6:]
     G = STEEL.shear_modulus
     for axis, moment, factor in ((2, 2e-5, 0.5), (0, 1e-5, 0.8)):
@@ -145,7 +144,7 @@ def test_a_frame_of_beams_has_the_stiffness_of_its_members(write, bulk):
 
 def test_an_unknown_connection_lists_those_there_are(write, bulk):
     text, _, _ = quadrilaterals(bulk, 2, 1)
-    connections = read_nastran(write(text)).connections
+    connections = deck_connections(read_deck(write(text)))
     assert connection_named("rbe2_501", connections).weights is None
     with pytest.raises(ModelError, match=r"no connection 'rbe2_1'.*it has 'rbe2_501', 'rbe3_502'"):
         connection_named("rbe2_1", connections)

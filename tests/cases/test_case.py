@@ -8,7 +8,7 @@ import pytest
 from supple.body import body_source
 from supple.cases import read_case, run_case
 from supple.errors import CaseError
-from supple.importers.nastran import model as nastran
+from supple.importers.nastran import deck_file as nastran
 from supple.mesh import strip
 from supple.quantities import Place
 from supple.simulation import simulate
@@ -110,7 +110,7 @@ def test_a_nastran_file_is_read_and_assembled_once_a_run(tmp_path, bulk, monkeyp
     (tmp_path / "plate.toml").write_text(BULK.replace("LINEAR", "linear = true" if linear else ""))
     monkeypatch.setattr("supple.viz.run_pictures.N_FRAMES", 3)
     reads = counted(monkeypatch, nastran, "read_bulk_data")
-    assembled = counted(monkeypatch, body_source, "nastran_model")
+    assembled = counted(monkeypatch, body_source, "deck_model")
     run_case(read_case(tmp_path / "plate.toml"), tmp_path / "out")
     assert (len(reads), len(assembled)) == (1, 1)
     assert (tmp_path / "out" / "plate-stress.png").is_file()

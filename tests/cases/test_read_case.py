@@ -229,7 +229,8 @@ ONE_MISTAKE = {
     "two kinds of body": (
         'name = "hub"',
         'name = "hub"\nshell = {thickness = 1, youngs_modulus = 1, poissons_ratio = 0, density = 1}',
-        "a body needs exactly one of shell, solid, nastran, matrices, superelement, rigid, reduced; this one",
+        "a body needs exactly one of shell, solid, nastran, abaqus, matrices, superelement, rigid, "
+        "reduced, section_table; this one",
     ),
     "no mesh": ('mesh = "blade.inp"\n', "", 'body[1]: a shell body needs a mesh; add mesh = "FILE.inp"'),
     "a mesh for a rigid body": (
@@ -526,8 +527,8 @@ def test_a_basis_of_interface_shapes_needs_an_interface(folder):
 def test_a_case_without_elements_has_no_stress_to_show(folder):
     coloured = SUPERELEMENT + '[output]\ncolour = "von-mises"\n'
     assert (
-        "line 15, output.colour: no body has elements whose stress could be shown (shell, solid, nastran)"
-        in mistakes(folder, coloured)
+        "line 15, output.colour: no body has elements whose stress could be shown (shell, solid, nastran, "
+        "abaqus, section_table)" in mistakes(folder, coloured)
     )
     read(folder, coloured.replace("von-mises", "deflection"))
 

@@ -141,5 +141,5 @@ def test_loads_beyond_the_modes_of_a_fixed_size_are_named(case):
     text = 'units = { time = "s" }\n' + text
     case.write_text(text.replace("output_step = 0.02", "output_step = 0.001"))
     output = call("run", case, "-o", case.parent / "out")
-    assert "its spectrum reaches to 100 Hz, where body 'strip' has 3 modes, 2 of which" in output
+    assert "contains up to 100 Hz: 2 of 3 modes of body 'strip' below that are missing" in output
     assert "Ask for at least 3 modes" in output

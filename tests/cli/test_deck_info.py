@@ -71,8 +71,8 @@ def test_the_numbers_of_a_deck(bar):
     assert found["left_out"] == []
     assert found["mass"] == pytest.approx(5.14)
     assert found["centre"] == pytest.approx([(3.14 * 0.5 + 2.0) / 5.14, 0, 0])
-    I = 0.02**4 / 12
-    rayleigh = (3 * 2.1e11 * I / (2.0 + 33 / 140 * 3.14)) ** 0.5 / 6.283185
+    second_moment = 0.02**4 / 12
+    rayleigh = (3 * 2.1e11 * second_moment / (2.0 + 33 / 140 * 3.14)) ** 0.5 / 6.283185
     assert found["frequencies_hz"][0] == pytest.approx(rayleigh, rel=5e-3)
     call("info", bar, "--json", numbers, "--modes", 2)
     assert json.loads(numbers.read_text())["frequencies_hz"][0] > 3 * rayleigh  # elastic, of the free body

@@ -12,7 +12,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, Tolerances
 from supple.machine import GROUND, At, Placed, PrescribedRotation, System
 from supple.mesh import strip
-from supple.reduction import CompressedDerivatives, CraigBampton, with_room
+from supple.reduction import CompressedDerivatives, CraigBampton, padded
 from supple.simulation.watched_run import watched_run
 from supple.storage import read_header, read_solution
 
@@ -112,7 +112,7 @@ def test_a_correction_that_was_killed_goes_on_with_the_run_that_was_cut_off(
             raise KilledError
 
     with pytest.raises(KilledError):
-        archive.simulate(1, with_body(system, with_room(result.body)), RUN, progress=stop)
+        archive.simulate(1, with_body(system, padded(result.body)), RUN, progress=stop)
     assert not read_header(archive.motion(1)).complete
     assert read_solution(archive.motion(1)).times[-1] == pytest.approx(0.5)
     simulated.clear()

@@ -4,8 +4,18 @@ import numpy as np
 import pytest
 
 from supple.errors import MeshError, ModelError, SuppleWarning
-from supple.fem import HomogeneousSection, shell_model, solid_model
-from supple.mesh import CellType, Mesh, block, plate
+from supple.fem import (
+    Anisotropic,
+    BeamSection,
+    HomogeneousSection,
+    Isotropic,
+    Section,
+    finite_element_model,
+    part_of_model,
+    shell_model,
+    solid_model,
+)
+from supple.mesh import CellType, Mesh, block, mesh_part, plate
 
 
 @pytest.fixture
@@ -86,3 +96,28 @@ def test_a_wall_thicker_than_its_elements(material):
         SuppleWarning, match=r"wall thickness 0\.5 is 10 times the size of its elements, 0\.05"
     ):
         shell_model(plate(1.0, 1.0, 20, 20), HomogeneousSection(material, 0.5))
+
+
+def test_parts_of_a_model_keep_what_each_cell_has(rng):
+    """Solids with axes and beams with offsets in one model: the stiffness of the parts adds up to its own."""
+    bricks = block(3.0, 1.0, 1.0, 3, 1, 1, CellType.HEXA8)
+    edge = np.flatnonzero((bricks.nodes[:, 1] < -0.4) & (bricks.nodes[:, 2] < -0.4))
+    lines = np.column_stack([edge[:-1], edge[1:]])
+    mesh = Mesh(bricks.nodes, {CellType.HEXA8: bricks.cells[CellType.HEXA8], CellType.LINE2: lines})
+    axes = np.array([np.linalg.qr(rng.normal(size=(3, 3))).Q for _ in range(3)])
+    stiff = Anisotropic(np.diag([5.0, 2, 1, 0.3, 0.4, 0.5]), 1.0)
+    stringer = BeamSection(Isotropic(1.0, 0.3, 1.0), 1e-2, 1e-5, 1e-5, 1e-5)
+    order = np.array([2, 0, 1])
+    model = finite_element_model(
+        mesh,
+        (
+            Section(CellType.HEXA8, order, stiff, directions=axes),
+            Section(CellType.LINE2, order, stringer, offsets=0.1 * rng.normal(size=(3, 2, 3))),
+        ),
+    )
+    total = np.zeros((model.n_dofs, model.n_dofs))
+    for cells in ([0, 1], [2]):
+        part = mesh_part(mesh, {kind: np.array(cells) for kind in mesh.cells})
+        rows = (6 * part.nodes[:, None] + np.arange(6)).ravel()
+        total[np.ix_(rows, rows)] += part_of_model(model, part).stiffness.toarray()
+    np.testing.assert_allclose(total, model.stiffness.toarray(), atol=1e-12)

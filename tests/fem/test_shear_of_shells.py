@@ -16,6 +16,7 @@ from supple.fem import (
     Section,
     assemble,
     finite_element_model,
+    shear_share,
     shell_model,
 )
 from supple.mesh import CellType, Mesh, plate, strip
@@ -46,8 +47,8 @@ def plate_frequencies(wall, sides, waves):
     return np.sqrt(np.linalg.eigvals(np.linalg.solve(np.diag([J, m]), K)).real.min())
 
 
-def supported_plate(wall, sides, n):
-    """Hard supports: no deflection, and no rotation about the normal of an edge."""
+def supported(wall, sides, n):
+    """Model and free freedoms. Hard supports: no deflection, and no rotation about the normal of an edge."""
     mesh = plate(*sides, *n)
     model = shell_model(mesh, wall)
     free = np.zeros((mesh.n_nodes, 6), dtype=bool)
@@ -59,8 +60,12 @@ def supported_plate(wall, sides, n):
     free[across_x, 2] = free[across_y, 2] = False
     free[across_x, 3] = free[across_y, 4] = False
     rows = np.flatnonzero(free.ravel())
-    K, M = model.stiffness[rows][:, rows], model.mass[rows][:, rows]
-    return np.sqrt(lowest_modes(K, M, 6).values)
+    return model, rows
+
+
+def supported_plate(wall, sides, n):
+    model, rows = supported(wall, sides, n)
+    return np.sqrt(lowest_modes(model.stiffness[rows][:, rows], model.mass[rows][:, rows], 6).values)
 
 
 @pytest.mark.parametrize("core_shear", [300e6, 30e6, 3e6], ids=["stiff", "usual", "soft"])
@@ -219,3 +224,28 @@ def test_a_homogeneous_wall_beside_its_nodes_is_a_wall_at_its_nodes(held, solve_
     found = solve_linear(offset, root, moved)
     middle = found[:, :3] + np.cross(found[:, 3:], [0, 0, z])
     np.testing.assert_allclose(middle[:, 2], expected[:, 2], rtol=1e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize("n", [8, 16])
+def test_the_share_of_shear_in_bending_is_that_of_a_plate(n):
+    """First mode of a thick supported square: omega^2 falls by D k^2 / H to first order, on any mesh."""
+    wall, side = HomogeneousSection(FACE, 0.03), 1.0
+    model, rows = supported(wall, (side, side), (n, n))
+    shape = np.zeros((model.n_dofs, 1))
+    shape[rows] = lowest_modes(model.stiffness[rows][:, rows], model.mass[rows][:, rows], 1).vectors
+    H = 5 / 6 * FACE.shear_modulus * 0.03
+    expected = wall.bending[0, 0] * 2 * np.pi**2 / H
+    assert shear_share(model, shape)[0] == pytest.approx(expected, rel=12 / n**2)
+    shearing, _ = supported(replace(wall, shear_factor=5 / 6), (side, side), (n, n))
+    assert shear_share(shearing, shape)[0] == 0.0
+
+
+def test_membranes_do_not_bend_and_what_only_bends_does_not_stretch():
+    """Both parts, alone, add up to the whole wall."""
+    mesh, wall = strip(1.0, 0.3, 4, 2), HomogeneousSection(FACE, 0.01)
+    none = np.zeros((3, 3))
+    membrane = LaminateSection(wall.membrane, none, none, 1.0, 0.0)
+    plate = LaminateSection(none, none, wall.bending, 1.0, 0.0)
+    whole = shell_model(mesh, wall).stiffness
+    found = shell_model(mesh, membrane).stiffness + shell_model(mesh, plate).stiffness
+    assert abs(found - whole).max() < 1e-12 * abs(whole).max()

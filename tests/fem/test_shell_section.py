@@ -82,6 +82,8 @@ def test_positive_definiteness_does_not_depend_on_units():
         ({"coupling": np.triu(np.ones((3, 3)))}, "coupling stiffness is not symmetric"),
         ({"membrane": -A}, "diagonal entry -4"),
         ({"coupling": 5 * B}, "A-B-D matrix is not positive definite"),
+        ({"bending": 0 * D}, "A-B-D matrix is not positive definite"),
+        ({"membrane": 0 * A, "coupling": 0 * B, "bending": 0 * D}, "A-B-D matrix is not positive definite"),
         ({"mass_per_area": -1.0}, "mass_per_area is -1.0"),
         ({"shear": -np.eye(2)}, "shear stiffness is not positive definite"),
         ({"thickness": 0.0}, "laminate thickness is 0.0"),

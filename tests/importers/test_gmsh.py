@@ -97,14 +97,56 @@ GMSH_ORDER = {
 )
 def test_middle_nodes_are_reordered(kind, number, tmp_path):
     """The node order of the Gmsh manual, section 'Node ordering'."""
-    nodes = reference_nodes(kind)[GMSH_ORDER[kind]]
-    lines = [f"{i + 1} {x} {y} {z}" for i, (x, y, z) in enumerate(nodes)]
-    cell = f"1 {number} 2 0 1 " + " ".join(map(str, range(1, kind.n_nodes + 1)))
-    parts = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(nodes)), *lines, "$EndNodes"]
-    path = tmp_path / "one.msh"
-    path.write_text("\n".join([*parts, "$Elements", "1", cell, "$EndElements", ""]))
-    mesh = read_gmsh(path)
+    mesh = read_gmsh(one_cell(tmp_path, number, reference_nodes(kind)[GMSH_ORDER[kind]]))
     np.testing.assert_array_equal(mesh.nodes[mesh.cells[kind][0]], reference_nodes(kind))
+
+
+def one_cell(folder, number, nodes):
+    """A file of one cell, of the type of that number."""
+    lines = [f"{i + 1} {x} {y} {z}" for i, (x, y, z) in enumerate(nodes)]
+    cell = f"1 {number} 2 1 1 " + " ".join(map(str, range(1, len(nodes) + 1)))
+    parts = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(nodes)), *lines, "$EndNodes"]
+    path = folder / "one.msh"
+    path.write_text("\n".join([*parts, "$Elements", "1", cell, "$EndElements", ""]))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "inner"),
+    [(CellType.PYRAMID13, 14, 1), (CellType.WEDGE15, 13, 3), (CellType.HEXA20, 12, 7)],
+)
+def test_nodes_inside_faces_and_cells_are_left_out(kind, number, inner, tmp_path):
+    """Also of the group that the cell is in; the order of the others is that without them."""
+    middle = np.full((inner, 3), 0.25)
+    mesh = read_gmsh(one_cell(tmp_path, number, np.vstack([reference_nodes(kind)[GMSH_ORDER[kind]], middle])))
+    assert mesh.n_nodes == kind.n_nodes
+    np.testing.assert_array_equal(mesh.nodes[mesh.cells[kind][0]], reference_nodes(kind))
+    (name,) = mesh.node_sets
+    assert len(mesh.nodes_of(name)) == kind.n_nodes
+
+
+SQUARE = np.array([[0, 0], [2, 0], [2, 1], [0, 1], [1, 0], [2, 0.5], [1, 1], [0, 0.5], [1, 0.5]])
+
+
+@pytest.mark.parametrize(
+    ("number", "places", "triangles", "area"),
+    [
+        (9, [[0, 0], [2, 0], [0, 2], [1, 0], [1, 1], [0, 1]], 4, 2.0),
+        (16, SQUARE[:8], 6, 2.0),
+        (10, SQUARE, 6, 2.0),
+    ],
+)
+def test_surfaces_of_second_order_become_triangles(number, places, triangles, area, tmp_path):
+    nodes = np.column_stack([places, np.zeros(len(places))])
+    mesh = read_gmsh(one_cell(tmp_path, number, nodes))
+    assert mesh.n_nodes == min(len(nodes), 8)
+    cells = mesh.cells[CellType.TRIANGLE3]
+    assert len(cells) == triangles
+    a, b, c = np.moveaxis(mesh.nodes[cells], 1, 0)
+    normals = np.cross(b - a, c - a)[:, 2] / 2
+    assert (normals > 0).all()
+    assert normals.sum() == pytest.approx(area)
+    np.testing.assert_array_equal(mesh.cell_ids[CellType.TRIANGLE3], np.ones(triangles))
 
 
 def test_quadrilaterals_become_triangles(changed):
@@ -213,11 +255,9 @@ def test_cell_naming_a_missing_node(path, old, new, changed):
 
 
 def test_unknown_element_type(tmp_path):
-    nodes = np.vstack([reference_nodes(CellType.TETRA4)[:3], [[0.5, 0, 0], [0.5, 0.5, 0], [0, 0.5, 0]]])
-    path = tmp_path / "curved.msh"
-    meshio.write(path, meshio.Mesh(nodes, {"triangle6": np.arange(6)[None]}), "gmsh22", binary=False)
+    path = one_cell(tmp_path, 21, np.random.default_rng(0).random((10, 3)))
     with pytest.raises(
-        ImportFormatError, match=r"unknown element type 'triangle6'; supported are triangle, "
+        ImportFormatError, match=r"unknown element type 'triangle10'; supported are triangle, "
     ):
         read_gmsh(path)
 

@@ -15,9 +15,9 @@ from supple.body import (
     flexible_body,
     inertia_gram,
 )
-from supple.errors import AccuracyError, LockingWarning, ModelError
-from supple.fem import Isotropic, solid_model
-from supple.mesh import CellType, block
+from supple.errors import AccuracyError, LockingWarning, ModelError, ValidityWarning
+from supple.fem import HomogeneousSection, Isotropic, shear_share, shell_model, solid_model
+from supple.mesh import CellType, block, strip
 from supple.reduction import (
     CompleteBasis,
     CompressedDerivatives,
@@ -244,3 +244,20 @@ def test_mass_that_disagrees_with_the_nodal_mass_is_caught(solid_body, root_fram
         AccuracyError, match=r"the inertia Gram matrix of body 'block' misses V\^T M V = I by"
     ):
         reduce(doubled, root_frame, NormalModes(2), derivatives=NoDerivatives(), loads=NoLoads)
+
+
+def test_walls_that_should_shear_are_named_with_their_share():
+    """A strip ten times as long as thick: 1 - (omega_shear / omega)^2 of its first mode, to first order.
+
+    At free edges the share is too high: there a wall that shears has less than the forces of a rigid one.
+    """
+    wall = HomogeneousSection(Isotropic(7e10, 0.3, 2700.0), 0.1)
+    mesh = strip(1.0, 0.2, 12, 2)
+    body = flexible_body("thick", shell_model(mesh, wall))
+    with pytest.warns(ValidityWarning, match="body 'thick': transverse shear, in which its walls are rigid"):
+        rigid = reduce(body, MeanAxisFrame(), NormalModes(3), derivatives=NoDerivatives(), loads=NoLoads)
+    shearing = flexible_body("thick", shell_model(mesh, replace(wall, shear_factor=5 / 6)))
+    found = reduce(shearing, MeanAxisFrame(), NormalModes(3), derivatives=NoDerivatives(), loads=NoLoads)
+    fallen = 1 - (found.frequencies[0] / rigid.frequencies[0]) ** 2
+    share = shear_share(body.model, rigid.nodal_basis[:, :1])[0]
+    assert share == pytest.approx(fallen, rel=0.4)

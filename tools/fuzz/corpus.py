@@ -16,6 +16,7 @@ from supple.cases import read_case
 from supple.errors import SuppleError
 from supple.importers import (
     MatrixRole,
+    read_deck,
     read_labelled_matrix,
     read_matrix,
     read_nodes,
@@ -133,6 +134,96 @@ CBAR,9,8,1,2,0.,0.,1.
 PBARL,8,5,,BAR
 ,0.1,0.2
 """
+_DECK_BDF = """\
+SOL 103
+CEND
+SPC = 1
+MPC = 8
+NSM = 6
+K2GG = 2.0*KADD
+BEGIN BULK
+GRDSET,,,,,,,6
+BAROR,,18,,,0.,0.,1.
+CORD2R,3,,0.,0.,0.,0.,1.,1.
+,1.,1.,0.
+GRID,1,,0.,0.,0.
+=,*(1),=,*(1.),==
+=1
+GRID,4,,0.,1.,0.,3
+GRID,5,,0.,0.,1.
+GRID,6,,1.,0.,1.,,45
+GRID,7,,1.5,1.,.5
+SPOINT,77
+CPENTA,1,13,1,2,4,5,6,7
+,8
+GRID,8,,.5,0.,0.
+CPYRAM,2,13,1,2,6,5,4
+PSOLID,13,25,3
+MAT9,25,2.,1.,1.,0.,0.,0.,2.
+,1.,0.,0.,0.,2.,0.,0.,0.
+,1.,0.,0.,1.,0.,1.,7.
+CQUAD8,3,14,1,2,6,5,8
+,,,.1,.1,,.2,30.,.01
+CTRIA6,4,15,1,2,4,8
+PSHELL,14,26,.1,26,,26,,1.
+PCOMP,15,-.1,1.,,,,,SYM
+,27,.1,45.,YES,,.2,-45.
+MAT1,26,2.1+11,,.3,7850.
+MAT8,27,140.,10.,.3,5.,5.,3.,1.6
+CBAR,5,,1,2
+CBEAM,6,19,2,3,5,,,GGO
+,4,56,.1,.2
+PBARL,18,26,,BOX
+,.1,.2,.01,.02
+PBEAM,19,26,.01,1.-5,1.-5,,1.-5
+,,,,,,,,
+,YES,1.,.02,1.-5
+,.1
+,.8,.8,,,1.,,,,
+,.1,.2
+CBEND,7,20,1,2,.5,1.,0.,1
+PBEND,20,26,.01,1.-5,1.-5,1.-5
+CONROD,8,3,7,26,.1,.2
+CTUBE,9,21,3,7
+PTUBE,21,26,.1,.01
+CSHEAR,10,22,1,2,6,5
+PSHEAR,22,26,.1
+CELAS1,11,23,1,3,2,3
+CDAMP4,12,.5,77
+PELAS,23,5.
+CBUSH,13,24,1,2,0.,0.,1.
+,.25
+PBUSH,24,K,1.,2.,3.
+,,B,.1
+CONM2,14,3,3,2.,.1,.2,.3
+,5.,.5,6.,.25,.125,7.
+CMASS2,15,2.,3,1
+NSML1,6,PSHELL,3.,14,THRU,15
+RBE1,16,1,123,3,23,4,3
+,UM,5,123,7,12
+RBE2,17,1,126,5,THRU,7
+RBE3,18,,3,123456,1.,123456,5,6
+,2.,12,7
+RBAR,19,2,7,123456
+MPC,5,1,2,2.,2,1,-3.
+,,4,3,.5,77,0,4.
+MPCADD,8,5
+SPC,1,1,12,0.,2,3
+SPC1,1,6,1,THRU,5
+ASET1,123,1,THRU,3
+DMIG,KADD,0,6,1,0
+DMIG,KADD,1,1,,1,1,4.
+,2,2,-2.
+CGAP,20,6,1,2
+FORCE,1,1,,1.,1.
+BEGIN SUPER=4
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+CROD,1,1,1,2
+PROD,1,2,1.
+MAT1,2,1.,,.3
+ENDDATA 1b2c
+"""
 _DMIG = """\
 DMIG    KAA     0       6       2       0
 DMIG*   KAA                            1               1
@@ -144,6 +235,100 @@ DMIG    MAA     0       6       1       0
 DMIG,MAA,1,1,,1,1,1.5
 """
 
+_STEEL_INP = "*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1E11, 0.3, 20.\n2.0E11, 0.3, 200.\n*DENSITY\n7850.\n"
+_DECK_INP = (
+    _INP.partition("*ELEMENT")[0]
+    + _STEEL_INP
+    + """\
+*NODE
+11, 0., 0., 1.
+12, 1., 0., 1.
+13, 1., 1., 1.
+14, 0., 1., 1.
+21, 0., 0., 2.
+22, 1., 0., 2.
+23, 1., 1., 2.
+24, 0., 1., 2.
+31, 0., 0., 3.
+33, 2., 0., 3.
+*NGEN, NSET=BETWEEN
+31, 33, 1
+*NODE, NSET=ABOVE
+51, 0., 0., 4.
+52, 1., 0., 4.
+53, 2., 0., 4.
+*NFILL, NSET=FILLED
+BETWEEN, ABOVE, 2, 10
+*ELEMENT, TYPE=C3D8R, ELSET=SOLID
+1, 1, 2, 3, 4, 11, 12, 13, 14
+*ELEMENT, TYPE=S4R, ELSET=SKIN
+2, 21, 22, 23, 24
+*ELEMENT, TYPE=B32, ELSET=BEAM
+3, 1, 11, 21
+*ELEMENT, TYPE=SPRINGA, ELSET=SPRING
+4, 14, 24
+*ELEMENT, TYPE=MASS, ELSET=MASS
+5, 5
+*ELEMENT, TYPE=ROTARYI, ELSET=ROTARY
+6, 5
+*ORIENTATION, NAME=AXES, SYSTEM=CYLINDRICAL
+0., 0., 0., 0., 0., 1.
+3, 30.
+*SOLID SECTION, ELSET=SOLID, MATERIAL=STEEL
+*SHELL SECTION, ELSET=SKIN, COMPOSITE, ORIENTATION=AXES, OFFSET=SPOS
+0.01, 3, STEEL, 0.
+0.02, 3, STEEL, 90.
+*BEAM SECTION, ELSET=BEAM, MATERIAL=STEEL, SECTION=I
+0.1, 0.2, 0.1, 0.1, 0.01, 0.01, 0.02
+0., 1., 0.
+*SPRING, ELSET=SPRING, NONLINEAR
+
+-10., -1.
+10., 1.
+*MASS, ELSET=MASS
+2.
+*ROTARY INERTIA, ELSET=ROTARY
+1., 2., 3.
+*NSET, NSET=TOP, GENERATE
+21, 24
+*SURFACE, NAME=UPPER
+SOLID, S2
+*SURFACE, NAME=LOWER
+SKIN, SNEG
+*TRANSFORM, NSET=TOP, TYPE=C
+0., 0., 0., 0., 0., 1.
+*EQUATION
+2
+TOP, 1, 1., 12, 2, -1.
+*MPC
+BEAM, 13, 23
+*TIE, NAME=TIE, POSITION TOLERANCE=2.
+LOWER, UPPER
+*COUPLING, REF NODE=5, SURFACE=UPPER, CONSTRAINT NAME=HUB
+*KINEMATIC
+1, 3
+*COUPLING, REF NODE=6, SURFACE=LOWER, CONSTRAINT NAME=MEAN
+*DISTRIBUTING
+*BOUNDARY
+1, ENCASTRE
+2, 1, 3
+*STEP
+*STATIC
+*BOUNDARY
+3, 1, 3, 0.
+*END STEP
+"""
+)
+_TWO_INP = (
+    "*PART, NAME=P\n"
+    + _INP
+    + "*SHELL SECTION, ELSET=QUADS, MATERIAL=STEEL\n0.01\n*END PART\n*ASSEMBLY, NAME=A\n"
+    + "*INSTANCE, NAME=A, PART=P\n*END INSTANCE\n*INSTANCE, NAME=B, PART=P\n0., 0., 1.\n"
+    + "0., 0., 0., 1., 0., 0., 90.\n*END INSTANCE\n*NODE\n1, 0., 0., 5.\n*NSET, NSET=R\n1\n"
+    + "*RIGID BODY, REF NODE=R, TIE NSET=B.ALL\n*END ASSEMBLY\n"
+    + _STEEL_INP
+)
+
 
 def _meshes() -> Iterator[Kind]:
     def abaqus(path: Path) -> None:
@@ -151,8 +336,9 @@ def _meshes() -> Iterator[Kind]:
         read_nodes(path)
 
     def nastran(path: Path) -> None:
-        sp.read_nastran(path)
         read_nodes(path)
+        read_deck(path)
+        sp.read_nastran(path)
 
     tail = b"*INCLUDE, INPUT=sets.inc\n"
     yield Kind(
@@ -164,6 +350,10 @@ def _meshes() -> Iterator[Kind]:
         ),
     )
     yield Kind("Nastran", nastran, (Seed("mesh.bdf", _BDF.encode()), Seed("mesh.bdf", _SOLID_BDF.encode())))
+    yield Kind("Nastran deck", read_deck, (Seed("deck.bdf", _DECK_BDF.encode()),))
+    yield Kind(
+        "Abaqus deck", read_deck, (Seed("deck.inp", _DECK_INP.encode()), Seed("two.inp", _TWO_INP.encode()))
+    )
     folder = REPOSITORY / "tests" / "importers" / "gmsh_square"
     squares = tuple(Seed("mesh.msh", path.read_bytes()) for path in sorted(folder.glob("*.msh")))
     yield Kind("Gmsh", sp.read_gmsh, squares)

@@ -18,8 +18,8 @@ from supple.body.internal_force import *
 from supple.body.labelled_superelement import *
 from supple.body.mass_properties import *
 from supple.body.model_check import *
-from supple.body.nastran_body import *
 from supple.body.point_motion import *
 from supple.body.recovery import *
 from supple.body.rigid_body import *
+from supple.body.section_beams import *
 from supple.body.superelement import *

@@ -17,11 +17,11 @@ from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.labelled_superelement import NodalMatrices, labelled_superelement, read_nodal_matrices
 from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
-from supple.body.nastran_body import nastran_model
+from supple.body.section_beams import section_beams
 from supple.body.superelement import read_superelement
 from supple.errors import ModelError
 from supple.fem import GREEN_LAGRANGE, FiniteElementModel, ShellKinematics
-from supple.importers import Connection, numbers_of, read_deck, read_matrix, read_nastran
+from supple.importers import Connection, numbers_of, read_deck, read_matrix, read_section_table
 from supple.mesh import Mesh
 
 __all__ = [
@@ -30,7 +30,7 @@ __all__ = [
     "elements_source",
     "labelled_matrices_source",
     "matrices_source",
-    "nastran_source",
+    "section_beams_source",
 ]
 
 IntArray = NDArray[np.int64]
@@ -97,10 +97,10 @@ def deck_source(
     return replace(made, ties_itself=True)
 
 
-def nastran_source(path: Path, kinematics: ShellKinematics = GREEN_LAGRANGE) -> BodySource:
-    """The elements, materials and walls of a bulk data file; errors as for `read_nastran`."""
-    read = read_nastran(path)
-    return elements_source(read.mesh, lambda: nastran_model(read, kinematics=kinematics), read.connections)
+def section_beams_source(path: Path) -> BodySource:
+    """Beams between the sections of a table; errors as for `read_section_table`."""
+    model = section_beams(read_section_table(path))
+    return elements_source(model.mesh, lambda: model)
 
 
 def labelled_matrices_source(

@@ -8,6 +8,7 @@ sparse; the others are solved together with those that they share freedoms with.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ def eliminate(
     ModelError   constraints that hold the body against rigid motion
     """
     rows = sparse.csr_array(given.matrix @ expansion)
-    n = rows.shape[1]
+    n = expansion.indptr.size - 1
     largest = np.maximum(abs(rows).max(axis=1).toarray().ravel(), np.finfo(float).tiny)
     rows = sparse.csr_array(rows.multiply(1 / largest[:, None]))
     rows.data[np.abs(rows.data) < _NOTHING] = 0.0
@@ -64,7 +65,7 @@ def eliminate(
     rows, named = rows[np.diff(rows.indptr) > 0], _named(given, expansion)[np.diff(rows.indptr) > 0]
 
     uses = np.bincount(rows.indices, minlength=n)
-    entry = np.zeros(rows.shape[0])
+    entry = np.zeros(len(named))
     known = np.flatnonzero(named >= 0)
     entry[known] = np.asarray(rows[known, named[known]]).ravel()
     alone = (named >= 0) & (np.abs(entry) > _REDUNDANT) & (uses[named] == 1)
@@ -107,7 +108,7 @@ def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -
 
     named : (m,) coordinate that a row should eliminate, or -1;  last : (n,) those that it should not
     """
-    n = rows.shape[1]
+    n = len(last)
     eliminated: list[IntArray] = []
     places: list[tuple[IntArray, IntArray, FloatArray]] = []
     for members in _groups(rows):
@@ -116,7 +117,8 @@ def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -
         dense = own[:, freedoms].toarray()
         liked = np.where(last[freedoms], _LAST, 1.0)
         liked[np.isin(freedoms, named[members])] *= _NAMED
-        _, factor, order = linalg.qr(dense * liked, mode="economic", pivoting=True)
+        decomposed: tuple[Any, ...] = linalg.qr(dense * liked, mode="r", pivoting=True)
+        factor, order = decomposed[0], decomposed[-1]
         sizes = np.abs(np.diag(factor))
         rank = int((sizes > _REDUNDANT * sizes[0]).sum())
         dependent, free = order[:rank], order[rank:]
@@ -136,7 +138,7 @@ def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -
 
 def _groups(rows: sparse.csr_array) -> Iterator[IntArray]:
     """Rows (k,) that share freedoms with each other."""
-    if not rows.shape[0]:
+    if rows.indptr.size == 1:
         return
     shared = sparse.csr_array(abs(rows) @ abs(rows).T)
     _, group = connected_components(shared, directed=False)

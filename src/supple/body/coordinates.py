@@ -183,9 +183,9 @@ def coordinates(
     turns = np.repeat(held | ~R[:n_threes].reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
     turns = np.concatenate([turns, np.zeros(n_modal, dtype=bool)])
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
-    if still.shape[1]:
+    if still.nnz:
         # A rigid motion of all else leaves them where they rest.
-        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still))
+        state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still, len(state.kept)))
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
@@ -202,7 +202,7 @@ def coordinates(
     return Coordinates(
         *(whole, state.rest, state.R, freedoms[state.kept], sets, n_modal),
         bare=freedoms[np.setdiff1d(before, state.kept)],
-        n_fixed=still.shape[1],
+        n_fixed=still.indptr.size - 1,
     )
 
 
@@ -271,10 +271,10 @@ def _without_stiffness(
     return sparse.csc_array((entry.ravel()[used], (rows.ravel()[used], column[used])), shape=(n, len(block)))
 
 
-def _fixed(still: sparse.csc_array) -> StaticallyTied:
+def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
     """Motion along no direction (n, k): of each three freedoms as many are eliminated as have none."""
-    n, k = still.shape
-    return together(sparse.csr_array(still.T), np.full(k, -1), np.zeros(n, dtype=bool))
+    rows = sparse.csr_array(still.T)
+    return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
 
 
 def _bare(

@@ -211,7 +211,7 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
             ) from None
         cells = np.arange(start, first[each.kind])
         directions = _along_cells(deck, each) if each.kind.dimension == 2 else each.directions
-        made.append(Section(each.kind, cells, own, directions, each.offsets, each.released))
+        made.append(Section(each.kind, cells, own, directions, each.offsets, each.released, each.reduced))
     return tuple(made)
 
 
@@ -244,7 +244,11 @@ def _property(
             return _material(given.material)
         case ShellProperty():
             return HomogeneousSection(
-                _isotropic(given.material), given.thickness, given.offset, given.added_mass
+                _isotropic(given.material),
+                given.thickness,
+                given.offset,
+                given.added_mass,
+                given.shear_factor,
             )
         case WallProperty():
             return LaminateSection(
@@ -296,7 +300,7 @@ def _has_shear(material: IsotropicMaterial) -> bool:
 
 
 def _of_lines(material: IsotropicMaterial) -> Isotropic:
-    """Of beams and rods E and G count alone: decks state G beside E that no Poisson's ratio of solids gives."""
+    """Of beams and rods E and G count alone: decks state G that no Poisson's ratio of solids gives."""
     nu = material.poissons_ratio
     G = material.shear_modulus if _has_shear(material) else None
     if not -1 < nu < 0.5:

@@ -11,7 +11,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from supple.errors import ModelError, did_you_mean
-from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
+from supple.importers.deck import Deck, NodalMatrix, ScalarTerms
+from supple.importers.restricted_deck import restricted_deck
 
 __all__ = ["deck_links", "deck_parts", "named_part", "with_scalar_points", "without_scalar_points"]
 
@@ -35,9 +36,10 @@ def deck_parts(deck: Deck) -> dict[str, Deck]:
     numbers, first, count = np.unique(group[used], return_index=True, return_counts=True)
     order = np.lexsort([first, -count])
     if len(order) == 1:
-        return {"": _restricted(deck, used)}
+        return {"": restricted_deck(deck, used)}
     return {
-        f"part_{k}": _restricted(deck, used & (group == numbers[which])) for k, which in enumerate(order, 1)
+        f"part_{k}": restricted_deck(deck, used & (group == numbers[which]))
+        for k, which in enumerate(order, 1)
     }
 
 
@@ -142,73 +144,6 @@ def _stars(deck: Deck) -> Iterator[IntArray]:
 
 def _split(values: IntArray, by: IntArray) -> Iterable[IntArray]:
     return np.split(values, np.flatnonzero(np.diff(by)) + 1) if len(by) else ()
-
-
-def _restricted(deck: Deck, own: NDArray[np.bool_]) -> Deck:
-    """What a deck has on some of its nodes, which nothing connects to others."""
-    if own.all():
-        return deck
-    number = np.cumsum(own) - 1
-
-    def sets(given: IntArray) -> IntArray:
-        return number[given[own[given]]]
-
-    def matrices(given: tuple[NodalMatrix, ...]) -> tuple[NodalMatrix, ...]:
-        inside = (each for each in given if len(each.freedoms) and own[each.freedoms[0] // 6])
-        return tuple(replace(each, freedoms=_renumbered(each.freedoms, number)) for each in inside)
-
-    def terms(given: tuple[ScalarTerms, ...]) -> tuple[ScalarTerms, ...]:
-        cut = (_terms(each, own, number) for each in given)
-        return tuple(each for each in cut if len(each.lines))
-
-    def ties(given: tuple[RigidTie | WeightedMean, ...]) -> tuple[RigidTie | WeightedMean, ...]:
-        return tuple(
-            replace(each, reference=int(number[each.reference]), nodes=number[each.nodes])
-            for each in given
-            if own[each.reference]
-        )
-
-    node_sets = {name: sets(nodes) for name, nodes in deck.node_sets.items()}
-    elements = tuple(_elements(each, own, number) for each in deck.elements)
-    return replace(
-        deck,
-        node_ids=deck.node_ids[own],
-        nodes=deck.nodes[own],
-        elements=tuple(each for each in elements if len(each.ids)),
-        node_sets={name: nodes for name, nodes in node_sets.items() if len(nodes)},
-        masses=matrices(deck.masses),
-        stiffnesses=matrices(deck.stiffnesses),
-        dampings=matrices(deck.dampings),
-        springs=terms(deck.springs),
-        dashpots=terms(deck.dashpots),
-        inertias=terms(deck.inertias),
-        constraints=terms(deck.constraints),
-        held=terms(deck.held),
-        rigid=ties(deck.rigid),
-        means=ties(deck.means),
-    )
-
-
-def _renumbered(freedoms: IntArray, number: IntArray) -> IntArray:
-    return 6 * number[freedoms // 6] + freedoms % 6
-
-
-def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> DeckElements:
-    inside = own[given.nodes[:, 0]] if len(given.nodes) else np.empty(0, dtype=bool)
-    arrays = {name: getattr(given, name) for name in ("directions", "offsets", "released")}
-    return replace(
-        given,
-        nodes=number[given.nodes[inside]],
-        ids=given.ids[inside],
-        lines=given.lines[inside],
-        **{name: None if array is None else array[inside] for name, array in arrays.items()},
-    )
-
-
-def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
-    cut = _rows(given, own[given.freedoms // 6])
-    dependent = np.where(cut.dependent >= 0, _renumbered(np.maximum(cut.dependent, 0), number), -1)
-    return replace(cut, freedoms=_renumbered(cut.freedoms, number), dependent=dependent)
 
 
 def _rows(given: ScalarTerms, inside: NDArray[np.bool_]) -> ScalarTerms:

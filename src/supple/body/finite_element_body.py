@@ -62,6 +62,6 @@ def flexible_body(
             for given in interfaces
         ),
         model=model,
-        rotation_operator=rotations if rotations.shape[0] else None,
+        rotation_operator=rotations if rotations.nnz else None,
         rotation_limit=model.rotation_limit,
     )

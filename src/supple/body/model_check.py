@@ -323,8 +323,8 @@ def _coordinates(
         )
     except ModelError as error:
         remedy = (
-            "every freedom needs mass, or stiffness by which it follows the others; give materials a density, "
-            "or reduce massless rotations away (Nastran: ASET1,123)"
+            "every freedom needs mass, or stiffness by which it follows the others; give materials a "
+            "density, or reduce massless rotations away (Nastran: ASET1,123)"
         )
         seen = str(error).removeprefix("body 'model': ")
         return None, [Finding("positive mass", seen, Verdict.REFUSED, remedy)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from supple.arguments import check_fields
 from supple.errors import ModelError
-from supple.fem import FiniteElementModel, QuadraticStrain
+from supple.fem import FiniteElementModel, QuadraticStrain, RigidPiece
 from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_forces
 from supple.integrate.motion import FloatingMotion
@@ -127,7 +127,7 @@ def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
         )
     chosen = [np.flatnonzero(shared[each].any(axis=1)) for each in cells]
     around = np.unique(np.concatenate([each[some].ravel() for each, some in zip(cells, chosen, strict=True)]))
-    _refuse_tied(body, around)
+    _refuse_tied(body, model.attached.rigid, around)
     freedoms = (around[:, None] * d + np.arange(d)).ravel()
     cut = np.flatnonzero(shared[around])
     return _Layer(
@@ -142,12 +142,18 @@ def _layer(body: Any, model: FiniteElementModel, plane: CuttingPlane) -> _Layer:
     )
 
 
-def _refuse_tied(body: Any, around: NDArray[np.int64]) -> None:
+def _refuse_tied(body: Any, pieces: Sequence[RigidPiece], around: NDArray[np.integer]) -> None:
     for interface in body.interfaces:
         if np.isin(interface.tied_nodes, around).any():
             raise ModelError(
                 f"body '{body.name}': the section lies beside interface '{interface.name}', whose nodes move "
                 "as one. Move it by an element, or read the force of the joint there"
+            )
+    for piece in pieces:
+        if np.isin(piece.nodes, around).any():
+            raise ModelError(
+                f"body '{body.name}': the section lies beside the rigid tie '{piece.name}', whose nodes "
+                "move as one. Move it by an element"
             )
 
 

@@ -7,16 +7,19 @@ elements that touch them do not feel it (`second_order_tie`), so what is recover
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
+from supple.body.averaged_motion import averaged_motion
+from supple.body.coordinates import rigid_sets
 from supple.body.second_order_tie import tied_parts
-from supple.fem import StressRecovery
+from supple.fem import Attached, RigidPiece, StressRecovery
 
-__all__ = ["Tied", "tied_recovery", "with_virtual_freedoms"]
+__all__ = ["InnerPiece", "Tied", "inner_pieces", "tied_recovery", "with_virtual_freedoms"]
 
 Array = NDArray[np.float64]
 
@@ -33,6 +36,40 @@ class Tied(Protocol):
     def tied_nodes(self) -> np.ndarray:
         """Numbers of the nodes that move rigidly with it to second order."""
         ...
+
+
+@dataclass(frozen=True, eq=False)
+class InnerPiece:
+    """A rigid piece within a body, which is no interface: its motion is that of its nodes.
+
+    position : (3,);  tied_nodes : (k,);  motion : csr (6, n_nodal) of the nodal freedoms
+    """
+
+    name: str
+    position: Array
+    tied_nodes: NDArray[np.int64]
+    motion: sparse.csr_array
+
+
+def inner_pieces(
+    pieces: Sequence[RigidPiece], nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
+) -> tuple[InnerPiece, ...]:
+    """The rigid pieces of a body that none of its interfaces has taken; those that share nodes are one."""
+    if not pieces:
+        return ()
+    taken = np.concatenate([np.empty(0, dtype=np.int64), *(each.tied_nodes for each in interfaces)])
+    found = []
+    for members, position in rigid_sets("", len(nodes), (), Attached(rigid=tuple(pieces))):
+        if np.isin(members, taken).any():
+            continue
+        fitted = averaged_motion(nodes[members], np.ones(len(members)), position, dofs_per_node)
+        dofs = (members[:, None] * dofs_per_node + np.arange(dofs_per_node)).ravel()
+        places = np.repeat(np.arange(6), len(dofs)), np.tile(dofs, 6)
+        shape = (6, len(nodes) * dofs_per_node)
+        motion = sparse.csr_array((fitted.reshape(6, -1).ravel(), places), shape=shape)
+        name = next(each.name for each in pieces if np.isin(each.nodes, members).any())
+        found.append(InnerPiece(name, position, members, motion))
+    return tuple(found)
 
 
 def tied_recovery(

@@ -13,12 +13,17 @@ invariant as they are: of theirs only the ties count.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import BodyInterface
+from supple.body.rigid_motion import are_collinear
+from supple.body.tied_recovery import inner_pieces
+from supple.body.virtual_node import ARCTAN
 from supple.errors import ModelError
 from supple.fem import QuadraticStrain
 from supple.fem.node_sparsity import cell_nodes
@@ -37,19 +42,57 @@ def turned_force(body: FlexibleBody, q: Array) -> Array:
     if body.model is None:
         raise ModelError(f"body '{body.name}' has no elements that could be turned")
     nodal = (body.expansion @ q).reshape(len(body.nodes), body.dofs_per_node)
-    rigid = [interface for interface in body.interfaces if _is_rigid(interface)]
-    for interface in rigid:
-        _place(nodal, body.nodes, interface, q)
+    pieces = _pieces(body)
+    moved = [piece.motion @ q for piece in pieces]
+    for piece, motion in zip(pieces, moved, strict=True):
+        _place(nodal, body.nodes, piece, motion)
     forces = np.zeros_like(nodal)
     for block in body.model.strains:
         element_nodes = cell_nodes(block.dofs, body.dofs_per_node)
         own = nodal[element_nodes][..., : block.dofs.shape[1] // element_nodes.shape[1]]
         turned = _element_forces(block, body.nodes[element_nodes], own)
         np.add.at(forces[..., : own.shape[-1]], element_nodes, turned)
+    wrenches = [
+        _on_virtual_node(forces, body.nodes, piece, motion)
+        for piece, motion in zip(pieces, moved, strict=True)
+    ]
+    for piece in pieces:
+        forces[piece.nodes] = 0.0
     gathered = body.expansion.T @ forces.ravel()
-    for interface in rigid:
-        gathered[interface.motion.indices] = _on_virtual_node(forces, body.nodes, interface, q)
+    for piece, wrench in zip(pieces, wrenches, strict=True):
+        gathered += piece.motion.T @ wrench
     return gathered
+
+
+class _Piece(NamedTuple):
+    """Nodes that move as one with a place: (u, theta) = motion @ q, turned by theta (1 + c theta.theta)."""
+
+    nodes: NDArray[np.int64]
+    position: Array
+    motion: Any
+    cubic_turn: float
+
+
+def _pieces(body: FlexibleBody) -> list[_Piece]:
+    """The rigid interfaces of a body, and the rigid pieces within it."""
+    assert body.model is not None  # turned_force has refused others
+    found = [
+        _Piece(
+            each.tied_nodes if len(each.tied_nodes) else each.node_ids,
+            each.position,
+            each.motion,
+            each.cubic_turn,
+        )
+        for each in body.interfaces
+        if _is_rigid(each)
+    ]
+    if body.is_linear or not body.model.strains_vanish_when_turned:
+        return found
+    inner = inner_pieces(body.model.attached.rigid, body.nodes, body.dofs_per_node, body.interfaces)
+    for each in inner:
+        turn = 0.0 if are_collinear(body.nodes[each.tied_nodes]) else ARCTAN
+        found.append(_Piece(each.tied_nodes, each.position, each.motion @ body.expansion, turn))
+    return found
 
 
 def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> Array:
@@ -77,28 +120,31 @@ def _is_rigid(interface: BodyInterface) -> bool:
     return interface.motion.nnz == 6 and bool((interface.motion.data == 1).all())
 
 
-def _turn(interface: BodyInterface, q: Array) -> tuple[Array, Array]:
-    """Rotation vector (3,) by which an interface has turned, and its derivative by that of the freedoms."""
-    theta = (interface.motion @ q)[3:]
-    c = interface.cubic_turn
+def _moved(interface: BodyInterface) -> NDArray[np.int64]:
+    """The nodes that move with a rigid interface."""
+    return interface.tied_nodes if len(interface.tied_nodes) else interface.node_ids
+
+
+def _turn(piece: _Piece, motion: Array) -> tuple[Array, Array]:
+    """Rotation vector (3,) by which a piece has turned, and its derivative by that of the freedoms."""
+    theta, c = motion[3:], piece.cubic_turn
     factor = 1 + c * theta @ theta
     return factor * theta, factor * np.eye(3) + 2 * c * np.outer(theta, theta)
 
 
-def _place(nodal: Array, nodes: Array, interface: BodyInterface, q: Array) -> None:
-    """Put the nodes of a rigid interface where its motion does."""
-    phi, _ = _turn(interface, q)
-    arms = nodes[interface.node_ids] - interface.position
-    moved = (interface.motion @ q)[:3] + Rotation.from_rotvec(phi).apply(arms) - arms
-    nodal[interface.node_ids, :3] = moved
-    nodal[interface.node_ids, 3:] = phi[: nodal.shape[1] - 3]
+def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
+    """Put the nodes of a rigid piece where its motion does."""
+    phi, _ = _turn(piece, motion)
+    arms = nodes[piece.nodes] - piece.position
+    nodal[piece.nodes, :3] = motion[:3] + Rotation.from_rotvec(phi).apply(arms) - arms
+    nodal[piece.nodes, 3:] = phi[: nodal.shape[1] - 3]
 
 
-def _on_virtual_node(forces: Array, nodes: Array, interface: BodyInterface, q: Array) -> Array:
-    """Force and moment (6,), the latter by the rotational freedoms of the interface."""
-    phi, by_freedom = _turn(interface, q)
-    own = forces[interface.node_ids]
-    arms = Rotation.from_rotvec(phi).apply(nodes[interface.node_ids] - interface.position)
+def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) -> Array:
+    """Force and moment (6,), the latter by the rotational freedoms of the piece."""
+    phi, by_freedom = _turn(piece, motion)
+    own = forces[piece.nodes]
+    arms = Rotation.from_rotvec(phi).apply(nodes[piece.nodes] - piece.position)
     moment = _left_jacobian(phi).T @ np.cross(arms, own[:, :3]).sum(axis=0)
     if own.shape[1] == 6:
         moment = moment + own[:, 3:].sum(axis=0)

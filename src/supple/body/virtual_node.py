@@ -128,9 +128,9 @@ def _check_turns(
     rotations = (node.node_ids[:, None] * 6 + np.arange(3, 6)).ravel()
     if (np.diff(sparse.csr_array(expansion.tocsr()[rotations]).indptr) == 0).any():
         raise ModelError(
-            f"interface '{node.name}': its {len(node.node_ids)} nodes lie on one line or point, and some are "
-            "of solids, which have no rotations, so it cannot carry a rotation; give at least three nodes that "
-            "are not on a line"
+            f"interface '{node.name}': its {len(node.node_ids)} nodes lie on one line or point, and of these "
+            "some are of solids, which have no rotations, so it cannot carry a rotation; give at least three "
+            "nodes that are not on a line"
         )
 
 

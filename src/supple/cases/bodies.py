@@ -19,7 +19,16 @@ from supple.body import (
     check_rigid_connections,
     rigid_mass_properties,
 )
-from supple.cases import condense, damping, explicit_parts, interfaces, line_on_grids, reductions, split
+from supple.cases import (
+    condense,
+    damping,
+    explicit_parts,
+    interfaces,
+    line_on_grids,
+    reductions,
+    section_table,
+    split,
+)
 from supple.cases.body_kinds import (
     KINDS,
     Abaqus,
@@ -27,6 +36,7 @@ from supple.cases.body_kinds import (
     Matrices,
     Nastran,
     Rigid,
+    SectionTableFile,
     Shell,
     Solid,
     Superelement,
@@ -40,6 +50,7 @@ from supple.cases.interfaces import Interface
 from supple.cases.line_on_grids import line_on_grids as built_on_grids
 from supple.cases.notify import Notify
 from supple.cases.reductions import FullOrder, Reduced, Reduction, derivative_choice, quartic_choice
+from supple.cases.section_table import line_of_sections
 from supple.cases.shared_rules import FileName, usable_names
 from supple.cases.split import Split
 from supple.cases.table import Key, Made, OneOf, table_of
@@ -93,6 +104,11 @@ class Body(CheckedTable):
     reduced: FileName | None = Field(
         None, description="file of a reduced body, made by supple reduce, beside the case file"
     )
+    section_table: FileName | None = Field(
+        None,
+        description="6 x 6 stiffness and inertia along a curve, beside the case file: .csv, windIO .yaml, or "
+        "the primary file of BeamDyn, .dat",
+    )
     interface: Annotated[tuple[Interface, ...], Field(strict=False)] = ()
     frame: Frame | None = None
     reduction: Reduction | None = None
@@ -125,17 +141,19 @@ class Body(CheckedTable):
     def elastic(self) -> ElasticKind | None:
         """What an elastic body is made of that the case builds; None of any other.
 
-        None also of matrices that are condensed already: they make no body but one in intrinsic modes.
+        None also of what is a line already: it makes no body but one in intrinsic modes.
         """
-        made_of = getattr(self, self.kind)
-        if self.is_on_grids:
+        if self.is_line:
             return None
+        if self.section_table is not None:
+            return SectionTableFile(file=self.section_table)
+        made_of = getattr(self, self.kind)
         return made_of if isinstance(made_of, ElasticKind) else None
 
     @property
-    def is_on_grids(self) -> bool:
-        """True of matrices that another program condensed on the grids of a load path."""
-        return self.condense is not None and self.matrices is not None
+    def is_line(self) -> bool:
+        """True of a section table, and of matrices that another program condensed on a load path."""
+        return self.condense is not None and (self.section_table is not None or self.matrices is not None)
 
     @property
     def is_explicit(self) -> bool:
@@ -220,10 +238,15 @@ class Body(CheckedTable):
             damped = self.damping
             # A rule of the case file: kinds that ask for neither a body nor its frame.
             own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
-            if self.matrices is not None:
+            if self.is_line:
                 notify(f"reading body '{self.name}', condensed already")
-                mesh = folder / (self.mesh or "")
-                made = built_on_grids(self.name, self.matrices, mesh, self.condense, self.interface, own)
+                if self.section_table is not None:
+                    file = folder / self.section_table
+                    made = line_of_sections(self.name, file, self.condense, self.interface, own)
+                else:
+                    assert self.matrices is not None
+                    mesh = folder / (self.mesh or "")
+                    made = built_on_grids(self.name, self.matrices, mesh, self.condense, self.interface, own)
                 notify(f"checked body '{self.name}': {made.line.n} stations, mass {made.mass:.5g}")
                 return made
             assert flexible is not None
@@ -333,6 +356,7 @@ RULES = (
         *split.RULES_OF_BODY,
         *condense.RULES_OF_BODY,
         *line_on_grids.RULES_OF_BODY,
+        *section_table.RULES_OF_BODY,
         *explicit_parts.RULES_OF_BODY,
     ),
 )

@@ -18,7 +18,7 @@ from supple.body import (
     elements_source,
     labelled_matrices_source,
     matrices_source,
-    nastran_source,
+    section_beams_source,
 )
 from supple.cases.shared_rules import FileName
 from supple.fem import (
@@ -125,27 +125,9 @@ class Solid(Homogeneous):
         return solid_model(mesh, material)
 
 
-class Nastran(ElasticKind):
-    """The elements, materials and walls of a Nastran bulk data file."""
+class DeckKind(ElasticKind):
+    """What another program's file describes: elements, materials, sections, masses, springs and ties."""
 
-    mesh_suffixes = NASTRAN_SUFFIXES
-    has_elements = True
-    has_connections = True
-
-    kinematics: Kinematics = Field(
-        "green-lagrange",
-        description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
-    )
-
-    def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
-        """The bulk data file."""
-        return nastran_source(folder / mesh, _KINEMATICS[self.kinematics])
-
-
-class Abaqus(ElasticKind):
-    """The elements, materials, sections, masses and ties of an Abaqus or CalculiX input file."""
-
-    mesh_suffixes = (".inp",)
     has_elements = True
     has_connections = True
 
@@ -154,17 +136,29 @@ class Abaqus(ElasticKind):
         description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
     )
     part: str | None = Field(
-        None, description="the part of the deck that is this body, where it falls into several: part_1 .."
+        None, description="the part of the file that is this body, where it falls into several: part_1 .."
     )
     leave_out: tuple[str, ...] = Field(
-        (), strict=False, description="keywords of the deck that would change the body and are left out"
+        (), strict=False, description="cards of the file that would change the body and are left out"
     )
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
-        """The deck."""
+        """The file."""
         return deck_source(
             folder / mesh, _KINEMATICS[self.kinematics], part=self.part, leave_out=self.leave_out
         )
+
+
+class Nastran(DeckKind):
+    """The elements, materials, properties, masses and ties of a Nastran bulk data file."""
+
+    mesh_suffixes = NASTRAN_SUFFIXES
+
+
+class Abaqus(DeckKind):
+    """The elements, materials, sections, masses and ties of an Abaqus or CalculiX input file."""
+
+    mesh_suffixes = (".inp",)
 
 
 class Matrices(ElasticKind):
@@ -262,6 +256,18 @@ class ReducedFile(BodyKind):
     """The file of a reduced body: its key holds a name instead of a table."""
 
 
+class SectionTableFile(ElasticKind):
+    """The file of a section table: beams, or with condense a line. Its key holds a name, no table."""
+
+    has_elements = True
+
+    file: FileName
+
+    def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
+        """Beams between the sections."""
+        return section_beams_source(folder / self.file)
+
+
 KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
     {
         "shell": Shell,
@@ -272,6 +278,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "superelement": Superelement,
         "rigid": Rigid,
         "reduced": ReducedFile,
+        "section_table": SectionTableFile,
     }
 )
 """The kinds by their key in the table of a body, which has just one of them."""

@@ -31,9 +31,8 @@ def controllers_of(
         return ()
     if not allow_code:
         raise CaseError(
-            f"{_at(control)} is a program, which may do on this computer whatever its author likes, and a "
-            "case file may come from anybody: read it, and give --allow-code to run it (in Python, "
-            "allow_code=True)"
+            f"{_at(control)} runs arbitrary Python code on this computer: read it, then give --allow-code "
+            "(in Python, allow_code=True)"
         )
     name, _, function = control.partition(":")
     path = folder / name

@@ -1,6 +1,6 @@
 """Implausible units: numbers of a case that no machine has in the stated units, or in any.
 
-A model in mixed units runs as well as any other, so every run looks at what gives them away: densities,
+A model in mixed units runs as well as any other, so every run checks what shows them: densities,
 moduli, sizes, gravity, the speed of waves, the first frequencies.
 """
 
@@ -102,7 +102,8 @@ def _materials(body: FlexibleBody) -> list[Isotropic]:
 
 def _of_material(units: UnitSystem, material: Isotropic) -> Iterator[str]:
     density, modulus = units.in_si(**_DENSITY.powers), units.in_si(**_MODULUS.powers)
-    yield from _outside(units, "the density", material.density, units.density, _DENSITY)
+    if material.density:
+        yield from _outside(units, "the density", material.density, units.density, _DENSITY)
     yield from _outside(units, "Young's modulus", material.youngs_modulus, units.stress, _MODULUS)
     if density is None or modulus is None:
         return

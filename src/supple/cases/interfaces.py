@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from supple.body import AveragingInterface, RigidInterface, connection_interface, connection_named
-from supple.cases.body_kinds import Rigid, Superelement, kind_of, kinds_that
+from supple.cases.body_kinds import Rigid, SectionTableFile, Superelement, kind_of, kinds_that
 from supple.importers import Connection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NodeIndices, Raw, Vector, tables
 
@@ -49,6 +49,8 @@ def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that an interface lies where its body has something."""
     kind = kind_of(body)
     if "reduced" in body:  # whose file has been asked for them
+        return
+    if kind is SectionTableFile and "condense" in body:  # stations, with rules of their own
         return
     for place, interface in tables(body, "interface", path):
         sources = [key for key in ("nodes", "node_indices", "connection") if key in interface]

@@ -70,7 +70,8 @@ def _keys_suit_the_kind(path: KeyPath, body: Raw) -> Mistakes:
         return
     given, on_grids = table(body, "condense"), is_on_grids(body)
     wanted, needless = (("paths",), _ON_ELEMENTS) if on_grids else (_ON_ELEMENTS, _ON_GRIDS)
-    made_of = "matrices, condensed already," if on_grids else "elements"
+    made_of = "a section table" if "section_table" in body else "elements"
+    made_of = "matrices, condensed already," if on_grids else made_of
     for key in wanted:
         if key not in given:
             shown = "paths = [[GRID, GRID, ..]]" if on_grids else key

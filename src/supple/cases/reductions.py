@@ -285,8 +285,8 @@ def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
 def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that a reduction has a fixed size, or corrects itself, then with a damping of full bodies."""
     given = table(body, "reduction")
-    if not is_elastic(body) or given.get("basis") in ("none", "error-controlled"):  # which have one size
-        return
+    if not is_elastic(body) or "condense" in body or given.get("basis") in ("none", "error-controlled"):
+        return  # which have one size
     accuracy = given.get("accuracy")
     if {"relative", "absolute"} <= table(given, "accuracy").keys():
         message = "give the error either as relative or as absolute (a length), not both"

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from supple.body import ModelCheck, Verdict, labelled_matrices_source, nastran_source
+from supple.body import ModelCheck, Verdict, deck_source, labelled_matrices_source
 from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import Case, read_case
 from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
-from supple.importers import HDF5_SUFFIXES, NASTRAN_SUFFIXES
+from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES
 from supple.terminal import console, words
 from supple.units import UNNAMED, UnitSystem, measured
 
@@ -28,7 +28,7 @@ _VERDICTS = {
 def print_check(path: Path, *, n_frequencies: int) -> None:
     """Print the check of every elastic body in the file at `path`.
 
-    path : case file (.toml), Nastran bulk data (.bdf, .dat, .nas, .blk) or HDF5 file of matrices
+    path : case file (.toml), deck (.bdf, .dat, .nas, .blk, .inp) or HDF5 file of matrices
 
     Raises
     ------
@@ -58,10 +58,10 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
 
 
 def _print_lines(case: Case) -> None:
-    """A line for each body that another program condensed; ModelError for one that is refused."""
+    """A row of text for each body that is a line already; ModelError for one that is refused."""
     hertz, factor = case.units.frequency_shown
     for table in case.tables.body:
-        if not table.is_on_grids:
+        if not table.is_line:
             continue
         body: Any = table.build(None, case.folder, silent).body
         lowest = body.modes.frequencies[:6] / (2 * np.pi)
@@ -76,8 +76,8 @@ def _print_lines(case: Case) -> None:
 
 def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, UnitSystem]]:
     suffix = path.suffix.lower()
-    if suffix in NASTRAN_SUFFIXES:
-        yield str(path), nastran_source(path).check(n_frequencies), UNNAMED
+    if suffix in DECK_SUFFIXES:
+        yield str(path), deck_source(path).check(n_frequencies), UNNAMED
     elif suffix in HDF5_SUFFIXES:
         source = labelled_matrices_source(nodes=path, stiffness=path, mass=path)
         yield str(path), source.check(n_frequencies), UNNAMED
@@ -87,7 +87,7 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
         for name, source in case.sources.items():
             yield f"body '{name}'", source.check(n_frequencies), case.units
     else:
-        complete = ", ".join((".toml", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES))
+        complete = ", ".join((".toml", *DECK_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(
             f"{path}: not a whole model; give a file that ends in {complete} (a mesh without materials, or "
             "matrices without nodes: write a case file that names both)"

@@ -94,7 +94,7 @@ def write_report(report: DeckReport, path: Path) -> None:
 def deck_rows(report: DeckReport) -> Iterator[Row]:
     """Everything of a report, for the terminal."""
     deck, mass = report.deck, report.mass
-    yield "nodes", str(len(deck.node_ids))
+    yield "what", f"{len(deck.node_ids)} nodes"
     if len(deck.nodes):
         for axis, low, high in zip("xyz", deck.nodes.min(axis=0), deck.nodes.max(axis=0), strict=True):
             yield axis, f"{low:g} to {high:g}"
@@ -109,14 +109,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     yield from _parts(deck)
     for what, given in _beside(deck):
         yield what, given
-    for name, nodes in deck.node_sets.items():
-        yield f"node set {name}", f"{len(nodes)} nodes"
-    for name, members in deck.element_sets.items():
-        yield f"element set {name}", f"{len(members)} elements"
-    for tie in (*deck.rigid, *deck.means):
-        yield f"connection {tie.name}", f"{len(tie.nodes)} nodes"
-    for name, own in deck.superelements.items():
-        yield f"superelement {name}", f"{len(own.node_ids)} nodes"
+    yield from _named(deck)
     if report.frequencies is not None:
         yield "frequencies", _listed(report.frequencies) + " per unit of time"
     yield "cards read", _counted(deck.read)
@@ -125,6 +118,18 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
         yield f"LEFT OUT {each.card}", f"{each.count}, first on line {each.line}: {each.meaning}"
     for note in (*deck.notes, *report.faults):
         yield "note", note
+
+
+def _named(deck: Deck) -> Iterator[Row]:
+    """What a case can take hold of."""
+    for name, nodes in deck.node_sets.items():
+        yield f"node set {name}", f"{len(nodes)} nodes"
+    for name, members in deck.element_sets.items():
+        yield f"element set {name}", f"{len(members)} elements"
+    for tie in (*deck.rigid, *deck.means):
+        yield f"connection {tie.name}", f"{len(tie.nodes)} nodes"
+    for name, own in deck.superelements.items():
+        yield f"superelement {name}", f"{len(own.node_ids)} nodes"
 
 
 def _parts(deck: Deck) -> Iterator[Row]:

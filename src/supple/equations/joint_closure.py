@@ -14,7 +14,7 @@ from supple.machine import System
 __all__ = ["joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
-"""rad by which a body is turned at most before the joints are looked at again; with shifts in proportion."""
+"""rad by which a body is turned at most before the joints are evaluated again; with shifts in proportion."""
 _MOST_ITERATIONS = 200
 _UNCLOSED = 1e-10
 """Of the machine's size, and rad: joints that stay open by more do not fit."""

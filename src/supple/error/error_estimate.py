@@ -107,7 +107,7 @@ def estimate_error(
 
 
 class ErrorEstimator:
-    """Assesses the runs of one system, whose full bodies it looks at once.
+    """Assesses the runs of one system, whose full bodies it factors once.
 
     system : System     with the bodies to assess as FullBody
     run : Run           of every reduced system

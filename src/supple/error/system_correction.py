@@ -29,7 +29,7 @@ from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine.system import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody, quantity_distance
-from supple.reduction import ReducedBody, enrich, project, reduction_basis, with_room
+from supple.reduction import ReducedBody, enrich, padded, project, reduction_basis
 from supple.reduction.tensor_memory import require_tensor_memory
 
 __all__ = ["Accepted", "Announce", "Problem", "correct"]
@@ -41,7 +41,7 @@ Accepted = Callable[[CorrectedSystem], None]
 """Called with the run whose basis keeps to the error, before the other parts of the error are stated."""
 
 MOST_STEPS_WITH_ROOM = 20_000
-"""Of runs whose rounds share compiled programs (`with_room`): in longer ones inert coordinates cost more."""
+"""Of runs whose rounds share compiled programs (`padded`): in longer ones padding coordinates cost more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,8 +174,8 @@ def _reduced(problem: Problem, number: int, bases: RoundBases) -> _Model:
             for name, full in problem.fulls.items()
         }
     brief = problem.run.n_steps <= MOST_STEPS_WITH_ROOM
-    roomy = {name: with_room(body) for name, body in bodies.items()} if brief else bodies
-    system = with_reduced(problem.system, roomy, bases.bases)
+    ready = {name: padded(body) for name, body in bodies.items()} if brief else bodies
+    system = with_reduced(problem.system, ready, bases.bases)
     return _Model(number, bases, bodies, system, perf_counter() - began)
 
 

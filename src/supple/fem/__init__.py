@@ -9,6 +9,7 @@ from supple.fem.model import *
 from supple.fem.nodal_rotation import *
 from supple.fem.quadratic_strain import *
 from supple.fem.section import *
+from supple.fem.shear_share import *
 from supple.fem.shell_kinematics import *
 from supple.fem.shell_section import *
 from supple.fem.stress import *

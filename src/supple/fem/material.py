@@ -65,8 +65,9 @@ class Isotropic:
     def plane_stress(self) -> NDArray[np.float64]:
         """Plane-stress stiffness (3, 3) for the strains xx, yy, xy (engineering shear)."""
         nu = self.poissons_ratio
-        C = self.youngs_modulus / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, 0]])
-        C[2, 2] = self.shear_modulus
+        C = self.youngs_modulus / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+        if self.stated_shear_modulus is not None:
+            C[2, 2] = self.stated_shear_modulus
         return C
 
     @property

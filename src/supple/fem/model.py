@@ -26,7 +26,7 @@ from supple.fem.section import Section, sections
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import shell_triangle
-from supple.fem.solid_element import SOLID_ELEMENTS, solid_mass, solid_strain
+from supple.fem.solid_element import SOLID_ELEMENTS, solid_element, solid_mass, solid_strain
 from supple.mesh import CellType, Mesh, MeshPart
 
 __all__ = [
@@ -178,9 +178,9 @@ def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementMod
     refuse_attached(model, "a part of a model")
     given = tuple(_in_part(section, part) for section in model.sections)
     given = tuple(section for section in given if len(section.cells))
-    if model.dofs_per_node == 3:
-        return _solid_model(part.mesh, given)
-    return _shell_model(part.mesh, given, model.kinematics)
+    return finite_element_model(
+        part.mesh, given, kinematics=model.kinematics, dofs_per_node=model.dofs_per_node
+    )
 
 
 def _in_part(section: Section, part: MeshPart) -> Section:
@@ -264,7 +264,7 @@ def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_n
         return rod_strain(corners, nodal_freedoms(nodes, dofs_per_node, own), given)
     if isinstance(given, Isotropic | Anisotropic):
         return solid_strain(
-            SOLID_ELEMENTS[section.cell_type],
+            solid_element(section.cell_type, reduced=section.reduced),
             corners,
             nodal_freedoms(nodes, dofs_per_node, 3),
             given,

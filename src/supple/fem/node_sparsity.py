@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -68,7 +68,7 @@ class NodeSparsity:
         return compressed_columns(data, self.indices, self.indptr)
 
 
-def node_sparsity(cells: list[NDArray[np.int64]], n_nodes: int, dofs_per_node: int) -> NodeSparsity:
+def node_sparsity(cells: Sequence[IntArray], n_nodes: int, dofs_per_node: int) -> NodeSparsity:
     """Pattern of the node pairs in the cells, a list of node arrays (E, k)."""
     if not cells:
         cells = [np.empty((0, 1), dtype=np.int64)]

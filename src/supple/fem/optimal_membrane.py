@@ -107,4 +107,5 @@ def higher_order_weight(E: FloatArray) -> FloatArray:
         - 4 * E33 * (6 * E12**2 + 5 * E13**2 - 6 * E13 * E23 + 5 * E23**2)
         + 4 * E33**2 * (5 * E11 - 6 * E12 + 5 * E22)
     )
-    return np.maximum(256 * np.linalg.det(E) / W - 1.5, 0.01)
+    weight = np.divide(256 * np.linalg.det(E), W, out=np.zeros_like(W), where=W != 0)
+    return np.maximum(weight - 1.5, 0.01)

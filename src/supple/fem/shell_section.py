@@ -107,7 +107,8 @@ class LaminateSection:
 
     Parameters
     ----------
-    membrane, coupling, bending : float array (3, 3)    A (N/m), B (N), D (N m), symmetric
+    membrane, coupling, bending : float array (3, 3)
+        A (N/m), B (N), D (N m), symmetric; A or D may be zero where B is
     mass_per_area : float                               kg/m^2; 0 for statics alone
     rotary_inertia_per_area : float
         kg, the second moment of density through the thickness about the surface of the nodes
@@ -120,8 +121,8 @@ class LaminateSection:
 
     Raises
     ------
-    ModelError   wrong shape, not finite, not symmetric, A-B-D or shear not positive definite, mass negative,
-                 zero direction, a thickness that is not positive
+    ModelError   wrong shape, not finite, not symmetric, A-B-D (but for rows of zeros) or shear not positive
+                 definite, mass negative, zero direction, a thickness that is not positive
     Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (4.22)-(4.24).
     """
 
@@ -144,11 +145,13 @@ class LaminateSection:
         carried = np.repeat([self.membrane.any(), self.bending.any()], 3) | ABD.any(axis=0)
         ABD = ABD[np.ix_(carried, carried)] if carried.any() else ABD
         diagonal = np.diag(ABD)
-        if diagonal.min() <= 0:
+        if diagonal.min() < 0:
             raise ModelError(
-                f"the A-B-D matrix has a diagonal entry {diagonal.min():.3e}; all must be positive"
+                f"the A-B-D matrix has a diagonal entry {diagonal.min():.3e}; none may be negative"
             )
-        lowest = lowest_scaled_eigenvalue(ABD)
+        # A membrane has no bending stiffness, and some walls only bend: rows of zeros.
+        resists = ABD.any(axis=1)
+        lowest = lowest_scaled_eigenvalue(ABD[np.ix_(resists, resists)]) if resists.any() else 0.0
         if lowest < 1e-12:
             raise ModelError(
                 f"the A-B-D matrix is not positive definite (lowest eigenvalue {lowest:.3e} when scaled to a "

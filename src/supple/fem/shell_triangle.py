@@ -147,14 +147,11 @@ def _free_bending(section: ShellSection) -> FloatArray:
 def _stiffness_per_area(xy: FloatArray, section: ShellSection, phi: FloatArray) -> FloatArray:
     """The constitutive matrix (E, 18, 18) of the strains of the element."""
     membrane, bending = resultant_strains(xy, MIDSIDES, section)
-    drilling = np.zeros((len(xy), 3, N_STRAINS))
-    drilling[..., DRILLING] = np.eye(3)
+    turn = np.zeros((len(xy), 1, N_STRAINS))
     if section.coupling.any():
         # The wall stretches, and turns in its plane, where its middle is: on arms of the nodes.
         middle = (section.coupling * section.membrane).sum() / (section.membrane**2).sum()
-        turn = np.zeros((len(xy), 1, N_STRAINS))
         turn[..., CORNER_ROTATION] = 0.5 * middle * linear_gradients(xy)[:, None]
-        drilling += turn
         membrane += membrane[..., DRILLING].sum(axis=2, keepdims=True) * turn
         to_stretch = np.linalg.solve(section.membrane, section.coupling)
         membrane[..., BENDING] += to_stretch @ linear_curvature(xy)
@@ -167,7 +164,12 @@ def _stiffness_per_area(xy: FloatArray, section: ShellSection, phi: FloatArray) 
         stress = (section.shear @ shear).reshape(points.shape)
         D[:, BENDING, BENDING] += points.swapaxes(1, 2) @ stress / len(MIDSIDES)
     stiffness = drilling_stiffness(xy, section.membrane) / triangle_area(xy)[:, None, None]
-    return D + drilling.swapaxes(1, 2) @ stiffness @ drilling
+    if not turn.any():
+        D[:, DRILLING, DRILLING] += stiffness
+        return D
+    turn = np.repeat(turn, 3, axis=1)
+    turn[..., DRILLING] = np.eye(3)
+    return D + turn.swapaxes(1, 2) @ stiffness @ turn
 
 
 def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
@@ -183,12 +185,17 @@ def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
     # Vectors that fit those of the sides: sum_k (s s^T)^-1 s_k s_k . (t_k, b_k).
     s = side_directions(xy)
     fit = np.linalg.inv(s.swapaxes(1, 2) @ s)[:, None] @ (s[..., :, None] * s[..., None, :])
-    # V is what bending makes of the mismatches: a sheared wall has them without any bend.
-    bent = fit / (1 + phi)[..., None, None]
     for side, ends in enumerate(SIDES):
         t = G[:, ROTATION[ends, :2]].mean(axis=1)
         G[:, Y] += fit[:, side] @ t
-        G[:, V] += bent[:, side] @ (G[:, (WX, WY)] + np.stack([t[:, 1], -t[:, 0]], axis=1))
+        G[:, V] += fit[:, side] @ np.stack([t[:, 1], -t[:, 0]], axis=1)
+    G[:, V] += G[:, (WX, WY)]
+    if phi.any():
+        # V is what bending makes of the mismatches; a sheared wall has the rest without any bend.
+        sheared = fit * (phi / (1 + phi))[..., None, None]
+        for side, ends in enumerate(SIDES):
+            t = G[:, ROTATION[ends, :2]].mean(axis=1)
+            G[:, V] -= sheared[:, side] @ (G[:, (WX, WY)] + np.stack([t[:, 1], -t[:, 0]], axis=1))
     return G
 
 

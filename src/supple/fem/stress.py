@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
+from supple.fem.attached import RigidPiece
 from supple.fem.kinematics import VOIGT
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
@@ -21,7 +22,7 @@ from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
 from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection
 from supple.fem.shell_triangle import element_axes, layer_strain
-from supple.fem.solid_element import extrapolation
+from supple.fem.solid_element import extrapolation, solid_element
 
 __all__ = [
     "StressRecovery",
@@ -75,6 +76,11 @@ class SectionStress:
             self, nodes=self.nodes[cells], arrays=self.arrays.of(cells), of_strain=self.of_strain[cells]
         )
 
+    def in_layers(self, n_layers: int) -> SectionStress:
+        """The same with its one layer, where it has one, repeated."""
+        k, _, points = self.to_nodes.shape
+        return replace(self, to_nodes=np.broadcast_to(self.to_nodes, (k, n_layers, points)))
+
     def linearized(self) -> SectionStress:
         """The same without the quadratic strain."""
         return replace(self, arrays=replace(self.arrays, N=np.zeros_like(self.arrays.N)))
@@ -100,6 +106,8 @@ class StressRecovery:
 
     n_nodes: int
     sections: tuple[SectionStress, ...]
+    pieces: tuple[RigidPiece, ...] = ()
+    """Nodes that move as one, to second order in their rotation: elements beside them see it"""
 
     def linearized(self) -> StressRecovery:
         """The stress of the linear strain alone, which belongs to a body's linear stiffness."""
@@ -107,7 +115,7 @@ class StressRecovery:
 
     @property
     def n_layers(self) -> int:
-        """Layers l at a node: 1 (solids) or 3 (shells)."""
+        """Layers l at a node: 1 (solids) or 3 (shells, and solids beside them)."""
         return self.sections[0].to_nodes.shape[1]
 
     @cached_property
@@ -182,7 +190,12 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     ModelError   a laminate: its A-B-D matrix does not say which stress acts in which ply
     """
     pairs = zip(model.sections, model.blocks, strict=True)
-    return StressRecovery(model.mesh.n_nodes, tuple(_section(model, *pair) for pair in pairs))
+    sections = [_section(model, *pair) for pair in pairs]
+    n_layers = max(section.to_nodes.shape[1] for section in sections)
+    # Solids beside shells have the same stress in all layers.
+    pieces = model.attached.rigid if model.strains_vanish_when_turned else ()
+    layered = tuple(section.in_layers(n_layers) for section in sections)
+    return StressRecovery(model.mesh.n_nodes, layered, pieces)
 
 
 def has_stress(model: FiniteElementModel) -> bool:
@@ -233,7 +246,8 @@ def _as_strain(section: Section, stress: SectionStress) -> SectionStress:
 def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
-        to_nodes = extrapolation(SOLID_ELEMENTS[section.cell_type])[:, None]
+        element = solid_element(section.cell_type, reduced=section.reduced)
+        to_nodes = extrapolation(element)[:, None]
         of_strain = block.D if block.D.ndim == 3 else block.D[None]
         return SectionStress(
             nodes, block, np.broadcast_to(of_strain[:, None], (len(nodes), 1, 6, 6)), to_nodes

@@ -67,12 +67,14 @@ class ShellProperty:
     """A homogeneous isotropic wall; offset: of its middle from the nodes, along the normal of the cell.
 
     added_mass : non-structural, kg/m^2
+    shear_factor : k of the transverse shear stiffness k G t; 0 where it is rigid
     """
 
     material: IsotropicMaterial
     thickness: float
     added_mass: float = 0.0
     offset: float = 0.0
+    shear_factor: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +157,7 @@ class DeckElements:
                  (C, 3, 3) solids: the material's axes as columns. None where nothing depends on them
     offsets : (C, 2, 3) of the ends of beams from their nodes
     released : (C, 12) freedoms of beam ends, in the beam's axes, that carry no force
+    reduced : whether HEXA20 cells have reduced integration
     """
 
     name: str
@@ -166,6 +169,7 @@ class DeckElements:
     directions: FloatArray | None = None
     offsets: FloatArray | None = None
     released: NDArray[np.bool_] | None = None
+    reduced: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from supple.errors import ImportFormatError
 from supple.importers.abaqus.abaqus_deck import read_abaqus_deck
 from supple.importers.deck import Deck
 from supple.importers.nastran.deck_file import read_nastran_deck
-from supple.importers.nastran.model import NASTRAN_SUFFIXES
+from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES
 
 __all__ = ["DECK_SUFFIXES", "read_deck"]
 

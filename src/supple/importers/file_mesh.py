@@ -107,8 +107,12 @@ class FileMesh:
             cell_ids={kind: ids[kept[kind]] for kind, ids in self.cell_ids.items() if kind in kept},
         )
 
-    def _used(self) -> FileMesh:
-        used = np.zeros(len(self.nodes), dtype=bool)
+    def without_unused(self, among: NDArray[np.bool_]) -> FileMesh:
+        """Without those nodes (N,) `among` which no cell uses."""
+        return self._used(~among)
+
+    def _used(self, kept: NDArray[np.bool_] | None = None) -> FileMesh:
+        used = np.zeros(len(self.nodes), dtype=bool) if kept is None else kept.copy()
         for array in self.cells.values():
             used[array] = True
         number = np.cumsum(used) - 1

@@ -15,7 +15,12 @@ from supple.errors import ImportFormatError
 from supple.importers.file_mesh import FileMesh, UnusedNodes
 from supple.importers.gmsh_file import GmshFile, read_gmsh_file
 from supple.importers.numbering import numbers_of
-from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
+from supple.importers.quadrilateral import (
+    CROSSED,
+    crossed_quadrilaterals,
+    split_quadratic_surfaces,
+    split_quadrilaterals,
+)
 from supple.importers.text_file import file_content
 from supple.mesh import CellType, Mesh
 
@@ -25,7 +30,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 _CELL_TYPES = {kind.meshio_name: kind for kind in CellType if kind.dimension > 1}
-_QUADRILATERAL = "quad"
+_SURFACES = {"quad": 4, "triangle6": 6, "quad8": 8}
 _ENTITIES = ("point", "curve", "surface", "volume")  # Gmsh's words for dimensions 0 to 3
 
 
@@ -47,8 +52,10 @@ def read_gmsh(
     """Mesh of a Gmsh file: its cells of the highest dimension, and its physical groups as sets.
 
     Every physical group becomes a node set; those of the highest dimension are cell sets, too. A group
-    without a name is called after its dimension and tag, as in 'surface 7'. A quadrilateral becomes two
-    triangles. A cell that the file repeats, once for each of its groups (format 2), is read once.
+    without a name is called after its dimension and tag, as in 'surface 7'. Quadrilaterals and surfaces of
+    second order become triangles over all their nodes; nodes inside faces and cells of second order (of
+    hexahedra with 27 nodes, say) are left out. A cell that the file repeats, once for each of its groups
+    (format 2), is read once.
 
     Parameters
     ----------
@@ -143,23 +150,14 @@ def _cells_by_type(
 ) -> tuple[dict[CellType, IntArray], dict[str, dict[CellType, IntArray]], dict[CellType, IntArray]]:
     by_kind: dict[CellType, list[_Block]] = {}
     for block in blocks:
-        if block.type_name == _QUADRILATERAL:
-            groups = {name: np.repeat(inside, 2) for name, inside in block.groups.items()}
-            crossed = crossed_quadrilaterals(points, block.cells)
-            if crossed.size:
-                raise ImportFormatError(
-                    f"{path}: quadrilateral {crossed[0]} (of its block, from 0): {CROSSED}"
-                )
-            halves = split_quadrilaterals(points, block.cells)
-            split = _Block("triangle", 2, halves, groups, np.repeat(block.ids, 2))
-            by_kind.setdefault(CellType.TRIANGLE3, []).append(split)
+        if block.type_name in _SURFACES:
+            by_kind.setdefault(CellType.TRIANGLE3, []).append(_in_triangles(path, points, block))
         elif block.type_name in _CELL_TYPES:
             by_kind.setdefault(_CELL_TYPES[block.type_name], []).append(block)
         else:
             raise ImportFormatError(
                 f"{path}: unknown element type '{block.type_name}'; supported are "
-                f"{', '.join([*_CELL_TYPES, _QUADRILATERAL])} (in Gmsh: Mesh.ElementOrder = 1 on surfaces, "
-                "Mesh.SecondOrderIncomplete = 1 for second-order hexahedra)"
+                f"{', '.join([*_CELL_TYPES, *_SURFACES])} (in Gmsh: Mesh.ElementOrder = 1 or 2)"
             )
     cells: dict[CellType, IntArray] = {}
     cell_sets: dict[str, dict[CellType, IntArray]] = {}
@@ -175,6 +173,20 @@ def _cells_by_type(
             )
             cell_sets.setdefault(name, {})[kind] = np.unique(number[inside])
     return cells, cell_sets, cell_ids
+
+
+def _in_triangles(path: Path, points: NDArray[np.float64], block: _Block) -> _Block:
+    """Triangles over all nodes of its surfaces, in the same groups."""
+    if block.type_name == "quad":
+        crossed = crossed_quadrilaterals(points, block.cells)
+        if crossed.size:
+            raise ImportFormatError(f"{path}: quadrilateral {crossed[0]} (of its block, from 0): {CROSSED}")
+        triangles = split_quadrilaterals(points, block.cells)
+    else:
+        triangles = split_quadratic_surfaces(points, block.cells)
+    n = len(triangles) // len(block.cells)
+    groups = {name: np.repeat(inside, n) for name, inside in block.groups.items()}
+    return _Block("triangle", 2, triangles, groups, np.repeat(block.ids, n))
 
 
 def _first_of_each(cells: IntArray) -> tuple[IntArray, IntArray]:

@@ -39,6 +39,11 @@ _ORDER = {
     "wedge15": (0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11),
     "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
 }
+# Cells with nodes inside faces or themselves, as the cells without these.
+_WITHOUT_INNER = {
+    "quad9": ("quad8", 8), "pyramid14": ("pyramid13", 13), "wedge18": ("wedge15", 15),
+    "hexahedron27": ("hexahedron20", 20),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -48,6 +53,7 @@ class GmshElements:
     type_name : as a `CellType` names its shape;  dimension : 0 to 3
     ids : (E,) element tags;  nodes : (E, k) node tags
     groups : {physical tag: (E,) which of them are in that group}
+    dropped : (E, j) tags of the nodes inside faces and cells, which are not read
     """
 
     type_name: str
@@ -55,6 +61,7 @@ class GmshElements:
     ids: IntArray
     nodes: IntArray
     groups: dict[int, NDArray[np.bool_]]
+    dropped: IntArray
 
 
 @dataclass(frozen=True)
@@ -87,7 +94,12 @@ def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
     second = first_repeated(tags)
     if second is not None:
         raise _unreadable(path, f"node {tags[second]} stands twice in $Nodes")
-    return GmshFile(tags, positions, blocks)
+    dropped, used = (
+        np.concatenate([np.zeros(0, dtype=np.int64), *(getattr(block, part).ravel() for block in blocks)])
+        for part in ("dropped", "nodes")
+    )
+    kept = ~np.isin(tags, np.setdiff1d(dropped, used))
+    return GmshFile(tags[kept], positions[kept], blocks)
 
 
 def _unreadable(path: Path, why: str) -> ImportFormatError:
@@ -217,8 +229,9 @@ def _elements(
     section: _Section, number: int, ids: IntArray, nodes: IntArray, groups: dict[int, NDArray[np.bool_]]
 ) -> GmshElements:
     name, dimension, _ = _type(section, number)
-    ordered = nodes[:, _ORDER[name]] if name in _ORDER else nodes
-    return GmshElements(name, dimension, ids, ordered, groups)
+    name, n = _WITHOUT_INNER.get(name, (name, nodes.shape[1]))
+    ordered = nodes[:, _ORDER[name]] if name in _ORDER else nodes[:, :n]
+    return GmshElements(name, dimension, ids, ordered, groups, nodes[:, n:])
 
 
 def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:

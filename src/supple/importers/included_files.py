@@ -11,9 +11,10 @@ from supple.importers.matrices.matrix_file import DMIG_SUFFIXES
 
 __all__ = ["files_read_with"]
 
-# Of Abaqus and CalculiX, then of Nastran, where a name in quotes may run over several lines.
+# Of Abaqus and CalculiX, then of BeamDyn, then of Nastran, where a name in quotes may run over several lines.
 _INCLUDE = re.compile(
     r"""^\s*(?: \*INCLUDE\b[^=\n]*=[ \t]*"?(?P<keyword>[^"\n]+)
+            | (?P<mark>['"])(?P<blade>[^\n]*?)(?P=mark)\s+BldFile\b
             | INCLUDE\s+(?: (?P<quote>['"])(?P<quoted>.*?)(?P=quote) | (?P<plain>[^\n$]+) ) )""",
     re.IGNORECASE | re.MULTILINE | re.VERBOSE | re.DOTALL,
 )
@@ -35,5 +36,5 @@ def _included(path: Path, main: Path) -> Iterator[Path]:
     if path.suffix.lower() not in (".inp", *DMIG_SUFFIXES):
         return
     for match in _INCLUDE.finditer(path.read_text(encoding="utf-8", errors="replace")):
-        name = next(match[kind] for kind in ("keyword", "quoted", "plain") if match[kind])
+        name = next(match[kind] for kind in ("keyword", "blade", "quoted", "plain") if match[kind])
         yield included_file("".join(line.strip() for line in name.splitlines()), path.parent, main.parent)

@@ -11,7 +11,7 @@ from supple.importers.ansys import read_ansys
 from supple.importers.exodus import EXODUS_SUFFIXES, read_exodus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
-from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_mesh
+from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES, read_nastran
 from supple.importers.vtu import read_vtu
 from supple.mesh import Mesh
 
@@ -23,7 +23,7 @@ READERS = {
     ".vtu": read_vtu,
     ".cdb": read_ansys,
     **dict.fromkeys(EXODUS_SUFFIXES, read_exodus),
-    **dict.fromkeys(NASTRAN_SUFFIXES, read_nastran_mesh),
+    **dict.fromkeys(NASTRAN_SUFFIXES, read_nastran),
 }
 
 MESH_SUFFIXES = tuple(READERS)

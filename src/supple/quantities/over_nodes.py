@@ -39,7 +39,7 @@ class OverNodes(Protocol):
         ...
 
     def read(self, points: Array) -> IntArray:
-        """Which of the nodes at points (N, 3) are looked at."""
+        """Which of the nodes at points (N, 3) are evaluated."""
         ...
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:

@@ -94,7 +94,7 @@ def largest_displacement(
     """Largest displacement of a node over time, seen from the body's first interface, or in its frame.
 
     coordinates : (t, r)
-    nodes : those looked at
+    nodes : those assessed
     The turn of the interface against the frame is taken as small.
     """
     sizes = []

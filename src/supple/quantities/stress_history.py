@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
-from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
+from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.fem import FiniteElementModel, StressRecovery, stress_recovery, von_mises
 from supple.quantities.tensor_modes import STRESS, NodalTensor, tensor_modes
 from supple.reduction import ReducedBody
@@ -96,7 +96,7 @@ class LargestStress(NamedTuple):
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
     """The largest von Mises stress over nodes of cells, layers and instants; errors as that history.
 
-    At a hundred instants, evenly spread, all nodes are looked at; at all instants the hundred nodes whose
+    At a hundred instants, evenly spread, all nodes are evaluated; at all instants the hundred nodes whose
     stress is largest then. So it is exact of runs of a hundred outputs.
     """
     nodes = np.unique(np.concatenate([section.nodes(model.mesh).ravel() for section in model.sections]))
@@ -138,17 +138,20 @@ def _recovered(
     if body.has_linear_strains:
         recovery = recovery.linearized()
     d, interfaces = body.dofs_per_node, body.interfaces
-    recovery = tied_recovery(recovery, body.nodes, d, interfaces)
+    inner = () if body.has_linear_strains else inner_pieces(recovery.pieces, body.nodes, d, interfaces)
+    ties = (*interfaces, *inner)
+    recovery = tied_recovery(recovery, body.nodes, d, ties)
     size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes))
     averaging, linear = recovery.averaging_at(chosen), recovery.linearized()
     for times in _slices(len(coordinates), size):
         q = np.asarray(coordinates)[times]
         nodal, condensed = body.nodal_fields(q)
         motions = [interface.motion @ q.T for interface in interfaces]
-        field = recovery.over(with_virtual_freedoms(nodal, motions, interfaces, d), averaging)
+        motions += [piece.motion @ nodal for piece in inner]
+        field = recovery.over(with_virtual_freedoms(nodal, motions, ties, d), averaging)
         if condensed is not None:  # its linear strain alone, as in `tensor_modes`; interfaces rest
             still = [np.zeros_like(motion) for motion in motions]
-            field += linear.over(with_virtual_freedoms(condensed, still, interfaces, d), averaging)
+            field += linear.over(with_virtual_freedoms(condensed, still, ties, d), averaging)
         yield TensorBlock(times, slice(0, len(chosen)), field)
 
 

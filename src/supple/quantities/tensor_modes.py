@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 from supple.body.floating_kinematics import node_numbers
-from supple.body.tied_recovery import tied_recovery, with_virtual_freedoms
+from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.errors import ModelError
 from supple.fem import (
     FiniteElementModel,
@@ -93,7 +93,7 @@ class TensorModes:
         memory.
 
         It is convex and the field linear through a shell, so that the largest lies on its bottom or its top:
-        no other layer is looked at.
+        no other layer is evaluated.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
@@ -186,8 +186,10 @@ def tensor_modes(
     follows = body.condensed
     amplitudes = np.zeros((0, r * (r + 1) // 2)) if follows is None else follows.amplitudes
     interfaces, d = body.interfaces, body.dofs_per_node
-    recovery = tied_recovery(recovery, body.nodes, d, interfaces)
-    fields = with_virtual_freedoms(body.nodal_basis, [i.motion for i in interfaces], interfaces, d)
+    inner = () if body.is_linear else inner_pieces(recovery.pieces, body.nodes, d, interfaces)
+    recovery = tied_recovery(recovery, body.nodes, d, (*interfaces, *inner))
+    motions = [*(i.motion for i in interfaces), *(piece.motion @ body.nodal_basis for piece in inner)]
+    fields = with_virtual_freedoms(body.nodal_basis, motions, (*interfaces, *inner), d)
     if follows is not None:
         behind = np.zeros((len(fields) - len(follows.fields), follows.fields.shape[1]))
         fields = np.hstack([fields, np.vstack([follows.fields, behind])])

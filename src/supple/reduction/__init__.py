@@ -36,7 +36,7 @@ from supple.reduction.eigenvalues.eigenvalue_enclosure import *
 from supple.reduction.eigenvalues.eigenvalue_error import *
 from supple.reduction.eigenvalues.mode_search import *
 from supple.reduction.enrichment import *
-from supple.reduction.inert_coordinates import *
+from supple.reduction.padding_coordinates import *
 from supple.reduction.projection import *
 from supple.reduction.quartic_choice import *
 from supple.reduction.reduce import *

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 
 from supple.arguments import checked_arguments
 from supple.body import Damping, FlexibleBody, Frame
+from supple.errors import ValidityWarning
+from supple.fem import shear_share
 from supple.reduction.bases.linear_basis import LinearBasisRecipe
 from supple.reduction.bases.steady_loads import SteadyLoads
 from supple.reduction.derivatives.compression import CompressedDerivatives
@@ -13,9 +16,12 @@ from supple.reduction.derivatives.derivative_columns import DerivativeChoice
 from supple.reduction.projection import project
 from supple.reduction.quartic_choice import CondensedQuartic, QuarticChoice
 from supple.reduction.reduced_body import ReducedBody
-from supple.reduction.reduction_basis import reduction_basis
+from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
 
 __all__ = ["reduce"]
+
+LARGEST_SHEAR = 0.01
+"""Of the energy of the lowest mode, in walls that do not shear."""
 
 
 @checked_arguments
@@ -50,9 +56,26 @@ def reduce(
     ------
     ModelError      too many modes or derivatives; a basis that needs interfaces; derivatives of a linear body
     AccuracyError   the basis or the Gram matrix misses its own identities
-    Warns LockingWarning when the body answers too little because its columns lack stiff motion.
+    Warns LockingWarning when the body answers too little because its columns lack stiff motion;
+    ValidityWarning when its walls are rigid in transverse shear, which would take a hundredth of its energy
+    in its lowest mode.
     Source: [Wu2019] section 5.
     """
     recipe = basis if isinstance(basis, SteadyLoads) else loads(basis)
     columns = reduction_basis(body, frame, recipe, derivatives=derivatives)
+    _warn_of_rigid_shear(body, columns)
     return project(body, columns, damping=damping, quartic=quartic)
+
+
+def _warn_of_rigid_shear(body: FlexibleBody, columns: ReductionBasis) -> None:
+    if body.model is None or not columns.r:
+        return
+    share = shear_share(body.model, body.expansion @ columns.vectors[:, :1])[0]
+    if share > LARGEST_SHEAR:
+        warnings.warn(
+            f"body '{body.name}': transverse shear, in which its walls are rigid, would take {share:.1%} of "
+            f"the energy of its lowest mode, and some {share / 2:.1%} off its frequency; give the walls a "
+            "shear factor (5/6 where they are solid)",
+            ValidityWarning,
+            stacklevel=4,
+        )

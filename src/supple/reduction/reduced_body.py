@@ -80,7 +80,7 @@ class ReducedBody(FloatingForm):
     report : ReductionReport
     condensed : the motion z outside the columns that the quartic tensor lets follow them; None where it lets
                 none
-    inert : int                 coordinates that a run takes along besides, see `with_room`; not kept in files
+    padding : int               coordinates that a run takes along besides, see `padded`; not kept in files
     full : FullBody | None      the body with all its coordinates that it was reduced from, a reference, which
                                 neither files nor other processes have
     elastic_elsewhere : bool    what deformation adds to the force is not in the tensors, though the elements
@@ -105,7 +105,7 @@ class ReducedBody(FloatingForm):
     damping_cubic: np.ndarray | None = None
     damping_quartic: np.ndarray | None = None
     condensed: CondensedMotion | None = None
-    inert: int = 0
+    padding: int = 0
     elastic_elsewhere: bool = False
     full: FullBody | None = None
 

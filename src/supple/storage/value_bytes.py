@@ -68,7 +68,7 @@ def _made_of(value: Any) -> Any:
         case partial():
             return value.func, value.args, value.keywords
         case FiniteElementModel():
-            return value.mesh, value.sections, value.kinematics
+            return value.mesh, value.sections, value.kinematics, value.attached, value.dofs_per_node
         case FlexibleBody() if value.model is not None:
             ends = [
                 (own.name, own.position, own.node_ids, own.cubic_turn, own.tied_nodes)

@@ -1,7 +1,7 @@
 """Every deck of a folder: read or why not, and how far its numbers are from those expected.
 
-`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`, each where it is known; frequencies are those
-at the deck's own supports, with motions that these leave free. A deck that fails, or takes longer than it may,
+`expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`, each where it is known; frequencies are at
+the deck's own supports, with motions that these leave free. A deck that fails, or takes longer than it may,
 is one line of the table.
 """
 
@@ -98,7 +98,8 @@ def _expected(path: Path) -> dict[str, dict[str, Any]]:
     try:
         given = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise ImportFormatError(f"{path}: cannot be read ({error}); give a folder with expected.json") from None
+        message = f"{path}: cannot be read ({error}); give a folder with expected.json"
+        raise ImportFormatError(message) from None
     if not isinstance(given, dict) or not all(isinstance(each, dict) for each in given.values()):
         raise ImportFormatError(f"{path}: give one table of numbers for each deck, by its file name")
     return given
@@ -110,6 +111,7 @@ def _one_by_one(
     """What is found of each deck, by a process of its own that is given up where it takes too long."""
     context = multiprocessing.get_context("spawn")
     worker: Any = None
+    ours: Any = None
     for name, own in expected.items():
         if worker is None:
             ours, theirs = context.Pipe()
@@ -148,7 +150,7 @@ def _serve(requests: Connection) -> None:
             report = deck_report(read_deck(path), n_modes=n_modes, held=True)
         except SuppleError as error:
             requests.send({"read": False, "why": str(error), "left_out": []})
-        except Exception as error:  # noqa: BLE001 - a fault of ours is a line of the table
+        except Exception as error:  # a fault of ours is a line of the table
             requests.send({"read": False, "why": f"{type(error).__name__}: {error}", "left_out": []})
         else:
             size = float(np.ptp(report.deck.nodes, axis=0).max()) if len(report.deck.nodes) else 0.0

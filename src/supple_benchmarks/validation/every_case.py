@@ -11,6 +11,7 @@ __all__ = ["CASES", "TOPICS"]
 TOPICS = (
     "driven_starts",
     "intrinsic_lines",
+    "section_tables",
     "flying_spaghetti",
     "rotors",
     "damping",
@@ -25,6 +26,7 @@ TOPICS = (
     "vibrations",
     "condensed_models",
     "elements_at_rest",
+    "sections_and_cells",
     "flexible_motion",
     "machine_elements",
 )

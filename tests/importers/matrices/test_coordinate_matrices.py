@@ -7,6 +7,7 @@ import pytest
 
 from supple.errors import ImportFormatError
 from supple.importers.matrices.coordinate_matrices import read_abaqus_matrix, read_calculix_matrix
+from supple.importers.node_table import NodeTable
 
 ABAQUS = "** made by hand\n*MATRIX INPUT\n5,1, 5,1, 2.5\n5,2, 5,1, -1.0\n5,2, 5,2, 4e+00\n"
 
@@ -27,6 +28,33 @@ def test_abaqus_entries_have_labels(files):
     made = read_abaqus_matrix(files(K_mtx=ABAQUS) / "K.mtx")
     np.testing.assert_array_equal(made.freedoms, [[5, 1], [5, 2]])
     np.testing.assert_array_equal(made.matrix.toarray(), [[2.5, -1], [-1, 4]])
+
+
+def nodes(ids):
+    return NodeTable("own", np.array(ids), np.zeros((len(ids), 3)))
+
+
+@pytest.mark.parametrize("blank", [" ", ", "])
+def test_abaqus_coordinates_run_through_the_nodes_by_their_ids(files, blank):
+    """Row 3 (k - 1) + c is component c of the node with the k-th id."""
+    text = "** made by hand\n" + "\n".join(
+        blank.join((str(i), str(j), value)) for i, j, value in ((1, 1, "2.5"), (2, 5, "-1."), (6, 6, "4."))
+    )
+    made = read_abaqus_matrix(files(K_mtx=text) / "K.mtx", nodes([9, 5]))
+    np.testing.assert_array_equal(made.freedoms, [[5, 1], [5, 2], [5, 3], [9, 1], [9, 2], [9, 3]])
+    expected = np.zeros((6, 6))
+    expected[0, 0], expected[1, 4], expected[4, 1], expected[5, 5] = 2.5, -1, -1, 4
+    np.testing.assert_array_equal(made.matrix.toarray(), expected)
+    shell = read_abaqus_matrix(files(K_mtx=text) / "K.mtx", nodes([7]))
+    np.testing.assert_array_equal(shell.freedoms, [[7, i] for i in range(1, 7)])
+
+
+def test_abaqus_coordinates_need_the_nodes_of_the_model(files):
+    folder = files(K_mtx="1 1 2.5\n7 7 1.0\n")
+    with pytest.raises(
+        ImportFormatError, match=r"K\.mtx: rows 1 to 7, which are neither 3 nor 6 .* of 2 nodes"
+    ):
+        read_abaqus_matrix(folder / "K.mtx", nodes([1, 2]))
 
 
 def test_calculix_entries_have_a_map_beside_them(files):

@@ -38,7 +38,7 @@ SAME = 1.05
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
 FEW, SAMPLES = 33, 257
-"""Output times too few to show a load, and those looked at instead."""
+"""Output times too few to show a load, and those sampled instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,9 +178,9 @@ def warn_of_missing_modes(
         lacking = measured(lacking + (", ..." if len(coverage.missing) > 5 else ""), unit)
         reach = measured(f"{factor * coverage.band / (2 * np.pi):.3g}", unit)
         warnings.warn(
-            f"{coverage.load}: its spectrum reaches to {reach}, where body "
-            f"'{body.name}' has {coverage.n_modes} modes, {len(coverage.missing)} of which its reduced form "
-            f"lacks ({lacking}). Ask for at least {coverage.n_modes} modes",
+            f"{coverage.load} contains up to {reach}: {len(coverage.missing)} of {coverage.n_modes} modes of "
+            f"body '{body.name}' below that are missing from its basis ({lacking}). Ask for "
+            f"at least {coverage.n_modes} modes",
             LoadSpectrumWarning,
             stacklevel=2,
         )

@@ -26,9 +26,9 @@ from supple.machine import System
 __all__ = ["Hidden", "hidden_vibration", "report_output_rate"]
 
 SHARE = 0.1
-"""Of the motion: a vibration of less is not what anybody looks at."""
+"""Of the motion: a vibration of less does not matter."""
 NEGLIGIBLE = 1e-6
-"""Of the machine's size: motions below are not what anybody looks at."""
+"""Of the machine's size: motions below do not matter."""
 WINDOWS = 8
 SHORTEST = 32
 """Output times of a window at least: a vibration that decays is looked for where it is."""

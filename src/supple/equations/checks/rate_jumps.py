@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import Run
 from supple.machine import Constant, System, TimeLaw
@@ -19,7 +19,7 @@ __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 SPEED, ACCELERATION = 1e-6, 1e-3
 """Of the largest speed, or acceleration, of the run: what jumps by less is rounding."""
 BESIDE = 1e-7
-"""Of the shortest scale of a law: how near to an instant its sides are looked at."""
+"""Of the shortest scale of a law: how near to an instant its sides are sampled."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def warn_of_rate_jumps(system: System, run: Run) -> set[str]:
         found, _, _ = rate_jumps(joint.law, begin, end)
         if found:
             named.add(joint.name)
-            say(_message(joint.name, found), ResolutionWarning, run.validity)
+            warn_or_raise(_message(joint.name, found), ResolutionWarning, run.validity)
     return named
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.equations.start_change import ConstraintViolation, StartChange, VelocityCorrection
 from supple.errors import StartWarning
 from supple.integrate import Validity
@@ -29,7 +29,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
             f"joint '{worst.joint}' is open by {worst.gap:.3g} in the initial configuration ({worst.row})"
             f"{others}: {bodies} to close it. Place the bodies so that both ends meet"
         )
-        say(message, StartWarning, validity)
+        warn_or_raise(message, StartWarning, validity)
     if change.slowed:
         before, after = change.energies
         bodies = ", ".join(map(_slowed, change.slowed[:MOST_NAMES]))
@@ -40,7 +40,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
             f"against {_joints(change.against)}. Give velocities that the joints allow, or none to a body "
             "that joints drive"
         )
-        say(message, StartWarning, validity)
+        warn_or_raise(message, StartWarning, validity)
     if change.deforming:
         bodies = ", ".join(
             f"body '{each.body}' deforms at a rate of kinetic energy {each.energy:.3g}"
@@ -51,7 +51,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
             f"{bodies}; by {_joints(change.unmet)}. Let the prescribed motion begin from rest, or prescribe "
             "what the bodies can follow without deformation"
         )
-        say(message, StartWarning, validity)
+        warn_or_raise(message, StartWarning, validity)
 
 
 def _joints(joints: Sequence[ConstraintViolation]) -> str:

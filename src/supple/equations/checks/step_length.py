@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, Run, Statistics
 
@@ -31,4 +31,4 @@ def report_step_length(statistics: Statistics, run: Run) -> None:
             f"the fixed step of {step.size:.3g} is too long for this motion: {' and '.join(found)}. Take "
             f"{step.size * shorter:.1g} or less, or adaptive steps"
         )
-        say(message, ResolutionWarning, run.validity)
+        warn_or_raise(message, ResolutionWarning, run.validity)

@@ -1,4 +1,4 @@
-"""Do fixed steps see the loads and the prescribed motions? What happens within a step is looked at first.
+"""Do fixed steps see the loads and the prescribed motions? What happens within a step is checked first.
 
 A step knows a load at its two ends. What straight lines from step to step miss of it is found by evaluating
 it within the steps as well, at uneven times, and at the instants of the law, stated or found by sampling.
@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ResolutionWarning
 from supple.integrate import FixedStep, Run
 from supple.machine import Constant, System, TimeLaw
@@ -34,7 +34,7 @@ WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
 BESIDE, JUMPS = 0.1, 0.3
 """A change by so much of the largest load, so many steps before to after an instant, is a jump to a step."""
 NEAR = 1e-6
-"""Of a step: how near to an instant both its sides are looked at."""
+"""Of a step: how near to an instant both its sides are sampled."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def missed_between_steps(
 ) -> Missed:
     """What `n_steps` equal steps miss of a quantity over time of any shape, or of its derivative.
 
-    instants : (k,)     times at which it breaks or turns; steps that hold them are looked at first
+    instants : (k,)     times at which it breaks or turns; steps that hold them are checked first
     """
     shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     numbers = max(1, int(np.prod(shape)))
@@ -94,7 +94,7 @@ def missed_between_steps(
     chosen = np.concatenate([spread, broken])
     start = begin + chosen * step
     inner = start[:, None] + WITHIN * step
-    # A step with an instant is looked at there: a pulse may be briefer than the places are apart.
+    # A step with an instant is sampled there: a pulse may be briefer than the places are apart.
     nearby = instants[:most, None] + NEAR * step * np.array([0.0, -1.0, 1.0])
     if len(nearby):
         low, high = start[len(spread) :, None], start[len(spread) :, None] + step
@@ -147,7 +147,7 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
             f"line by {100 * missed.share:.0f} % of its largest value{briefest}: the steps miss or alias it. "
             f"Take {needed}, or adaptive steps, which stop where it breaks"
         )
-        say(message, ResolutionWarning, run.validity)
+        warn_or_raise(message, ResolutionWarning, run.validity)
 
 
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:

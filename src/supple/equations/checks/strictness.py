@@ -1,4 +1,4 @@
-"""How a check speaks: by a warning, or by an error where the run is strict."""
+"""Findings of checks: warnings, or errors where the run is strict."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import warnings
 from supple.errors import SuppleWarning, ValidityError
 from supple.integrate import Validity
 
-__all__ = ["say"]
+__all__ = ["warn_or_raise"]
 
 
-def say(message: str, category: type[SuppleWarning], validity: Validity) -> None:
+def warn_or_raise(message: str, category: type[SuppleWarning], validity: Validity) -> None:
     """Warn; raise ValidityError instead when strict."""
     if validity.strict:
         raise ValidityError(message)

@@ -370,7 +370,7 @@ class ErrorEquation:
         def padded(samples: Array) -> Array:
             return np.pad(samples, ((0, _more(len(samples))), (0, size - k), (0, size - k)))
 
-        def with_room(weights: Array) -> Array:
+        def filled(weights: Array) -> Array:
             return np.pad(weights, ((0, 0), (0, _more(weights.shape[1]))))
 
         gain = ElasticGain(
@@ -380,7 +380,7 @@ class ErrorEquation:
             viscous_stiffness=time * padded(rates.samples),
         )
         return gain, GainHistory(
-            np.pad(force, ((0, 0), (0, size - k))), with_room(tangents.weights), with_room(rates.weights)
+            np.pad(force, ((0, 0), (0, size - k))), filled(tangents.weights), filled(rates.weights)
         )
 
     def _history(self, name: str, errors: Array) -> ErrorHistory:

@@ -26,7 +26,7 @@ def padded_size(size: int) -> int:
 
 
 def body_of_columns(body: FlexibleBody, frame: Frame, columns: Array, damping: Damping | None) -> ReducedBody:
-    """A body in columns (n, k), linear about its rest, filled up with inert coordinates.
+    """A body in columns (n, k), linear about its rest, filled up with padding coordinates.
 
     What the deformation adds to stiffness and damping is another's (`ElasticGain`).
     """
@@ -50,7 +50,7 @@ def body_of_columns(body: FlexibleBody, frame: Frame, columns: Array, damping: D
         rotation_limit=body.rotation_limit,
         frequencies=np.sqrt(np.maximum(np.diag(stiffness), 0.0)),
         report=ReductionReport(linear=tuple(f"column {i + 1}" for i in range(k))),
-        inert=padded_size(k) - k,
+        padding=padded_size(k) - k,
         elastic_elsewhere=not body.is_linear,
     )
     return filled_up(own)

@@ -85,11 +85,13 @@ def _account_for_the_rest(model: AbaqusModel) -> None:
         block = placed.block
         if placed.step:
             report.passed_over[block.name] += 1
+        elif block.name in report.read:
+            continue
         elif block.key in LEFT_OUT:
             report.leave_out_block(block, LEFT_OUT[block.key])
         elif block.key in PASSED_OVER:
             report.passed_over[block.name] += 1
-        elif block.name not in report.read:
+        else:
             report.leave_out_block(block, "this keyword is not known")
     stiff = any(block.type.family in CELL_FAMILIES for block in model.elements)
     for block in model.elements:

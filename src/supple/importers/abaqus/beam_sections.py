@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.beam_shapes import BeamShape, beam_shape
+from supple.importers.abaqus.element_types import ElementType
 from supple.importers.abaqus.materials import DeckMaterial
 from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
@@ -29,10 +30,10 @@ class SectionOfBeams:
     n1: FloatArray
     shift: tuple[float, float]
 
-    def property_of(self, type_name: str) -> BeamProperty:
+    def property_of(self, kind: ElementType) -> BeamProperty:
         """The property of elements of a type; Euler-Bernoulli ones (B33) are rigid in shear."""
         shape = self.shape
-        factor = 0.0 if type_name.startswith("B33") else shape.factor
+        factor = shape.factor if kind.shears else 0.0
         neutral = (
             shape.centroid[0] - shape.shear_centre[0],
             shape.centroid[1] - shape.shear_centre[1],
@@ -61,7 +62,8 @@ class SectionOfBeams:
         axis_nodes : (C, 3) places that the first axes point at, from the first end; None: along n1
         """
         along = ends[:, 1] - ends[:, 0]
-        tangent = along / np.linalg.norm(along, axis=1, keepdims=True)
+        # A beam without length keeps a zero tangent, and the mesh refuses it.
+        tangent = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
         n1 = np.broadcast_to(self.n1, along.shape) if axis_nodes is None else axis_nodes - ends[:, 0]
         n1 = n1 - np.einsum("ci,ci->c", n1, tangent)[:, None] * tangent
         length = np.linalg.norm(n1, axis=1)
@@ -69,7 +71,7 @@ class SectionOfBeams:
         aside = np.eye(3)[np.argmin(np.abs(tangent), axis=1)]
         aside = aside - np.einsum("ci,ci->c", aside, tangent)[:, None] * tangent
         n1 = np.where((length > 1e-6 * np.linalg.norm(self.n1))[:, None], n1, aside)
-        n1 = n1 / np.linalg.norm(n1, axis=1, keepdims=True)
+        n1 = n1 / np.maximum(np.linalg.norm(n1, axis=1, keepdims=True), np.finfo(float).tiny)
         y, z = np.add(self.shape.shear_centre, self.shift)
         if not y and not z:
             return n1, None

@@ -48,7 +48,10 @@ def beam_shape(kind: str, dimensions: list[float]) -> BeamShape | None:
     maker, n = _SHAPES.get(kind, (None, 0))
     if maker is None:
         return None
-    made = maker(*[*dimensions, *n * [0.0]][:n])
+    try:
+        made = maker(*[*dimensions, *n * [0.0]][:n])
+    except (OverflowError, ZeroDivisionError):  # no dimensions of a section
+        return None
     positive = min(made.area, made.Iyy, made.Izz, made.J) > 0
     return made if positive and np.isfinite([made.area, made.Iyy, made.Izz, made.J]).all() else None
 

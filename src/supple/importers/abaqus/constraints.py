@@ -94,7 +94,7 @@ def _equations(model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, rows
         i += 1
         while i < len(data) and len(found) < wanted:
             row = [*fields(data[i][1]), "", ""]
-            found += [tuple(row[j : j + 3]) for j in range(0, len(row) - 2, 3)]
+            found += zip(row[0::3], row[1::3], row[2::3], strict=False)
             i += 1
         if len(found) != wanted or not wanted:
             raise file.error(line, f"an equation of {wanted} terms has {len(found)}; is the file cut short?")

@@ -49,6 +49,11 @@ class ElementType:
     family: Family
     n_nodes: int
 
+    @property
+    def shears(self) -> bool:
+        """Whether a shell or beam has transverse shear; thin ones are of Kirchhoff, Euler and Bernoulli."""
+        return not re.fullmatch(r"STRI.*|S\dR5|[BP].*33.*", self.name)
+
 
 _BY_ORDER = {"1": 2, "2": 3, "3": 2}
 _WORDS = {"MASS": 1, "ROTARYI": 1, "DCOUP3D": 1, "65": 6, "A": 2}

@@ -68,7 +68,7 @@ def read_masses(
 def read_springs(
     model: AbaqusModel, freedoms: Freedoms, family: Family, keyword: str
 ) -> tuple[ScalarTerms, ...]:
-    """*SPRING or *DASHPOT: between two nodes along their line (A) or between a freedom of each (2); to the ground (1).
+    """*SPRING or *DASHPOT along the line of two nodes (A), between a freedom of each (2), to the ground (1).
 
     Raises
     ------
@@ -89,6 +89,9 @@ def read_springs(
                 raise model.file.error(
                     block.line, f"*{block.name} lacks its freedoms or its value; is the file cut short?"
                 )
+            if not of_line and not all(1 <= component <= 6 for component in values[0][:2]):
+                model.report.leave_out_block(block, "it acts on freedoms other than 1 to 6")
+                continue
             value = _slope(model, placed, values[wanted - 1 :])
             if elements.type.n_nodes == 1:
                 nodes, lines = elements.nodes[places, 0].tolist(), elements.lines[places].tolist()

@@ -43,29 +43,26 @@ def read_materials(model: AbaqusModel) -> dict[str, DeckMaterial]:
 
     Raises
     ------
-    ImportFormatError   words for numbers; moduli that give no positive stiffness
+    ImportFormatError   words for numbers; fewer constants than a kind of material has
     """
     found: list[_Material] = []
-    inside = False
     for placed in model.blocks:
         block = placed.block
         if placed.step:
             continue
         if block.key == "MATERIAL":
             found.append(_Material(block.options.get("NAME", "")))
-            inside = True
-        elif block.key in _ELASTIC and inside:
+        elif block.key in _ELASTIC and found:
             found[-1].elastic = block
-        elif block.key == "DENSITY" and inside:
+        elif block.key == "DENSITY" and found:
             rows = _rows(model, block)
             found[-1].density = rows[0][0] if rows else 0.0
-        elif block.key in _INELASTIC and inside:
+        elif block.key in _INELASTIC and found:
             model.report.note(
                 f"*{block.name} of material '{found[-1].name}' is passed over: bodies are elastic"
             )
             continue
         else:
-            # Keywords of a material that change nothing are passed over elsewhere; others end it.
             continue
         model.report.read[block.name] += 1
     materials: dict[str, DeckMaterial] = {}
@@ -107,40 +104,34 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
         model.report.note(f"material '{material.name}' depends on temperature; its first row is taken")
     v = values[:n]
     if kind.startswith("ISO"):
-        E, nu = v
-        if not (E > 0 and -1 < nu < 0.5):
-            raise model.file.error(
-                block.line,
-                f"E = {E:g} and nu = {nu:g} give no positive stiffness; E must be positive, nu between -1 "
-                "and 0.5",
-            )
-        return IsotropicMaterial(E, nu, material.density)
-    if kind.startswith("ENG"):
-        stiffness = _checked_constants(model, block, v)
-    elif kind.startswith("LAM"):
+        return _isotropic(model, block, material, *v)
+    stiffness = np.zeros((6, 6))
+    if kind.startswith("LAM"):
         # The moduli through the thickness do not enter a plane state of stress.
         E1, E2, nu12, G12, G13, G23 = v
-        stiffness = _checked_constants(model, block, [E1, E2, E2, nu12, 0.0, 0.0, G12, G13, G23])
+        v = [E1, E2, E2, nu12, 0.0, 0.0, G12, G13, G23]
+    if kind.startswith(("LAM", "ENG")):
+        if all(value > 0 for value in (*v[:3], *v[6:])):
+            stiffness = engineering_constants(*v)
     else:
-        stiffness = np.zeros((6, 6))
         rows, columns = _ORTHOTROPIC if kind.startswith("ORTHO") else _ANISOTROPIC
         stiffness[_OURS[rows], _OURS[columns]] = v
         stiffness[_OURS[columns], _OURS[rows]] = v
-    scale = np.abs(stiffness).max()
-    if not np.linalg.eigvalsh(stiffness)[0] > 0:
-        model.report.leave_out(
-            f"*ELASTIC, TYPE={kind}",
-            block.line,
-            f"material '{material.name}' has no positive stiffness (of {scale:g} at most)",
-        )
-        return None
+    if not (np.isfinite(stiffness).all() and np.linalg.eigvalsh(stiffness)[0] > 0):
+        return _without_stiffness(model, block, material)
     return AnisotropicMaterial(stiffness, material.density)
 
 
-def _checked_constants(model: AbaqusModel, block: KeywordBlock, v: list[float]) -> FloatArray:
-    if not all(value > 0 for value in (*v[:3], *v[6:])):
-        raise model.file.error(block.line, "*ELASTIC: moduli must be positive; correct them")
-    return engineering_constants(*v)
+def _isotropic(
+    model: AbaqusModel, block: KeywordBlock, material: _Material, E: float, nu: float
+) -> DeckMaterial | None:
+    if not (E > 0 and -1 < nu < 0.5):
+        return _without_stiffness(model, block, material)
+    return IsotropicMaterial(E, nu, material.density)
+
+
+def _without_stiffness(model: AbaqusModel, block: KeywordBlock, material: _Material) -> None:
+    model.report.leave_out_block(block, f"material '{material.name}' has no positive stiffness")
 
 
 def _deformation_plasticity(
@@ -151,7 +142,7 @@ def _deformation_plasticity(
         raise model.file.error(
             block.line, "*DEFORMATION PLASTICITY begins with E, nu; is the file cut short?"
         )
-    return IsotropicMaterial(rows[0][0], rows[0][1], material.density)
+    return _isotropic(model, block, material, *rows[0][:2])
 
 
 def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
@@ -170,16 +161,18 @@ def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) 
     else:
         mu, d1 = 2 * (values[0] + values[1]), values[2]
     if not mu > 0:
-        raise model.file.error(
-            block.line, "*HYPERELASTIC has no positive shear modulus; correct its constants"
-        )
+        return _without_stiffness(model, block, material)
     bulk = 2 / d1 if d1 > 0 else 20 * mu  # incompressible ones as CalculiX takes them
     model.report.note(f"material '{material.name}' is hyperelastic: its moduli at no strain are taken")
     E, nu = 9 * bulk * mu / (3 * bulk + mu), (3 * bulk - 2 * mu) / (2 * (3 * bulk + mu))
-    return IsotropicMaterial(E, nu, material.density)
+    return _isotropic(model, block, material, E, nu)
 
 
 def _user(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
+    rows = _rows(model, block)
+    # CalculiX has this law for all to try.
+    if material.name.upper().startswith("LIN_ISO_EL") and rows and len(rows[0]) > 1:
+        return _isotropic(model, block, material, *rows[0][:2])
     model.report.leave_out_block(block, f"the law of material '{material.name}' stands in a program")
     return None
 

@@ -59,9 +59,7 @@ def read_abaqus(
     path = Path(path)
     file = read_keyword_file(path)
     _refuse_what_is_beyond_a_mesh(file)
-    model = read_model(file)
-    if model.report.doubts:
-        raise model.report.doubts[0]
+    model = read_model(file, strict=True)
     cells: dict[CellType, list[IntArray]] = {}
     owners: dict[CellType, list[IntArray]] = {}
     origins: dict[CellType, list[CellOrigin]] = {}
@@ -72,7 +70,7 @@ def read_abaqus(
         cells.setdefault(kind, []).append(made)
         owners.setdefault(kind, []).append(block.first + owner)
         origins.setdefault(kind, []).extend(
-            CellOrigin(*file.lines[line][:2], element)
+            CellOrigin(file.lines[line][0], file.lines[line][1], element)
             for element, line in zip(block.ids[owner].tolist(), block.lines[owner].tolist(), strict=True)
         )
     owner_of = {kind: np.concatenate(parts) for kind, parts in owners.items()}
@@ -110,9 +108,7 @@ def read_abaqus_nodes(path: str | Path) -> NodeTable:
             raise file.error(
                 block.line, "*TRANSFORM turns the freedoms of its nodes; export the matrices without it"
             )
-    model = read_model(file, elements=False)
-    if model.report.doubts:
-        raise model.report.doubts[0]
+    model = read_model(file, elements=False, strict=True)
     return NodeTable(
         str(path),
         public_ids(model).nodes,

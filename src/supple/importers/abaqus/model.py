@@ -14,7 +14,7 @@ from supple.importers.abaqus.element_types import ElementType, Family, element_t
 from supple.importers.abaqus.nodes import NODE_KEYWORDS, most_generated, read_nodes
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import KeywordFile, fields, integers
-from supple.importers.numbering import first_repeated, numbers_of
+from supple.importers.numbering import numbers_of
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
@@ -178,22 +178,24 @@ class AbaqusModel:
         return np.empty(0, dtype=np.int64)
 
 
-def read_model(file: KeywordFile, *, elements: bool = True) -> AbaqusModel:
+def read_model(file: KeywordFile, *, elements: bool = True, strict: bool = False) -> AbaqusModel:
     """Nodes, elements, sets and surfaces of a file.
 
     elements : False: nodes and their sets alone, for matrices that take the place of elements
+    strict : raise doubts (`Report`)
 
     Raises
     ------
     ImportFormatError   no nodes or elements; repeated ids; elements of unknown nodes; words for numbers
     """
-    report = Report(file)
+    report = Report(file, strict=strict)
     scopes, blocks = scoped_blocks(file, report)
     found = read_nodes(file, scopes, blocks)
     if not len(found.ids):
         raise ImportFormatError(f"{file.path}: no nodes below a *NODE; is this a mesh file, and whole?")
-    model = AbaqusModel(file, report, scopes, blocks, Labels(found.scopes, found.ids), found.positions)
-    _refuse_repeated(file, "node", model.nodes, found.lines)
+    kept = _last_definitions(report, "node", Labels(found.scopes, found.ids), found.lines)
+    nodes = Labels(found.scopes[kept], found.ids[kept])
+    model = AbaqusModel(file, report, scopes, blocks, nodes, found.positions[kept])
     for _ in model.named(*NODE_KEYWORDS):
         pass
     if elements:
@@ -216,7 +218,6 @@ def read_model(file: KeywordFile, *, elements: bool = True) -> AbaqusModel:
 
 def _read_elements(model: AbaqusModel) -> None:
     file, found = model.file, list[ElementBlock]()
-    first = 0
     for placed in model.named("ELEMENT", "ELGEN", "ELCOPY"):
         block = placed.block
         if block.key == "ELCOPY" or {"INPUT", "FILE", "OFFSET"} & block.options.keys():
@@ -238,19 +239,35 @@ def _read_elements(model: AbaqusModel) -> None:
             raise file.error(block.line, "no elements below *ELEMENT; remove it, or is the file cut short?")
         else:
             made = [_written_elements(model, placed, kind)]
-        for each in made:
-            found.append(replace(each, first=first))
-            first += len(each.ids)
-    model.elements = tuple(found)
+        found += made
     if found:
         ids, lines = (np.concatenate([getattr(block, part) for block in found]) for part in ("ids", "lines"))
         scopes = np.concatenate([np.full(len(block.ids), block.scope) for block in found])
-        model.element_labels = Labels(scopes, ids)
-        _refuse_repeated(file, "element", model.element_labels, lines)
+        kept = _last_definitions(model.report, "element", Labels(scopes, ids), lines)
+        model.element_labels = Labels(scopes[kept], ids[kept])
+        model.elements = tuple(_numbered(found, kept))
     elif not model.report.left_out:
         raise ImportFormatError(
             f"{file.path}: no elements below an *ELEMENT; is this a mesh file, and whole?"
         )
+
+
+def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
+    """The elements that are kept, counted through."""
+    start = first = 0
+    for block in blocks:
+        mine = kept[start : start + len(block.ids)]
+        start += len(block.ids)
+        axis = None if block.axis_nodes is None else block.axis_nodes[mine]
+        yield replace(
+            block,
+            first=first,
+            ids=block.ids[mine],
+            nodes=block.nodes[mine],
+            lines=block.lines[mine],
+            axis_nodes=axis,
+        )
+        first += int(np.count_nonzero(mine))
 
 
 def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType) -> ElementBlock:
@@ -327,15 +344,21 @@ def _generated_elements(
     return found
 
 
-def _refuse_repeated(file: KeywordFile, what: str, labels: Labels, lines: IntArray) -> None:
-    for scope in np.unique(labels.scopes):
-        mine = labels.of(int(scope))
-        second = first_repeated(labels.ids[mine])
-        if second is not None:
-            raise file.error(
-                int(lines[mine[second]]),
-                f"{what} {labels.ids[mine[second]]} is defined a second time; renumber or remove it",
-            )
+def _last_definitions(report: Report, what: str, labels: Labels, lines: IntArray) -> NDArray[np.bool_]:
+    """Which definitions hold: of those of one id the last one, as both programs have it; a doubt."""
+    order = np.lexsort([labels.ids, labels.scopes])
+    same = np.diff(labels.ids[order]) == 0
+    same &= np.diff(labels.scopes[order]) == 0
+    kept = np.ones(len(order), dtype=bool)
+    kept[order[:-1][same]] = False
+    again = order[1:][same]
+    if again.size:
+        second = again.min()
+        report.doubt(
+            int(lines[second]),
+            f"{what} {labels.ids[second]} is defined a second time; renumber or remove it",
+        )
+    return kept
 
 
 # --- sets
@@ -370,7 +393,8 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
         _extend(sets, placed.scope, name, members)
         return
     if not block.data:
-        raise file.error(block.line, f"set '{name}' is empty; list its members, or is the file cut short?")
+        model.report.doubt(block.line, f"set '{name}' is empty; list its members, or is the file cut short?")
+        return
     labels = model.nodes if of_nodes else model.element_labels
     found: list[IntArray] = []
     for line, text in block.data:

@@ -60,17 +60,18 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
         elif block.key in NODE_KEYWORDS and block.data and not placed.step:
             if block.key == "NODE":
                 ids, positions, lines = _written(file, block, system)
+                bounds = ids[:0]
             else:
                 known = [part for part in parts if part[0] == scope]
                 # *NFILL names sets before nodes are numbered.
                 ends = {name: _plain_ids(each) for (at, name), each in listed.items() if at == scope}
                 ends |= {name: each for (at, name), each in sets.items() if at == scope}
-                ids, positions, lines = _generated(file, block, known, ends)
+                ids, positions, lines, bounds = _generated(file, block, known, ends)
             parts.append((scope, ids, positions, lines))
             if "NSET" in block.options:
-                name = block.options["NSET"]
-                named.append((scope, name, ids))
-                sets[scope, name.upper()] = np.concatenate([sets.get((scope, name.upper()), ids[:0]), ids])
+                name, members = block.options["NSET"], np.concatenate([bounds, ids])
+                named.append((scope, name, members))
+                sets[scope, name.upper()] = np.union1d(sets.get((scope, name.upper()), ids[:0]), members)
     if not parts:
         return NodesFound()
     place = np.concatenate([np.full(len(ids), scope) for scope, ids, _, _ in parts])
@@ -131,8 +132,11 @@ def _generated(
     block: KeywordBlock,
     parts: list[tuple[int, IntArray, FloatArray, IntArray]],
     sets: dict[str, IntArray],
-) -> tuple[IntArray, FloatArray, IntArray]:
-    """Nodes on straight lines between two nodes (*NGEN), or between the nodes of two sets (*NFILL)."""
+) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
+    """Nodes on straight lines between two nodes (*NGEN), or between the nodes of two sets (*NFILL).
+
+    Ids, positions and lines, and the ids of the nodes between which they lie.
+    """
     if block.options.get("LINE") or "BIAS" in block.options or "SINGULAR" in block.options:
         raise file.error(
             block.line,
@@ -149,7 +153,7 @@ def _generated(
             )
         return positions[found]
 
-    made: list[tuple[IntArray, FloatArray, IntArray]] = []
+    made: list[tuple[IntArray, FloatArray, IntArray, IntArray]] = []
     for line, text in block.data:
         words = fields(text)
         plain = [int(word) if is_plain_digits(word) else -1 for word in words]
@@ -173,8 +177,10 @@ def _generated(
         x, y = places(line, starts), places(line, ends)
         share = (between / count)[:, None, None]
         new = (starts + step * between[:, None]).ravel()
-        made.append((new, ((1 - share) * x + share * y).reshape(-1, 3), np.full(len(new), line)))
-    return tuple(np.concatenate(each) for each in zip(*made, strict=True))  # type: ignore[return-value]
+        filled = ((1 - share) * x + share * y).reshape(-1, 3)
+        made.append((new, filled, np.full(len(new), line), np.concatenate([starts, ends])))
+    new, filled, lines, bounds = (np.concatenate(each) for each in zip(*made, strict=True))
+    return new, filled, lines, bounds
 
 
 def _plain_ids(block: KeywordBlock) -> IntArray:
@@ -188,4 +194,4 @@ def _plain_ids(block: KeywordBlock) -> IntArray:
             found.append(first + step * np.arange(max(count, 0), dtype=np.int64))
         else:
             found.append(np.array(ids, dtype=np.int64))
-    return np.concatenate([np.empty(0, dtype=np.int64), *found])
+    return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))

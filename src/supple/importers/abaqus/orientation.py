@@ -47,8 +47,8 @@ class Orientation:
             axes = np.broadcast_to(axes / np.linalg.norm(axes, axis=0), (len(places), 3, 3))
         if not self.axis:
             return axes
-        turn = Rotation.from_rotvec(self.angle * np.eye(3)[self.axis - 1]).as_matrix()
-        return axes @ turn
+        turn: FloatArray = Rotation.from_rotvec(self.angle * np.eye(3)[self.axis - 1]).as_matrix()
+        return np.asarray(axes @ turn, dtype=np.float64)
 
     def shell_directions(self, places: FloatArray) -> FloatArray:
         """First in-plane directions (n, 3) before projection: of the axis after the one along the normal."""
@@ -67,7 +67,9 @@ def cylindrical_axes(a: FloatArray, b: FloatArray, places: FloatArray) -> FloatA
     aside = np.cross(axial, np.eye(3)[np.argmin(np.abs(axial))])
     on_axis = np.linalg.norm(radial, axis=1) <= 1e-12 * (1 + np.linalg.norm(across, axis=1))
     radial = _unit(np.where(on_axis[:, None], aside, radial))
-    return np.stack([radial, np.cross(axial, radial), np.broadcast_to(axial, radial.shape)], axis=-1)
+    axes = np.empty((len(places), 3, 3))
+    axes[:, :, 0], axes[:, :, 1], axes[:, :, 2] = radial, np.cross(axial, radial), axial
+    return axes
 
 
 def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientation]:

@@ -14,14 +14,16 @@ __all__ = ["Report"]
 class Report:
     """Counts keywords read and passed over, what is left out, notes, and doubts.
 
-    doubts : mistakes of the file without which it can still be read, such as a set that names no node
+    Doubts are mistakes without which the file can still be read, such as a set of unknown nodes; `strict`
+    raises them.
     """
 
-    def __init__(self, file: KeywordFile) -> None:
+    def __init__(self, file: KeywordFile, *, strict: bool = False) -> None:
         self.file = file
+        self._strict = strict
         self.read: Counter[str] = Counter()
         self.passed_over: Counter[str] = Counter()
-        self.doubts: list[ImportFormatError] = []
+        self._doubts: list[ImportFormatError] = []
         self._left_out: dict[tuple[str, str], list[int]] = {}
         self._notes: dict[str, None] = {}
 
@@ -39,8 +41,11 @@ class Report:
         self._notes[text] = None
 
     def doubt(self, line: int, message: str) -> None:
-        """A mistake that the reader can do without."""
-        self.doubts.append(self.file.error(line, message))
+        """A mistake that the reader can do without; ImportFormatError where it is strict."""
+        error = self.file.error(line, message)
+        if self._strict:
+            raise error
+        self._doubts.append(error)
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
@@ -52,6 +57,6 @@ class Report:
     @property
     def notes(self) -> tuple[str, ...]:
         """All notes, and the first doubts."""
-        doubts = [str(error) for error in self.doubts]
+        doubts = [str(error) for error in self._doubts]
         more = [f"{len(doubts) - 5} more of that kind"] if len(doubts) > 5 else []
         return (*self._notes, *doubts[:5], *more)

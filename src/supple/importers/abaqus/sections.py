@@ -50,6 +50,14 @@ _FITS = {
     Family.MEMBRANE: SectionOfShells,
     Family.BEAM: SectionOfBeams,
 }
+_STIFFER = (
+    "are integrated fully, and so stiffer in bending where few lie across a wall: refine, or take C3D20"
+)
+_READ_AS_FULL = {
+    "C3D8R": _STIFFER,
+    "C3D8I": _STIFFER,
+    "SC8R": _STIFFER,
+}
 _SECTIONS = (
     "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
     "BEAMGENERALSECTION",
@@ -61,7 +69,8 @@ def read_elements(
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
     """All elements that have a section and a material, and what they are made of.
 
-    Others are left out. Where sections overlap the last one holds.
+    Others are left out, but those without a section on the faces and edges of solids, which carry sets alone.
+    Where sections overlap the last one holds.
 
     Raises
     ------
@@ -79,6 +88,10 @@ def read_elements(
         key = public_name(model, placed.scope, name, model.element_sets)
         sections.append((key, _section(model, placed, materials, orientations)))
     builder = _Builder(model, ids)
+    of_solids = np.zeros(len(model.positions), dtype=bool)
+    for block in model.elements:
+        if block.type.family is Family.SOLID:
+            of_solids[block.nodes[section_of[block.numbers] >= 0]] = True
     for block in model.elements:
         if block.type.family not in CELL_FAMILIES:
             continue
@@ -86,6 +99,15 @@ def read_elements(
         for number in np.unique(of_block).tolist():
             places = np.flatnonzero(of_block == number)
             key, section = sections[number] if number >= 0 else ("", None)
+            if number < 0 and block.type.family is not Family.SOLID:
+                # Meshers write the edges and faces of solids as well, for their sets.
+                on_solids = of_solids[block.nodes[places]].all(axis=1)
+                if on_solids.any():
+                    count = int(np.count_nonzero(on_solids))
+                    model.report.passed_over[f"*ELEMENT, TYPE={block.type.name}"] += count
+                places = places[~on_solids]
+                if not len(places):
+                    continue
             if section is None or not isinstance(section, _FITS[block.type.family]):
                 meaning = "without a section that is read" if number >= 0 else "without a section"
                 model.report.leave_out(
@@ -96,6 +118,9 @@ def read_elements(
                 )
             else:
                 builder.add(key, section, block, places)
+        word = _READ_AS_FULL.get(block.type.name.rstrip("HT"))
+        if word:
+            model.report.note(f"elements {block.type.name} {word}")
     return tuple(builder.elements), builder.properties
 
 
@@ -149,14 +174,13 @@ class _Builder:
         corners = positions[cells]
         match section:
             case SectionOfShells():
-                thin = block.type.family is Family.MEMBRANE
-                for name, made, mine in section.properties(key, cells, thin=thin):
+                for name, made, mine in section.properties(key, cells, block.type):
                     along = section.directions(corners[mine]) if section.has_directions else None
                     self._append(name, made, block, kind, cells[mine], element[mine], directions=along)
             case SectionOfBeams():
                 axis_nodes = None if block.axis_nodes is None else positions[block.axis_nodes[element]]
                 along, offsets = section.directions_and_offsets(corners, axis_nodes)
-                made = section.property_of(block.type.name)
+                made = section.property_of(block.type)
                 self._append(key, made, block, kind, cells, element, directions=along, offsets=offsets)
             case SectionOfSolids() if block.type.family is Family.ROD:
                 if isinstance(section.material, IsotropicMaterial):
@@ -201,6 +225,7 @@ class _Builder:
                 name,
                 directions,
                 offsets,
+                reduced=block.type.name.startswith("C3D20R"),
             )
         )
 

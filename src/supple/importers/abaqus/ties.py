@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.element_types import Family
@@ -122,8 +122,9 @@ def _nearest(
     """For each node the nearest of the faces (F, k), its shape functions there, distance and place."""
     centres = x[faces].mean(axis=1)
     count = min(_CANDIDATES, len(faces))
-    _, candidates = cKDTree(centres).query(x[nodes], k=count)
-    candidates = np.reshape(candidates, (len(nodes), count))
+    _, candidates = KDTree(centres).query(x[nodes], k=count)
+    # Of places beyond all numbers no face is near, and the query names one that is not there.
+    candidates = np.minimum(np.reshape(candidates, (len(nodes), count)), len(faces) - 1)
     pairs = faces[candidates].reshape(-1, faces.shape[1])
     targets = np.repeat(x[nodes], count, axis=0)
     shares = _projected(x[pairs], targets)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.element_types import ElementType, Family
 from supple.importers.abaqus.materials import DeckMaterial
 from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.abaqus.orientation import Orientation
@@ -47,14 +48,14 @@ class SectionOfShells:
         return self.homogeneous is None
 
     def properties(
-        self, key: str, cells: IntArray, *, thin: bool
+        self, key: str, cells: IntArray, kind: ElementType
     ) -> Iterator[tuple[str, ShellProperty | WallProperty, IntArray]]:
         """Name, property, and which of cells (C, 3) have it: one for each mean thickness of their nodes.
 
-        thin : whether elements resist no bending (membranes)
+        kind : of the elements: membranes resist no bending, and some shells do not shear
         """
         if self.nodal_thickness is None:
-            yield key, self._property(self.thickness, thin=thin), np.arange(len(cells))
+            yield key, self._property(self.thickness, kind), np.arange(len(cells))
             return
         given = self.nodal_thickness
         found = np.where(np.isfinite(given), given, self.thickness)[cells].mean(axis=1)
@@ -62,7 +63,7 @@ class SectionOfShells:
         values, which = np.unique(np.array([float(f"{t:.12g}") for t in found]), return_inverse=True)
         for i, thickness in enumerate(values.tolist()):
             name = key if len(values) == 1 else f"{key} t={thickness:.6g}"
-            yield name, self._property(thickness, thin=thin), np.flatnonzero(which == i)
+            yield name, self._property(thickness, kind), np.flatnonzero(which == i)
 
     def directions(self, corners: FloatArray) -> FloatArray:
         """First directions (C, 3) of cells with corners (C, 3, 3) before projection; by default global x.
@@ -75,16 +76,18 @@ class SectionOfShells:
         along = np.abs(normals[:, 0]) >= _ALONG_NORMAL * np.linalg.norm(normals, axis=1)
         return np.where(along[:, None], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
 
-    def _property(self, thickness: float, *, thin: bool) -> ShellProperty | WallProperty:
+    def _property(self, thickness: float, kind: ElementType) -> ShellProperty | WallProperty:
         if self.given is not None:
             return self.given
-        if self.homogeneous is not None and not thin:
-            return ShellProperty(self.homogeneous, thickness, offset=-self.offset * thickness)
+        is_membrane = kind.family is Family.MEMBRANE
+        if self.homogeneous is not None and not is_membrane:
+            offset, factor = -self.offset * thickness, 5 / 6 if kind.shears else 0.0
+            return ShellProperty(self.homogeneous, thickness, offset=offset, shear_factor=factor)
         scale = thickness / sum(ply.thickness for ply in self.plies)
         plies = [replace(ply, thickness=ply.thickness * scale) for ply in self.plies]
         wall = laminate(plies, bottom=-self.offset * thickness - thickness / 2)
-        if not thin:
-            return wall
+        if not is_membrane:
+            return wall if kind.shears else replace(wall, shear=None)
         none = np.zeros((3, 3))
         return replace(wall, coupling=none, bending=none, shear=None, rotary_inertia_per_area=0.0)
 
@@ -141,13 +144,8 @@ def _ply(material: DeckMaterial, thickness: float, angle: float) -> Ply:
         G = E / (2 * (1 + nu))
         return orthotropic_ply(E, E, nu, G, G, G, density=material.density, thickness=thickness, angle=angle)
     compliance = np.linalg.inv(material.elasticity)
-    return Ply(
-        np.linalg.inv(compliance[np.ix_(_FLAT, _FLAT)]),
-        np.linalg.inv(compliance[np.ix_(_ACROSS, _ACROSS)]),
-        material.density,
-        thickness,
-        angle,
-    )
+    flat, across = (np.linalg.inv(compliance[np.ix_(some, some)]) for some in (_FLAT, _ACROSS))
+    return Ply(np.asarray(flat, float), np.asarray(across, float), material.density, thickness, angle)
 
 
 def _plies(

@@ -15,28 +15,53 @@ from supple.importers.matrices.labelled_matrix import (
     from_labelled_entries,
     printed_resolution,
 )
+from supple.importers.node_table import NodeTable
 from supple.importers.plain_number import is_plain, is_plain_digits
 from supple.importers.text_file import file_lines
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 _LARGEST_WHOLE = 2.0**53
 """Beyond it a float cannot tell a whole number from its neighbour."""
 
 
-def read_abaqus_matrix(path: str | Path) -> LabelledMatrix:
-    """Matrix of Abaqus (*MATRIX OUTPUT, FORMAT=MATRIX INPUT): node, component, node, component, value.
+def read_abaqus_matrix(path: str | Path, nodes: NodeTable | None = None) -> LabelledMatrix:
+    """Matrix of Abaqus (*MATRIX OUTPUT): FORMAT=MATRIX INPUT, or COORDINATE.
 
-    One triangle alone stands for both, as Abaqus writes a symmetric matrix.
+    The first has node, component, node, component, value; the second row, column, value, rows counted from 1
+    in the order of node ids and components. One triangle alone stands for both.
 
+    Parameters
+    ----------
+    nodes : of the model, whose number says how many freedoms a node has in COORDINATE: 3, or 6
     Raises
     ------
-    ImportFormatError   missing or cut file; lines of another form; an entry given twice; not symmetric
+    ImportFormatError   missing or cut file; lines of another form; an entry given twice; not symmetric; a
+                        number of rows that the nodes do not explain
     """
     path = Path(path)
+    if len(_words(_lines(path)[0][1], None)) == 3:
+        return _by_coordinates(path, np.empty(0, int) if nodes is None else np.sort(nodes.ids))
     table, resolution = _table(path, 5, "node, component, node, component, value", ",")
     labels = _whole(path, table[:, :4], "a node id or component")
     return from_labelled_entries(str(path), labels[:, :2], labels[:, 2:], table[:, 4], resolution)
+
+
+def _by_coordinates(path: Path, ids: IntArray) -> LabelledMatrix:
+    table, resolution = _table(path, 3, "row, column, value", None)
+    numbers = _whole(path, table[:, :2], "a row or column number")
+    n = int(numbers.max())
+    per_node = next((k for k in (3, 6) if n == k * len(ids)), None)
+    if per_node is None or numbers.min() < 1:
+        raise ImportFormatError(
+            f"{path}: rows {numbers.min()} to {n}, which are neither 3 nor 6 freedoms of each of {len(ids)} "
+            "nodes; take the mesh file of the same model, without nodes of no element, or write the matrix "
+            "with FORMAT=MATRIX INPUT"
+        )
+    freedoms = np.column_stack([np.repeat(ids, per_node), np.tile(np.arange(1, per_node + 1), len(ids))])
+    matrix = from_entries(str(path), numbers[:, 0] - 1, numbers[:, 1] - 1, table[:, 2], freedoms)
+    return LabelledMatrix(str(path), matrix, freedoms, resolution)
 
 
 def read_calculix_matrix(path: str | Path, freedoms: str | Path | None = None) -> LabelledMatrix:
@@ -86,7 +111,7 @@ def _map(path: Path) -> NDArray[np.int64]:
 def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[FloatArray, float]:
     """Numbers (k, width) of the lines that are no comments, and the resolution of the last column."""
     lines = _lines(path)
-    rows = [[word.strip() for word in text.split(delimiter)] for _, text in lines]
+    rows = [_words(text, delimiter) for _, text in lines]
     try:
         if not all(is_plain(text) for _, text in lines):
             raise ValueError(path)
@@ -104,6 +129,11 @@ def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[Fl
             "another format?"
         )
     return table, min(printed_resolution(row[-1]) for row in rows[:1000])
+
+
+def _words(text: str, delimiter: str | None) -> list[str]:
+    """Words between a delimiter; None: between commas and blanks."""
+    return text.replace(",", " ").split() if delimiter is None else [w.strip() for w in text.split(delimiter)]
 
 
 def _is_row(row: list[str], width: int) -> bool:

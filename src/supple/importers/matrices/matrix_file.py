@@ -11,7 +11,7 @@ from supple.importers.matrices.dmig import read_dmig
 from supple.importers.matrices.hdf5_matrices import read_hdf5_matrix, read_hdf5_nodes
 from supple.importers.matrices.labelled_matrix import LabelledMatrix, MatrixRole
 from supple.importers.matrices.output4 import read_output4
-from supple.importers.nastran.model import NASTRAN_SUFFIXES, read_nastran_nodes
+from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES, read_nastran_nodes
 from supple.importers.node_table import NodeTable
 
 __all__ = ["HDF5_SUFFIXES", "NODE_SUFFIXES", "read_labelled_matrix", "read_nodes"]
@@ -70,7 +70,7 @@ def read_labelled_matrix(
     if suffix in HDF5_SUFFIXES:
         return read_hdf5_matrix(path, role)
     if suffix == ".mtx":
-        return read_abaqus_matrix(path)
+        return read_abaqus_matrix(path, nodes)
     if suffix in (".sti", ".mas"):
         return read_calculix_matrix(path)
     raise ImportFormatError(

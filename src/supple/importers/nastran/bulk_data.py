@@ -328,8 +328,7 @@ def _card_name(file: Path, number: int, first: str) -> str:
 
 def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     """First field, data fields (8, or 4 large ones) and continuation label of a line."""
-    name = _name_of(text)
-    if "," in text[:10] or ("," in text and (text[0] in "+*," or (name and not has_no_effect(name)))):
+    if "," in text and _is_free(text):
         words = [word.strip() for word in text.split(",")]
         if " " in words[0] and words[0][0] not in "+*":  # blanks part the name from the first field
             words[:1] = words[0].split()
@@ -354,6 +353,12 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     # A label may stand in column 73 without its '+': the continuation then has '+' for its first letter.
     label = text[72:80].strip()
     return first, data, label and f"+{label[1:]}"
+
+
+def _is_free(text: str) -> bool:
+    """Whether the commas of a line part its fields; further on they may stand in the text of an equation."""
+    name = _name_of(text)
+    return "," in text[:10] or text[0] in "+*" or (name != "" and not has_no_effect(name))
 
 
 def _name_of(text: str) -> str:

@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from supple.importers.plain_number import is_plain_digits
+
 __all__ = ["CaseControl", "read_case_control"]
 
 _COMMAND = re.compile(r"\s*([A-Z][A-Z0-9]*)\s*(?:\([^)]*\))?\s*=\s*(.+?)\s*$", re.IGNORECASE)
@@ -28,7 +30,7 @@ class CaseControl:
     def number(self, command: str) -> int | None:
         """The set a command selects; None where it selects none."""
         word = self.chosen.get(command, "")
-        return int(word) if word.isdecimal() else None
+        return int(word) if is_plain_digits(word) else None
 
 
 def read_case_control(above: Sequence[str]) -> CaseControl:

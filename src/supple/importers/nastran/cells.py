@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.deck import DeckElements, Property, ShellProperty, SolidProperty
+from supple.importers.deck import DeckElements, IsotropicMaterial, Property, ShellProperty, SolidProperty
 from supple.importers.nastran.bulk_data import BulkCard, integers
 from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.reading import Reading
@@ -146,7 +146,10 @@ class Properties:
         card = self.cards.get(number)
         if card is None:
             return "", f"their property {number} is not one that is read"
-        made = make(card)
+        try:
+            made = make(card)
+        except (OverflowError, np.linalg.LinAlgError):
+            made = "its values are too large or too small to work with"
         if isinstance(made, str):
             return "", f"{card.name} {number}: {made}"
         self._counts[number] = self._counts.get(number, 0) + 1
@@ -175,7 +178,7 @@ def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElemen
                 continue
             groups.setdefault((of, number), []).append(card)
         for (of, number), cards in groups.items():
-            system = properties.cards[number].word(2)
+            system = properties.cards[number].integer(2, "the material's axes CORDM", 0)
             found += _solid_cells(name, cards, of, system, reading, middles, properties)
     middles.tie()
     return found, properties.found
@@ -184,9 +187,9 @@ def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElemen
 def _solid(card: BulkCard, materials: Materials) -> SolidProperty | str:
     """PSOLID with its material; PCOMPS where all its plies are of one isotropic material."""
     if card.name == "PCOMPS":
-        plies = {card.word(place + 1) for place in range(8, len(card.fields), 8)} - {""}
-        material = materials.of_solid(int(plies.pop())) if len(plies) == 1 else ""
-        if not isinstance(material, str) and hasattr(material, "poissons_ratio"):
+        plies = {card.integer(i, "a ply's material") for i in range(9, len(card.fields), 8) if card.word(i)}
+        material = materials.of_solid(plies.pop()) if len(plies) == 1 else ""
+        if isinstance(material, IsotropicMaterial):
             return SolidProperty(material)
         return "layered solids (PCOMPS) of several or anisotropic materials are not read"
     if card.word(6) not in ("", "SMECH"):
@@ -199,7 +202,7 @@ def _solid_cells(
     name: str,
     cards: list[BulkCard],
     of: str,
-    system: str,
+    system: int,
     reading: Reading,
     middles: _Middles,
     properties: Properties,
@@ -223,22 +226,22 @@ def _solid_cells(
 
 def _material_axes(
     made: Property,
-    system: str,
+    system: int,
     nodes: IntArray,
     reading: Reading,
     cards: Sequence[BulkCard],
 ) -> FloatArray | None:
     """Axes (C, 3, 3) of an anisotropic solid, those of CORDM at the middle of each cell; else None."""
-    if not isinstance(made, SolidProperty) or hasattr(made.material, "poissons_ratio") or system in ("", "0"):
+    if not isinstance(made, SolidProperty) or isinstance(made.material, IsotropicMaterial) or system == 0:
         return None
-    if system.startswith("-"):
+    if system < 0:
         for card in cards:
             reading.leave_out(
                 card,
                 "the material's axes go with the element (CORDM = -1); basic axes are taken",
             )
         return None
-    return reading.system(cards[0], int(system)).directions(reading.positions(nodes).mean(axis=1))
+    return reading.system(cards[0], system).directions(reading.positions(nodes).mean(axis=1))
 
 
 class _Middles:
@@ -298,13 +301,15 @@ def read_shells(
     found: list[DeckElements] = []
     for name, shell in _SHELLS.items():
         groups: dict[str, list[BulkCard]] = {}
-        for card in reading.file.named(name):
-            element = card.integer(0, "the element id")
+        all_cards = reading.file.named(name)
+        elements = integers(all_cards, 0, "the element id").tolist()
+        numbers = integers(all_cards, 1, "the property id", 0).tolist()
+        for card, element, number in zip(all_cards, elements, numbers, strict=True):
             options = _wall_options(card, shell, added.get(element, 0.0))
             of, why = properties.name(
-                card.integer(1, "the property id", element),
+                number or element,
                 options,
-                lambda wall, options=options: read_wall(wall, materials, reading, options),
+                lambda wall, options=options: read_wall(wall, materials, reading, options or _PLAIN),
             )
             if why:
                 reading.leave_out(card, f"elements left out: {why}")
@@ -318,10 +323,11 @@ def read_shells(
 _PLAIN = WallOptions()
 
 
-def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions:
+def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:
+    """What an element says of its wall; None where nothing, as most do."""
     blank = card.is_blank(shell.thickness, shell.thickness + shell.corners)
     if blank and not added and card.is_blank(shell.offset, shell.offset + 1):
-        return _PLAIN
+        return None
     given = tuple(
         card.real(shell.thickness + i, f"T{i + 1}") if card.word(shell.thickness + i) else None
         for i in range(shell.corners)
@@ -380,21 +386,19 @@ def _triangles_with_middles(
                 ring.append(int(corners[row, i]))
             if after is not None:
                 ring.append(after)
-        rest = _ring_triangles(ring, reading.grids.positions)
+        rest = _ring_triangles(ring, [node for node in ring if node in middles], reading.grids.positions)
         triangles += rest
         of_card += [row] * len(rest)
     return np.array(triangles, dtype=np.int64), np.array(of_card, dtype=np.int64)
 
 
-def _ring_triangles(ring: list[int], positions: FloatArray) -> list[list[int]]:
-    """A fan from the node from which its smallest triangle is largest: middle nodes lie on sides."""
-    if len(ring) < 3:
-        return []
-    turned = [ring[start:] + ring[:start] for start in range(len(ring))]
-    fans = np.array([[[own[0], own[i], own[i + 1]] for i in range(1, len(own) - 1)] for own in turned])
-    x = positions[fans]
-    areas = np.linalg.norm(np.cross(x[..., 1, :] - x[..., 0, :], x[..., 2, :] - x[..., 0, :]), axis=-1)
-    return fans[int(areas.min(axis=1).argmax())].tolist()
+def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) -> list[list[int]]:
+    """Triangles of a polygon: a quadrilateral by its diagonal; others from a middle node, amid a side."""
+    if len(ring) == 4 and len(middles) != 1:
+        return split_quadrilaterals(positions, np.array([ring])).tolist()
+    first = ring.index(middles[0]) if middles else 0
+    ring = ring[first:] + ring[:first]
+    return [[ring[0], ring[i], ring[i + 1]] for i in range(1, len(ring) - 1)]
 
 
 def _material_directions(

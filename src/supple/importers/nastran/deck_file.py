@@ -111,7 +111,7 @@ def read_nastran_deck(path: str | Path) -> Deck:
 
 
 def _deck(file: BulkFile, whole: BulkFile) -> Deck:
-    reading = _start(file, whole)
+    reading = start_reading(file, whole)
     materials, added = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
@@ -168,8 +168,9 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
     )
 
 
-def _start(file: BulkFile, whole: BulkFile) -> Reading:
-    _check_elements(file)
+def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
+    """Grids, parameters and case control of a file; cards that are not known stand as left out."""
+    file = _elements_once(file)
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
     reading = Reading(
         file,
@@ -197,16 +198,21 @@ def _start(file: BulkFile, whole: BulkFile) -> Reading:
     return reading
 
 
-def _check_elements(file: BulkFile) -> None:
-    """Ids of elements that become cells are of one element, whatever its type."""
+def _elements_once(file: BulkFile) -> BulkFile:
+    """The file without elements that repeat an earlier one; of one id, they must say the same."""
     found: dict[str, BulkCard] = {}
+    again: set[int] = set()
     for card in file.named(*_CELLS):
         first = found.setdefault(card.fields[0], card)
-        if first is not card and (first.name, first.fields) != (card.name, card.fields):
+        if first is card:
+            continue
+        if (first.name, first.fields) != (card.name, card.fields):
             raise card.error(
                 f"element {card.word(0)} is defined a second time and differs from the {first.name} of line "
                 f"{first.line}; renumber or remove it"
             )
+        again.add(id(card))
+    return replace(file, cards=tuple(c for c in file.cards if id(c) not in again)) if again else file
 
 
 def _parameters(cards: list[BulkCard]) -> dict[str, float]:

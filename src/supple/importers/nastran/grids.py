@@ -78,7 +78,7 @@ def read_grids(file: BulkFile) -> GridPoints:
     local = np.stack([reals(cards, 2 + i, f"coordinate X{i + 1}", 0.0) for i in range(3)], axis=1)
     systems, positions = _resolve(file, ids, given_in, local)
     axes = np.broadcast_to(np.eye(3), (len(ids), 3, 3)).copy()
-    for system in np.unique(np.concatenate([given_in, moved_in])):
+    for system in np.unique(np.concatenate([given_in, moved_in])).tolist():
         if system not in systems:
             wrong = int(np.flatnonzero((given_in == system) | (moved_in == system))[0])
             raise cards[wrong].error(
@@ -102,9 +102,11 @@ def _defaults(file: BulkFile) -> tuple[int, int, str]:
 
 def _once(cards: list[BulkCard]) -> list[BulkCard]:
     """The cards without those that repeat an earlier one; of one id, they must say the same."""
+    ids = integers(cards, 0, "the grid id")
+    if np.unique(ids).size == len(ids):
+        return cards
     found: dict[int, BulkCard] = {}
-    for card in cards:
-        number = card.integer(0, "the grid id")
+    for card, number in zip(cards, ids.tolist(), strict=True):
         first = found.setdefault(number, card)
         if first is not card and _content(first) != _content(card):
             raise card.error(

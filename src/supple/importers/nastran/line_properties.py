@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import pi
 
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, RodProperty
-from supple.importers.nastran.bulk_data import BulkCard, bulk_real
+from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.reading import Reading
 from supple.importers.nastran.section_shapes import SHAPES, SectionValues
@@ -89,10 +89,9 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
     stations, rest = _rows_of_beam(card)
     at_b, between = at_a, False
     for row in stations:
-        place = bulk_real(row[1]) if row[1] else 1.0
+        place = _number(card, row[1], 1.0)
         values = [
-            bulk_real(word) if word else start
-            for word, start in zip((*row[2:8], *[""] * 6)[:6], at_a, strict=True)
+            _number(card, word, start) for word, start in zip((*row[2:8], *[""] * 6)[:6], at_a, strict=True)
         ]
         if place == 1.0:
             at_b = values
@@ -100,7 +99,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
             between = True
     if between:
         reading.note("Sections of PBEAM are read at both ends; those between count as on the straight line.")
-    last = [bulk_real(word) if word else None for word in (*rest, *[""] * 16)[:16]]
+    last = [_number(card, word, 0.0) if word else None for word in (*rest, *[""] * 16)[:16]]
     K1, K2 = (1.0 if value is None else value for value in last[:2])
     if last[2] or last[3]:
         reading.note("The shear relief S1, S2 of tapered PBEAM is not read.")
@@ -126,6 +125,10 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         for values, nsi, m, n in ((at_a, nsi_a, m_a, n_a), (at_b, nsi_b, m_b, n_b))
     )
     return BeamProperty(material, first, None if first == second else second)
+
+
+def _number(card: BulkCard, word: str, default: float) -> float:
+    return card._replace(fields=(word,)).real(0, "a value of a station", default)
 
 
 def _values(
@@ -191,7 +194,7 @@ def _shaped(
         if at not in (0.0, 1.0):
             continue
         section = shape.values(*sizes[:-1]) if min(sizes[:-1]) >= 0 else None
-        if section is None or section.area <= 0:
+        if section is None or not section.area > 0:
             return f"the sizes {list(sizes[:-1])} do not make a section {word}"
         made.append(_of_shape(card, section, material, (sizes[-1] + added) * reading.mass_factor))
     return BeamProperty(material, made[0], made[-1] if len(made) > 1 and made[-1] != made[0] else None)

@@ -217,7 +217,7 @@ def _curved(
     start, end = reading.grids.positions[ends]
     known = properties.cards.get(number)
     centre = None if known is None else _centre(card, known, start, end, ends[0], reading)
-    if centre is None:
+    if centre is None or not np.isfinite(centre).all():
         reading.leave_out(card, "elements left out: their arc (GEOM, RB, THETAB) or property is not defined")
         return
     a, b = start - centre, end - centre

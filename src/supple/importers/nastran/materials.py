@@ -57,7 +57,12 @@ class Materials:
             return self._missing(number, card)
         if number not in self._line:
             self._line[number] = self._mat1(card)
-        return self._line[number]
+        found = self._line[number]
+        if not (found.youngs_modulus > 0 or found.shear_modulus):
+            return f"its material {number} has no stiffness"
+        if not -1 < found.poissons_ratio <= 0.5:
+            return f"Poisson's ratio of its material {number} is {found.poissons_ratio:g}"
+        return found
 
     def of_solid(self, number: int) -> IsotropicMaterial | AnisotropicMaterial | str:
         """The material of solid cells; else why there is none."""
@@ -100,17 +105,19 @@ class Materials:
         E, G, nu = (card.real(1 + i, what, 0.0) for i, what in enumerate(("E", "G", "NU")))
         has_E, has_G, has_nu = E > 0, G > 0, bool(card.word(3))
         shear: float | None = None
+        if nu <= -1:
+            return IsotropicMaterial(E, nu, 0.0)  # which `isotropic` refuses
         if has_G and has_nu and not has_E:
             E = 2 * G * (1 + nu)
         elif has_G and has_E and not has_nu:
             nu = E / (2 * G) - 1
             if not -1 < nu < 0.5:
                 nu, shear = 0.0, G
-        elif has_G and has_E and abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY:
+        elif has_G and (not has_E or abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY):
             shear = G
         elif has_E and not has_nu:
             self._reading.note(
-                f"MAT1 {card.word(0)} gives E alone; NU counts as 0 and G as E / 2, where Nastran takes G = 0."
+                f"MAT1 {card.word(0)} gives E alone; NU counts as 0, G as E / 2 (Nastran: G = 0)."
             )
         factor = self._reading.stiffness_factor
         return IsotropicMaterial(
@@ -164,4 +171,6 @@ class Materials:
         S[0, 1] = S[1, 0] = -nu12 / E1
         S[0, 2] = S[2, 0] = -nu13 / E1
         S[1, 2] = S[2, 1] = -nu23 / E2
+        if not np.linalg.eigvalsh(S)[0] > 0:
+            return f"its material {card.word(0)} has Poisson's ratios that no material can have"
         return AnisotropicMaterial(np.linalg.inv(S) * self._reading.stiffness_factor, self._density(card, 10))

@@ -52,12 +52,12 @@ def read_added_mass(reading: Reading) -> dict[int, float]:
     return found
 
 
-def _entries(card: BulkCard, reading: Reading) -> list[tuple[str, set[int] | None, float]]:
+def _entries(card: BulkCard, reading: Reading) -> list[tuple[str, list[range] | None, float]]:
     """Type, ids (None: all) and value of each entry: TYPE ID VALUE ID VALUE .., or TYPE VALUE ID ID .."""
     of = card.word(1)
     if card.name in ("NSM", "NSML"):
         return [
-            (of, {card.integer(i, "an id")}, card.real(i + 1, "the value", 0.0))
+            (of, [_only(card.integer(i, "an id"))], card.real(i + 1, "the value", 0.0))
             for i in range(2, len(card.fields), 2)
             if card.word(i)
         ]
@@ -65,27 +65,32 @@ def _entries(card: BulkCard, reading: Reading) -> list[tuple[str, set[int] | Non
     words = [card.word(i) for i in range(3, len(card.fields)) if card.word(i)]
     if "ALL" in words:
         return [(of, None, value)]
-    ids: set[int] = set()
+    list_card = card._replace(fields=tuple(words))
+    ids: list[range] = []
     place = 0
     while place < len(words):
-        if words[place] == "THRU" and place and place + 1 < len(words):
-            first, last = int(words[place - 1]), int(words[place + 1])
-            step = 1
-            if words[place + 2 : place + 3] == ["BY"]:
-                step = int(words[place + 3])
-                place += 2
-            ids |= set(range(first, last + 1, step))
+        if words[place] == "EXCEPT":
+            reading.leave_out(card, "left out: its list has EXCEPT")
+            return []
+        if words[place] in ("THRU", "BY") and ids:
+            number = list_card.integer(place + 1, "an id")
+            first = ids.pop()
+            by_step = words[place] == "BY"
+            ids.append(
+                range(first.start, first.stop, max(number, 1)) if by_step else range(first.start, number + 1)
+            )
             place += 2
         else:
-            if not words[place].isdecimal():
-                reading.leave_out(card, f"left out: its list has '{words[place]}'")
-                return []
-            ids.add(int(words[place]))
+            ids.append(_only(list_card.integer(place, "an id")))
             place += 1
     return [(of, ids, value)]
 
 
-def _members(card: BulkCard, of: str, ids: set[int] | None, reading: Reading) -> list[BulkCard]:
+def _only(number: int) -> range:
+    return range(number, number + 1)
+
+
+def _members(card: BulkCard, of: str, ids: list[range] | None, reading: Reading) -> list[BulkCard]:
     if of == "ELEMENT":
         field, names = 0, _BY_ELEMENT
     elif of in _ELEMENTS:
@@ -96,8 +101,13 @@ def _members(card: BulkCard, of: str, ids: set[int] | None, reading: Reading) ->
     return [
         element
         for element in reading.file.named(*names)
-        if ids is None or element.integer(field, "an id", element.integer(0, "the element id")) in ids
+        if ids is None
+        or _is_among(element.integer(field, "an id", element.integer(0, "the element id")), ids)
     ]
+
+
+def _is_among(number: int, ids: list[range]) -> bool:
+    return any(number in each for each in ids)
 
 
 def _extent(element: BulkCard, reading: Reading) -> float:

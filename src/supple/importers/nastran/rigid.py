@@ -58,6 +58,12 @@ def _components(card: BulkCard, word: str, what: str) -> str:
     return "".join(sorted(word))
 
 
+def _some_components(card: BulkCard, place: int) -> str:
+    """Components of a field; none where it is blank or 0."""
+    word = card.word(place)
+    return "" if word in ("", "0") else _components(card, word, "its components")
+
+
 def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: Reading) -> list[int]:
     """Grid numbers of a list that may hold THRU."""
     ids: list[int] = []
@@ -133,7 +139,8 @@ def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], 
         return np.array(T), own
 
     T_I, u_I = rows(independent)
-    if T_I.shape != (6, 6) or abs(np.linalg.det(T_I)) < 1e-12 * np.prod(np.linalg.norm(T_I, axis=1)):
+    # Not below the bound, but not above it: what is not finite is neither.
+    if T_I.shape != (6, 6) or not abs(np.linalg.det(T_I)) > 1e-12 * np.prod(np.linalg.norm(T_I, axis=1)):
         reading.leave_out(card, "left out: its independent components do not determine a rigid motion")
         return
     T_M, u_M = rows(dependent)
@@ -154,9 +161,9 @@ def _rbar(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
     """RBAR: EID GA GB CNA CNB CMA CMB; RBAR1: EID GA GB CB, all of GA independent."""
     a, b = reading.node(card, 1, "the grid GA"), reading.node(card, 2, "the grid GB")
     if card.name == "RBAR1":
-        cna, cnb, cma, cmb = "123456", "", "", card.word(3) or "123456"
+        cna, cnb, cma, cmb = "123456", "", "", _some_components(card, 3) or "123456"
     else:
-        cna, cnb, cma, cmb = ("" if card.word(i) == "0" else card.word(i) for i in (3, 4, 5, 6))
+        cna, cnb, cma, cmb = (_some_components(card, i) for i in (3, 4, 5, 6))
         if not cma and not cmb:
             cma, cmb = _rest(cna), _rest(cnb)
     name = f"rbar_{card.word(0)}"
@@ -189,8 +196,8 @@ def _rrod(card: BulkCard, reading: Reading) -> None:
 def _rtrplt(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
     """EID GA GB GC CNA CNB CNC - CMA CMB CMC: a rigid triangle."""
     nodes = [reading.node(card, 1 + i, "a grid") for i in range(3)]
-    own = ["" if card.word(4 + i) == "0" else card.word(4 + i) for i in range(3)]
-    ties = ["" if card.word(8 + i) == "0" else card.word(8 + i) for i in range(3)]
+    own = [_some_components(card, 4 + i) for i in range(3)]
+    ties = [_some_components(card, 8 + i) for i in range(3)]
     if not any(ties):
         ties = [_rest(c) for c in own]
     if sorted(own[0]) == list("123456") and all(sorted(c) == list("123456") for c in ties[1:]):
@@ -243,15 +250,16 @@ def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: l
         for _, components, nodes in groups
     )
     if plain and not reading.has_local_axes(reference, follows):
-        nodes = np.array([node for _, _, members in groups for node in members], dtype=np.int64)
-        weights = np.concatenate([np.full(len(members), weight) for weight, _, members in groups])
-        unique, number = np.unique(nodes, return_inverse=True)
+        weights: dict[int, float] = {}
+        for weight, _, members in groups:
+            for node in members:
+                weights[node] = weights.get(node, 0.0) + weight
         means.append(
             WeightedMean(
                 f"rbe3_{card.word(0)}",
                 reference,
-                unique,
-                np.bincount(number, weights).astype(np.float64),
+                np.array(list(weights), dtype=np.int64),
+                np.array(list(weights.values())),
                 card.line,
                 tuple(str(i) in follows for i in range(1, 7)),
             )
@@ -320,7 +328,10 @@ def _mean_rows(
     S, W = np.array(S), np.array(W)
     scale = np.array([1.0, 1.0, 1.0, L, L, L])
     normal = (S / scale).T @ (W[:, None] * S / scale)
-    if np.linalg.matrix_rank(normal, tol=1e-10 * np.abs(normal).max(), hermitian=True) < 6:
+    if (
+        not np.isfinite(normal).all()
+        or np.linalg.matrix_rank(normal, tol=1e-10 * np.abs(normal).max(), hermitian=True) < 6
+    ):
         reading.leave_out(card, "left out: the components it averages do not determine a rigid motion")
         return
     mean = np.linalg.solve(normal, (S / scale).T * W) / scale[:, None]

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.retained_freedoms import retained_freedoms
+from supple.importers.plain_number import plain_number
 
 __all__ = ["SUPPORT_CARDS", "read_matrices", "read_supports"]
 
@@ -38,9 +40,10 @@ def read_supports(reading: Reading) -> dict[str, IntArray]:
             if number in chosen:
                 for component in components:
                     held.setdefault((node, int(component) - 1), card.line)
-    for card in reading.file.named("ASET", "ASET1"):
-        members = _pairs(card, 0, 2, reading) if card.name == "ASET" else _listed(card, 0, 1, reading)
-        found.setdefault("aset", {}).update((node, None) for node, _ in members)
+    physical = retained_freedoms(reading.file, reading.grids.ids, modal=False)
+    if physical is not None:
+        grids = np.unique(physical[physical[:, 1] > 0, 0])
+        found["aset"] = dict.fromkeys(reading.grids.lookup(grids)[0].tolist())
     for (node, component), line in held.items():
         reading.held.add(reading.node_freedom(node, component), line)
     return {name: np.array(list(nodes), dtype=np.int64) for name, nodes in found.items() if nodes}
@@ -143,7 +146,7 @@ def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
 def _scaled(word: str) -> tuple[float, str]:
     factor, star, name = word.rpartition("*")
     try:
-        return (float(factor) if star else 1.0), name.strip()
+        return (plain_number(factor) if star else 1.0), name.strip()
     except ValueError:
         return 1.0, word
 

@@ -76,9 +76,9 @@ def _pshell(
         and card.word(1) == card.word(3)
         and abs(ratio - 1) < 1e-9
         and coupling is None
-        and (shear is None or (card.word(5) == card.word(1) and abs(shear_ratio - 5 / 6) < 1e-3))
+        and (shear is None or card.word(5) == card.word(1))
     ):
-        return ShellProperty(material, t, added, options.offset)
+        return ShellProperty(material, t, added, options.offset, shear_ratio if shear else 0.0)
     none = np.zeros((3, 3))
     density = (membrane or bending or next(iter(used.values()))).density
     wall = WallProperty(

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from supple.errors import ImportFormatError, MeshError
-from supple.importers.plain_number import plain_number
-from supple.importers.text_file import file_text
+from supple.importers.turbine.windio_file import WindioFile
 from supple.mesh import AirfoilSection, BladeStations
 from supple.mesh.blade_stations import SHAPE_POINTS
 
@@ -42,7 +37,7 @@ def read_windio_blade(path: str | Path) -> BladeStations:
     MeshError           airfoils or distributions that describe no blade
     Source: windIO turbine schema, versions 1 (`outer_shape_bem`) and 2 (`outer_shape`).
     """
-    file = _WindioFile(Path(path), _parsed(Path(path)))
+    file = _OuterShape.read(path)
     blade = file.entry("components", "blade")
     second = isinstance(blade, dict) and "outer_shape" in blade
     shape = ("components", "blade", "outer_shape" if second else "outer_shape_bem")
@@ -75,76 +70,8 @@ def read_windio_blade(path: str | Path) -> BladeStations:
         raise MeshError(f"{path}: {error}") from error
 
 
-def _parsed(path: Path) -> Any:
-    text = file_text(path, "save it as YAML")
-    try:
-        # Every scalar as it is written: to YAML 1.1 the words 1_000, 1:30 and 010 are other numbers.
-        return yaml.load(text, Loader=yaml.BaseLoader)
-    except (yaml.YAMLError, ValueError) as error:
-        raise ImportFormatError(f"{path}: not readable as YAML ({error}); save it anew") from error
-    except RecursionError:
-        raise ImportFormatError(
-            f"{path}: its lists and entries nest too deep to be read; is this a windIO turbine file?"
-        ) from None
-
-
-@dataclass(frozen=True)
-class _WindioFile:
-    path: Path
-    tree: Any
-
-    def entry(self, *keys: str) -> Any:
-        """The value under nested keys."""
-        value = self.tree
-        for depth, key in enumerate(keys):
-            if not isinstance(value, dict) or key not in value:
-                there = ", ".join(map(str, value)) if isinstance(value, dict) else "no keys"
-                raise ImportFormatError(
-                    f"{self.path}: no entry {'.'.join(keys[: depth + 1])}; there are {there}; is this a "
-                    "windIO turbine file, version 1 or 2?"
-                )
-            value = value[key]
-        return value
-
-    def has(self, *keys: str) -> bool:
-        """Whether the entry above the last of nested keys has that one."""
-        above = self.entry(*keys[:-1])
-        return isinstance(above, dict) and keys[-1] in above
-
-    def listed(self, *keys: str) -> list[Any]:
-        """The list under nested keys."""
-        found = self.entry(*keys)
-        if not isinstance(found, list):
-            raise ImportFormatError(
-                f"{self.path}: {'.'.join(keys)} is no list; is this a windIO turbine file?"
-            )
-        return found
-
-    def numbers(self, *keys: str) -> FloatArray:
-        """A list of numbers under nested keys."""
-        return self._as_numbers(self.entry(*keys), ".".join(keys))
-
-    def distribution(self, *keys: str) -> PchipInterpolator:
-        """A quantity over the position 0 .. 1, from its grid and values; held at its ends."""
-        grid, values = self.numbers(*keys, "grid"), self.numbers(*keys, "values")
-        if grid.size != values.size or grid.size < 2 or (np.diff(grid) <= 0).any():
-            raise ImportFormatError(
-                f"{self.path}: {'.'.join(keys)} has {grid.size} grid points and {values.size} values; give "
-                "as many of both, at least two, the grid ascending"
-            )
-        return self._blended(grid, values, ".".join(keys), extrapolate=False)
-
-    def _blended(
-        self, grid: FloatArray, values: FloatArray, what: str, *, extrapolate: bool
-    ) -> PchipInterpolator:
-        """The curve through values; slopes of numbers near the largest there are may not be finite."""
-        try:
-            with np.errstate(all="ignore"):
-                return PchipInterpolator(grid, values, extrapolate=extrapolate)
-        except ValueError as error:
-            raise ImportFormatError(
-                f"{self.path}: no curve runs through {what} ({error}); check the size of its numbers"
-            ) from error
+class _OuterShape(WindioFile):
+    """With what it says of airfoils."""
 
     def airfoil_positions(self, shape: tuple[str, ...], second: bool) -> tuple[list[str], FloatArray]:
         """Names of the airfoils along the blade and their positions 0 .. 1."""
@@ -157,16 +84,16 @@ class _WindioFile:
                     f"{places.size} grid points; give as many of both"
                 )
             return labels, places
-        listed = [_WindioFile(self.path, airfoil) for airfoil in self.listed(*shape, "airfoils")]
+        listed = [_OuterShape(self.path, airfoil) for airfoil in self.listed(*shape, "airfoils")]
         names = [str(airfoil.entry("name")) for airfoil in listed]
         places = [airfoil.entry("spanwise_position") for airfoil in listed]
-        return names, self._as_numbers(places, ".".join((*shape, "airfoils", "spanwise_position")))
+        return names, self.as_numbers(places, ".".join((*shape, "airfoils", "spanwise_position")))
 
     def sections(
         self, shape: tuple[str, ...], names: list[str], places: FloatArray, grid: FloatArray
     ) -> tuple[AirfoilSection, ...]:
         """Sections at the positions `grid`, blended between the airfoils."""
-        known = [_WindioFile(self.path, airfoil) for airfoil in self.listed("airfoils")]
+        known = [_OuterShape(self.path, airfoil) for airfoil in self.listed("airfoils")]
         airfoils = {str(airfoil.entry("name")): airfoil for airfoil in known}
         unknown = [name for name in names if name not in airfoils]
         if unknown:
@@ -181,7 +108,7 @@ class _WindioFile:
         places, first = np.unique(places, return_index=True)
         if places.size < 2:
             raise ImportFormatError(f"{self.path}: {'.'.join(shape)} has fewer than two different airfoils")
-        curve = self._blended(places, heights[first], "airfoils", extrapolate=True)
+        curve = self.blended(places, heights[first], "airfoils", extrapolate=True)
         blended = curve(at.clip(places[0], places[-1]))
         outlines = np.concatenate([blended[:, 0, ::-1], blended[:, 1, 1:]], axis=1)
         x = np.concatenate([SHAPE_POINTS[::-1], SHAPE_POINTS[1:]])
@@ -200,13 +127,4 @@ class _WindioFile:
     def relative_thickness(self) -> float:
         """Nominal thickness of one airfoil, named after the version of the schema."""
         key = "rthick" if "rthick" in self.tree else "relative_thickness"
-        return float(self._as_numbers([self.entry(key)], key)[0])
-
-    def _as_numbers(self, values: Any, what: str) -> FloatArray:
-        try:
-            words = values if isinstance(values, list) else [values]
-            if not all(isinstance(word, str) for word in words):
-                raise ValueError(what)
-            return np.array([plain_number(word) for word in words])
-        except ValueError as error:
-            raise ImportFormatError(f"{self.path}: {what} holds entries that are no numbers") from error
+        return float(self.as_numbers([self.entry(key)], key)[0])

@@ -20,7 +20,7 @@ from supple.machine.laws.time_law import as_time_law
 __all__ = ["Turning"]
 
 N_SPEEDS = 257
-"""Times at which the speed of the axes is looked at."""
+"""Times at which the speed of the axes is sampled."""
 
 
 @jax.tree_util.register_dataclass

@@ -15,4 +15,5 @@ from supple.methods.intrinsic.load_path import *
 from supple.methods.intrinsic.load_path_tree import *
 from supple.methods.intrinsic.released import *
 from supple.methods.intrinsic.root_support import *
+from supple.methods.intrinsic.section_line import *
 from supple.methods.intrinsic.truncation_error import *

@@ -41,7 +41,7 @@ MOST_ITERATIONS = 12
 
 
 class CompleteMotion(NamedTuple):
-    """The machine with all modes of its bodies, and its motion at the instants looked at.
+    """The machine with all modes of its bodies, and its motion at the sample times.
 
     shown : the run itself at these instants, in all modes
     found : (t,)    False where no such motion was found

@@ -90,7 +90,7 @@ def implicit_step(
     before : (n,)       y'_0
     tangent : of an earlier step
     tolerance : of the residual, over the largest rate
-    most : iterations; beyond them the residual tells that none was found
+    most : iterations; beyond them the residual shows that none was found
     """
     alpha_m, alpha_f, gamma = coefficients
 

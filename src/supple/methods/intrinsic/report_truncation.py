@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.errors import ValidityWarning
 from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import System
@@ -79,7 +79,7 @@ def _warn(system: System, run: Run, name: str, error: TruncationError, where: st
         if error.drifts
         else f"all modes would move its stations by {max(error.places):.2g}, RMS"
     )
-    say(
+    warn_or_raise(
         f"{where}body '{name}': {body.n_coordinates} modes are too few: {why}, which is {error.largest:.1%} "
         "of its deflection. Keep more modes, or leave their number out: all are kept then, or as many as an "
         "accuracy needs",

@@ -30,7 +30,7 @@ STIFF = 1e-3
 class TruncationError:
     """What the modes left out of a motion would change.
 
-    times : (t,)            looked at
+    times : (t,)            sampled
     places : (t,)           RMS distance of the stations, m; infinite where all modes find no such motion
     forces, velocities : (t,)   square roots of shares of strain energy and kinetic energy
     drift : float           of the centre of mass of a free body, from where its loads bring it, m
@@ -76,7 +76,7 @@ def truncation_error(
     """What a run lacks of all modes of its bodies, by body: at a few instants, by `complete_motion`.
 
     A motion that shakes modes near their own frequency lacks more: their response to that is not at rest.
-    Where joints connect bodies, each line is looked at by itself, its root where the run has it and loaded by
+    Where joints connect bodies, each line is estimated by itself, its root where the run has it and loaded by
     the run's joint forces: what its modes change in the motion of the other bodies is not counted.
 
     Parameters

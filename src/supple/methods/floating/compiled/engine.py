@@ -27,10 +27,10 @@ from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joi
 from supple.machine import System
 from supple.methods.floating.compiled.contraction import Contraction, no_estimate
 from supple.methods.floating.compiled.frozen_tangent import FrozenTangent, freezes_tangent, no_tangent
-from supple.methods.floating.compiled.inert_motion import (
+from supple.methods.floating.compiled.padded_motion import (
     in_all_coordinates,
     in_own_coordinates,
-    with_inert_coordinates,
+    with_padding_coordinates,
 )
 from supple.methods.floating.compiled.programs import COMPILED_MARCH, QUICK_MARCH, STOPS_AT_ONCE, march_for
 from supple.methods.floating.compiled.sampling import sampled
@@ -112,12 +112,12 @@ def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenTangent | 
 class CompiledEngine:
     """An `Engine` whose steps are one compiled program; `State` is its state.
 
-    It marches bodies with their inert coordinates, and tells their motion without; `engine_state` is of all.
+    It marches bodies with their padding coordinates; motions are without, `engine_state` is of all.
     """
 
     def __init__(self, system: System, run: Run) -> None:
         self._own = system
-        self._system = with_inert_coordinates(system)
+        self._system = with_padding_coordinates(system)
         self._run = run
         self._controls = jax.device_put(controls(run))
         self._model: Model | None = None
@@ -137,7 +137,7 @@ class CompiledEngine:
 
         Without the `engine_state` the auxiliary acceleration of the integrator is taken equal to the true
         one, which keeps the order of accuracy but not the last digits; and where it is of the same bodies
-        with other inert coordinates.
+        with other padding coordinates.
         """
         known = last.engine_state
         if "active" in known:

@@ -17,7 +17,7 @@ from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
 from supple.methods.floating.compiled.elimination import Elimination
 from supple.methods.floating.compiled.engine import as_solution, controls, initial_state
-from supple.methods.floating.compiled.inert_motion import in_own_coordinates, with_inert_coordinates
+from supple.methods.floating.compiled.padded_motion import in_own_coordinates, with_padding_coordinates
 from supple.methods.floating.compiled.programs import is_over_soon, well_and_quickly
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.time_step import substep
@@ -48,7 +48,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
     with warnings.catch_warnings():  # the run has named them already
         warnings.simplefilter("ignore", RedundantConstraintWarning)
         warnings.simplefilter("ignore", StartWarning)
-        filled = with_inert_coordinates(system)
+        filled = with_padding_coordinates(system)
         model, state = initial_state(filled, run.times[0], run.step_control.first)
     times = solution.times
     stops, _ = Stops(run.times, stepping_instants([system], run)).on_the_way(float(times[0]), times[1:])

@@ -13,7 +13,7 @@ import numpy as np
 from supple.equations.balance import balance, constraint_jacobian
 from supple.equations.build_model import build_model
 from supple.equations.checks.start import report_start
-from supple.equations.checks.strictness import say
+from supple.equations.checks.strictness import warn_or_raise
 from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import AnyArray, Configuration, SystemMotion, advance
@@ -70,7 +70,7 @@ def of_frames(terms: JointTerms, parts: Sequence[slice]) -> JointTerms:
 
 
 class _HeldMachine(CompiledMachine):
-    """Which equations are independent the frames say: in a closed loop bodies that deform have more."""
+    """Independent equations are those of the frames: in a closed loop bodies that deform have more."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Of bodies that keep their shape."""
@@ -93,9 +93,9 @@ def check_held(system: System, run: Run) -> None:
         if placed.body.n_coordinates:
             message = (
                 f"body '{placed.body.name}' is held in the shape in which it is placed: a kinematic run "
-                "tells the forces on a rigid body of its mass. To see it deform, integrate"
+                "gives the forces on a rigid body of its mass. To see it deform, integrate"
             )
-            say(message, ValidityWarning, run.validity)
+            warn_or_raise(message, ValidityWarning, run.validity)
 
 
 def check_determined(system: System, active: Sequence[int]) -> None:
@@ -103,7 +103,7 @@ def check_determined(system: System, active: Sequence[int]) -> None:
     free = 6 * len(system.bodies) - len(active)
     if free:
         raise ModelError(
-            f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot tell: "
+            f"the joints leave {free} motion{'s' * (free > 1)} free, which a kinematic run cannot find: "
             "prescribe one for each (PrescribedRotation in the place of Revolute, PrescribedTranslation "
             "in that of Prismatic), or simulate the machine with an integrator"
         )

@@ -186,7 +186,7 @@ def march(
     """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
 
     It ends with the first stop that repeats the one before; the rows behind it are zero. After a failure the
-    state stays where it was: the caller looks at `failed`.
+    state stays where it was: the caller checks `failed`.
     """
     shown = start._replace(kept=None)
     rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)

@@ -47,7 +47,7 @@ class HeldInstant(NamedTuple):
 
 
 class _HeldSystem(FullSystem):
-    """Which equations are independent the frames say."""
+    """Independent equations are those of the frames."""
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
         """Of bodies that keep their shape."""

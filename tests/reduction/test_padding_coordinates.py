@@ -1,4 +1,4 @@
-"""Bodies filled up with inert coordinates: the same body, and nothing that tells how many it had."""
+"""Bodies filled up with padding coordinates: the same body, and nothing that tells how many it had."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from supple.reduction import (
     NoLoads,
     PlainQuartic,
     filled_up,
+    padded,
     reduce,
-    with_room,
 )
 
 
@@ -43,13 +43,13 @@ def reduced(averaging_body):
 
 @pytest.fixture(scope="module")
 def pair(reduced):
-    body = with_room(reduced[2])
-    assert body.inert == -body.r % 16 > 0
+    body = padded(reduced[2])
+    assert body.padding == -body.r % 16 > 0
     return body, filled_up(body)
 
 
 def wide(body, gamma):
-    return np.pad(gamma, [(0, 0), (0, body.inert)])
+    return np.pad(gamma, [(0, 0), (0, body.padding)])
 
 
 def test_forces_energy_and_tangent_are_those_of_the_body(pair):
@@ -85,7 +85,7 @@ def test_inertia_is_that_of_the_body_and_of_unit_masses(pair):
     np.testing.assert_array_equal(filled.gram[np.ix_(own, own)], body.gram)
     rest = np.setdiff1d(np.arange(len(filled.gram)), own)
     carried = filled.gram[rest].sum(axis=1)
-    np.testing.assert_array_equal(carried, np.repeat([0.0, 1.0], [3 * body.inert, body.inert]))
+    np.testing.assert_array_equal(carried, np.repeat([0.0, 1.0], [3 * body.padding, body.padding]))
 
 
 def test_shapes_and_interfaces_move_as_the_body(pair):
@@ -98,7 +98,7 @@ def test_shapes_and_interfaces_move_as_the_body(pair):
 
 def test_arrays_of_nearby_sizes_have_one_structure(reduced):
     def structure(body):
-        model = build_model(System((Placed(filled_up(with_room(body))),)))
+        model = build_model(System((Placed(filled_up(padded(body))),)))
         leaves, tree = jax.tree.flatten(model)
         return tree, [np.shape(leaf) for leaf in leaves]
 
@@ -109,8 +109,8 @@ def test_arrays_of_nearby_sizes_have_one_structure(reduced):
 
 def test_room_is_left_to_the_next_multiple_of_sixteen(reduced):
     body = reduced[2]
-    assert (body.r + with_room(body).inert) % 16 == 0
-    filled = filled_up(with_room(body))
-    assert filled.inert == 0
-    assert with_room(filled) is filled
-    assert filled_up(replace(body, inert=0)).r == body.r
+    assert (body.r + padded(body).padding) % 16 == 0
+    filled = filled_up(padded(body))
+    assert filled.padding == 0
+    assert padded(filled) is filled
+    assert filled_up(replace(body, padding=0)).r == body.r

@@ -1,4 +1,4 @@
-"""Runs with inert coordinates against runs without."""
+"""Runs with padding coordinates against runs without."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, block
 from supple.methods.floating.compiled.every_step import every_step
 from supple.programs.kept_programs import KeptProgram
-from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, PlainQuartic, reduce, with_room
+from supple.reduction import CompressedDerivatives, CraigBampton, NoLoads, PlainQuartic, padded, reduce
 from supple.simulation import simulate
 
 MESH = block(1.0, 0.05, 0.05, 4, 1, 1, CellType.HEXA20)
@@ -41,7 +41,7 @@ def swinging(n_modes, *, room=True):
         )
     held = null_space(body.interface("near").motion[:3])
     bent = 1e-3 * held @ held[0]
-    placed = Placed(with_room(body) if room else body, coordinates=bent, coordinate_rates=bent)
+    placed = Placed(padded(body) if room else body, coordinates=bent, coordinate_rates=bent)
     return System((placed,), (Ball(first=GROUND, second=At("rod", "near")),), gravity=(0.0, 0.0, -9.81))
 
 
@@ -64,7 +64,7 @@ def assert_same_motion(one, other, tolerance):
 
 
 def test_they_change_nothing(system, roomy):
-    assert system.bodies[0].body.inert > 0
+    assert system.bodies[0].body.padding > 0
     plain = simulate(swinging(3, room=False), RUN)
     assert_same_motion(roomy, plain, 1e-9)
     assert roomy.statistics.steps == plain.statistics.steps

@@ -1,4 +1,4 @@
-"""Systems and motions with the inert coordinates of their bodies, and without."""
+"""Systems and motions with the padding coordinates of their bodies, and without."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from supple.integrate import FloatingMotion, Solution
 from supple.machine import Placed, System
 from supple.reduction import ReducedBody, filled_up, with_zeros_behind
 
-__all__ = ["in_all_coordinates", "in_own_coordinates", "with_inert_coordinates"]
+__all__ = ["in_all_coordinates", "in_own_coordinates", "with_padding_coordinates"]
 
 _OF_COORDINATES = ("coordinates", "coordinate_rates", "coordinate_accelerations")
 
 
-def with_inert_coordinates(system: System) -> System:
+def with_padding_coordinates(system: System) -> System:
     """The system with its bodies filled up; itself, where they have no room."""
 
     def filled(placed: Placed) -> Placed:
         body = placed.body
-        if not isinstance(body, ReducedBody) or not body.inert:
+        if not isinstance(body, ReducedBody) or not body.padding:
             return placed
         return replace(
             placed,
             body=filled_up(body),
-            coordinates=with_zeros_behind(placed.coordinates, body.inert),
-            coordinate_rates=with_zeros_behind(placed.coordinate_rates, body.inert),
+            coordinates=with_zeros_behind(placed.coordinates, body.padding),
+            coordinate_rates=with_zeros_behind(placed.coordinate_rates, body.padding),
         )
 
     if not _roomy(system):
@@ -37,7 +37,7 @@ def with_inert_coordinates(system: System) -> System:
 
 def in_all_coordinates(system: System, solution: Solution) -> Solution:
     """A motion of the system as that of its bodies filled up."""
-    return _resized(system, solution, lambda own, body: with_zeros_behind(own, body.inert))
+    return _resized(system, solution, lambda own, body: with_zeros_behind(own, body.padding))
 
 
 def in_own_coordinates(system: System, solution: Solution) -> Solution:
@@ -46,8 +46,8 @@ def in_own_coordinates(system: System, solution: Solution) -> Solution:
 
 
 def _roomy(system: System) -> dict[str, ReducedBody]:
-    """The bodies that are run with inert coordinates."""
-    return {name: body for name, body in system.bodies_of(ReducedBody).items() if body.inert}
+    """The bodies that are run with padding coordinates."""
+    return {name: body for name, body in system.bodies_of(ReducedBody).items() if body.padding}
 
 
 def _resized(

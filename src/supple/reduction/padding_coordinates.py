@@ -16,26 +16,26 @@ from scipy import linalg
 
 from supple.reduction.reduced_body import ReducedBody
 
-__all__ = ["filled_up", "with_room", "with_zeros_behind"]
+__all__ = ["filled_up", "padded", "with_zeros_behind"]
 
 MULTIPLE = 16
 LARGEST = 32
 """Coordinates: beyond, products of the quartic tensor take longer than a compiler in runs of some seconds."""
 
 
-def with_room(body: ReducedBody) -> ReducedBody:
-    """The same body, to be run with inert coordinates: up to the next multiple of sixteen."""
+def padded(body: ReducedBody) -> ReducedBody:
+    """The same body, to be run with padding coordinates: up to the next multiple of sixteen."""
     if body.condensed is not None or body.r > LARGEST or body.r % MULTIPLE == 0:
         return body
-    return replace(body, inert=-body.r % MULTIPLE)
+    return replace(body, padding=-body.r % MULTIPLE)
 
 
 def filled_up(body: ReducedBody) -> ReducedBody:
-    """The body with its inert coordinates as coordinates like all others, behind them."""
-    if not body.inert:
+    """The body with its padding coordinates as coordinates like all others, behind them."""
+    if not body.padding:
         return body
-    r, size = body.r, body.r + body.inert
-    highest, inert = float(np.max(body.frequencies)), np.eye(body.inert)
+    r, size = body.r, body.r + body.padding
+    highest, inert = float(np.max(body.frequencies)), np.eye(body.padding)
     gram = np.zeros((6 + 4 * size,) * 2)
     kept = np.r_[: 6 + 3 * r, 6 + 3 * size : 6 + 3 * size + r]
     gram[np.ix_(kept, kept)] = body.gram
@@ -49,29 +49,29 @@ def filled_up(body: ReducedBody) -> ReducedBody:
         return whole
 
     def cubic(tensor: np.ndarray | None) -> np.ndarray | None:
-        return None if tensor is None else with_zeros_behind(spread(tensor), body.inert)
+        return None if tensor is None else with_zeros_behind(spread(tensor), body.padding)
 
     def quartic(tensor: np.ndarray | None) -> np.ndarray | None:
         return None if tensor is None else spread(spread(tensor).T).T
 
     filled = replace(
         body,
-        inert=0,
+        padding=0,
         gram=gram,
         stiffness=linalg.block_diag(body.stiffness, highest**2 * inert),
         cubic=cubic(body.cubic),
         quartic=quartic(body.quartic),
-        damping=np.pad(body.damping, (0, body.inert)),
+        damping=np.pad(body.damping, (0, body.padding)),
         damping_cubic=cubic(body.damping_cubic),
         damping_quartic=quartic(body.damping_quartic),
         interfaces=tuple(
-            replace(each, motion=with_zeros_behind(each.motion, body.inert)) for each in body.interfaces
+            replace(each, motion=with_zeros_behind(each.motion, body.padding)) for each in body.interfaces
         ),
-        nodal_basis=with_zeros_behind(body.nodal_basis, body.inert),
+        nodal_basis=with_zeros_behind(body.nodal_basis, body.padding),
         rotation_basis=None
         if body.rotation_basis is None
-        else with_zeros_behind(body.rotation_basis, body.inert),
-        frequencies=np.append(body.frequencies, np.full(body.inert, highest)),
+        else with_zeros_behind(body.rotation_basis, body.padding),
+        frequencies=np.append(body.frequencies, np.full(body.padding, highest)),
     )
     # Not by the blocks of their zeros, which would tell r.
     vars(filled)["quartic_blocks"] = filled.quartic

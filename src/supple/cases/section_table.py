@@ -1,0 +1,58 @@
+"""A slender body from a section table: no mesh; its stations are the body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from supple.body import Damping
+from supple.cases.body_kinds import SectionTableFile, kind_of
+from supple.cases.condense import Condense, is_condensed
+from supple.cases.interfaces import Interface
+from supple.importers import SECTION_SUFFIXES, read_section_table
+from supple.importers.toml import KeyPath, Mistakes, Raw, table, tables
+from supple.methods.intrinsic import IntrinsicBody, section_line
+
+
+def line_of_sections(
+    name: str, path: Path, given: Condense, interfaces: Sequence[Interface], damping: Damping | None
+) -> IntrinsicBody:
+    """The body in its intrinsic modes.
+
+    Raises ImportFormatError, ModelError as `read_section_table` and `section_line`.
+    """
+    assert given.stations is not None  # a rule of the case file
+    ends = {given.root: 0, given.tip or "tip": given.stations - 1}
+    inner = {each.name: index for each in interfaces for index in each.node_indices or ()}
+    return given.on_line(section_line(name, read_section_table(path), given.stations), ends | inner, damping)
+
+
+def _is_a_line(path: KeyPath, body: Raw) -> Mistakes:
+    if kind_of(body) is not SectionTableFile:
+        return
+    name = body.get("section_table")
+    if isinstance(name, str) and Path(name).suffix.lower() not in SECTION_SUFFIXES:
+        message = f"{name!r} is no section table: it is one of {', '.join(SECTION_SUFFIXES)}"
+        yield (*path, "section_table"), message
+    if is_condensed(body):
+        yield from _interfaces_are_stations(path, body)
+
+
+def _interfaces_are_stations(path: KeyPath, body: Raw) -> Iterator[tuple[KeyPath, str]]:
+    given = table(body, "condense")
+    ends, last = (given.get("root"), given.get("tip")), given.get("stations")
+    for place, interface in tables(body, "interface", path):
+        own, name = interface.get("node_indices"), interface.get("name")
+        for key in (each for each in ("nodes", "connection", "kind", "position") if each in interface):
+            yield (*place, key), f"an interface of a section table is a station, and has no {key}"
+        if name in ends:
+            if own is not None:
+                yield (*place, "node_indices"), f"{name!r} is an end of the line; remove the key"
+        elif not isinstance(own, list) or len(own) != 1:
+            yield place, "an interface between the ends is one station: node_indices = [NUMBER], root 0"
+        elif isinstance(last, int) and isinstance(own[0], int) and not 0 <= own[0] < last:
+            message = f"station {own[0]} is not there: they go from 0, the root, to {last - 1}"
+            yield (*place, "node_indices"), message
+
+
+RULES_OF_BODY = (_is_a_line,)

@@ -1,0 +1,122 @@
+"""The mesh alone of a Nastran file, and its nodes alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.errors import ImportFormatError
+from supple.importers.connection import Connection
+from supple.importers.deck import RigidTie
+from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
+from supple.importers.nastran.bulk_data import read_bulk_data
+from supple.importers.nastran.deck_file import read_nastran_deck, start_reading
+from supple.importers.nastran.retained_freedoms import modal_freedoms, retained_freedoms
+from supple.importers.nastran.rigid import read_ties
+from supple.importers.nastran.supports import read_supports
+from supple.importers.node_table import NodeTable
+from supple.mesh import CellType, Mesh
+
+__all__ = ["NASTRAN_SUFFIXES", "read_nastran"]
+
+IntArray = NDArray[np.int64]
+
+NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk")
+"""Names of Nastran bulk data files end so."""
+
+
+@checked_arguments
+def read_nastran(
+    path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
+) -> Mesh:
+    """Mesh of a Nastran file: the cells that `read_nastran_deck` reads, without what they are made of.
+
+    Node sets are those of supports (spc1_123456: set 1, components 123456), ASET (aset) and ties (rbe2_ID,
+    rbe3_ID); cell sets those of properties (pshell_ID, psolid_ID).
+
+    Parameters
+    ----------
+    only : str or None          a cell set: read it and its nodes alone; None reads everything
+    unused_nodes : UnusedNodes  REFUSE or DROP grids that neither an element nor a tie uses
+    Raises
+    ------
+    ImportFormatError   as for `read_nastran_deck`; no elements, or some that are not read
+    MeshError           what the file describes is no usable mesh; flat elements with their line
+    """
+    path = Path(path)
+    deck = read_nastran_deck(path)
+    missing = [each for each in deck.left_out if each.meaning.startswith("elements left out")]
+    if missing:
+        first = missing[0]
+        raise ImportFormatError(
+            f"{path}, line {first.line}: {first.card}: {first.count} {first.meaning}; a mesh of the rest has "
+            "holes: correct them, or remove them"
+        )
+    if not deck.elements:
+        raise ImportFormatError(f"{path}: no elements that are cells; is this a mesh file, and whole?")
+    cells: dict[CellType, list[IntArray]] = {}
+    ids: dict[CellType, list[IntArray]] = {}
+    origins: dict[CellType, list[CellOrigin]] = {}
+    sets: dict[str, dict[CellType, list[IntArray]]] = {}
+    for found in deck.elements:
+        before = sum(len(part) for part in cells.get(found.kind, []))
+        cells.setdefault(found.kind, []).append(found.nodes)
+        ids.setdefault(found.kind, []).append(found.ids)
+        origins.setdefault(found.kind, []).extend(
+            CellOrigin(path, line, element)
+            for line, element in zip(found.lines.tolist(), found.ids.tolist(), strict=True)
+        )
+        of_property = sets.setdefault("_".join(found.property.split("_")[:2]), {})
+        of_property.setdefault(found.kind, []).append(before + np.arange(len(found.nodes)))
+    file = FileMesh(
+        path,
+        deck.nodes,
+        {kind: np.vstack(parts) for kind, parts in cells.items()},
+        dict(deck.node_sets),
+        {
+            name: {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
+            for name, by_kind in sets.items()
+        },
+        {kind: tuple(found) for kind, found in origins.items()},
+        deck.node_ids,
+        {kind: np.concatenate(parts) for kind, parts in ids.items()},
+    )
+    shown = np.zeros(len(deck.nodes), dtype=bool)
+    shown[[tie.reference for tie in (*deck.rigid, *deck.means)]] = True
+    return file.without_unused(shown).to_mesh(only=only, unused_nodes=unused_nodes)
+
+
+def read_nastran_nodes(path: str | Path) -> NodeTable:
+    """Grids, supports and ties of a Nastran file, for matrices that replace its elements.
+
+    Elements and other cards may be of any kind: the matrices hold what they mean. Ties of some components
+    only are passed over.
+
+    Raises
+    ------
+    ImportFormatError   as for `read_nastran_deck`, of grids and ties
+    """
+    file = read_bulk_data(path)
+    reading = start_reading(file, file)
+    grids = reading.grids
+    rigid, means = read_ties(reading, np.ones(len(grids.ids), dtype=bool))
+    # The reference of a mean carries no stiffness of its own; whether another grid does, only matrices know.
+    averaged = {mean.reference for mean in means}
+    connections = tuple(_connection(tie, averaged, grids.positions) for tie in rigid) + tuple(
+        Connection(mean.name, mean.nodes, grids.positions[mean.reference], mean.weights) for mean in means
+    )
+    sets = read_supports(reading) | {tie.name: tie.nodes for tie in connections}
+    axes = None if np.array_equal(grids.axes, np.broadcast_to(np.eye(3), grids.axes.shape)) else grids.axes
+    return NodeTable(
+        *(str(file.path), grids.ids, grids.positions, axes, sets, connections),
+        retained=retained_freedoms(file, grids.ids),
+        modal=modal_freedoms(file, grids.ids),
+    )
+
+
+def _connection(tie: RigidTie, averaged: set[int], positions: NDArray[np.float64]) -> Connection:
+    nodes = tie.nodes if tie.reference in averaged else np.append(tie.reference, tie.nodes)
+    return Connection(tie.name, nodes, positions[tie.reference], None)

@@ -1,0 +1,94 @@
+"""A deck on some of its nodes: one of its parts, or one instance of an assembly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
+
+__all__ = ["restricted_deck"]
+
+IntArray = NDArray[np.int64]
+Tie = TypeVar("Tie", RigidTie, WeightedMean)
+
+
+def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
+    """What of a deck lies on some of its nodes (N,) alone; properties and element sets stay as they are.
+
+    Cells, matrices, rows and ties with other nodes are not in it; of node sets, the members that are own.
+    """
+    if own.all():
+        return deck
+    number = np.cumsum(own) - 1
+
+    def matrices(given: tuple[NodalMatrix, ...]) -> tuple[NodalMatrix, ...]:
+        inside = (each for each in given if len(each.freedoms) and own[each.freedoms // 6].all())
+        return tuple(replace(each, freedoms=_renumbered(each.freedoms, number)) for each in inside)
+
+    def terms(given: tuple[ScalarTerms, ...]) -> tuple[ScalarTerms, ...]:
+        cut = (_terms(each, own, number) for each in given)
+        return tuple(each for each in cut if len(each.lines))
+
+    node_sets = {name: number[of[own[of]]] for name, of in deck.node_sets.items()}
+    elements = (_elements(each, own, number) for each in deck.elements)
+    return replace(
+        deck,
+        node_ids=deck.node_ids[own],
+        nodes=deck.nodes[own],
+        elements=tuple(each for each in elements if len(each.ids)),
+        node_sets={name: nodes for name, nodes in node_sets.items() if len(nodes)},
+        masses=matrices(deck.masses),
+        stiffnesses=matrices(deck.stiffnesses),
+        dampings=matrices(deck.dampings),
+        springs=terms(deck.springs),
+        dashpots=terms(deck.dashpots),
+        inertias=terms(deck.inertias),
+        constraints=terms(deck.constraints),
+        held=terms(deck.held),
+        rigid=tuple(_tie(each, number) for each in deck.rigid if _inside(each, own)),
+        means=tuple(_tie(each, number) for each in deck.means if _inside(each, own)),
+    )
+
+
+def _inside(tie: RigidTie | WeightedMean, own: NDArray[np.bool_]) -> bool:
+    return bool(own[tie.reference] and own[tie.nodes].all())
+
+
+def _tie(tie: Tie, number: IntArray) -> Tie:
+    return replace(tie, reference=int(number[tie.reference]), nodes=number[tie.nodes])
+
+
+def _renumbered(freedoms: IntArray, number: IntArray) -> IntArray:
+    return 6 * number[freedoms // 6] + freedoms % 6
+
+
+def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> DeckElements:
+    inside = own[given.nodes].all(axis=1)
+    arrays = {name: getattr(given, name) for name in ("directions", "offsets", "released")}
+    return replace(
+        given,
+        nodes=number[given.nodes[inside]],
+        ids=given.ids[inside],
+        lines=given.lines[inside],
+        **{name: None if array is None else array[inside] for name, array in arrays.items()},
+    )
+
+
+def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
+    """Rows all of whose freedoms are own."""
+    rows = np.ones(len(given.lines), dtype=bool)
+    rows[given.rows[~own[given.freedoms // 6]]] = False
+    kept, count = rows[given.rows], np.cumsum(rows) - 1
+    dependent = given.dependent[rows] if len(given.dependent) else given.dependent
+    return ScalarTerms(
+        rows=count[given.rows[kept]],
+        freedoms=_renumbered(given.freedoms[kept], number),
+        factors=given.factors[kept],
+        lines=given.lines[rows],
+        values=given.values[rows] if len(given.values) else given.values,
+        dependent=np.where(dependent < 0, dependent, _renumbered(np.maximum(dependent, 0), number)),
+    )

@@ -1,0 +1,89 @@
+"""Section tables in CSV: one line a section."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from supple.errors import ImportFormatError, ModelError
+from supple.importers.csv_table import read_csv_table
+from supple.importers.section_table import UPPER, SectionTable, check_sections, section_matrix
+
+__all__ = ["read_section_csv", "write_section_csv"]
+
+PLACE = ("x", "y", "z")
+AXIS = ("axis_x", "axis_y", "axis_z")
+PAIRS = [f"{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
+
+
+def read_section_csv(path: str | Path) -> SectionTable:
+    """Section table of a file with a line for each section, from the root to the tip.
+
+    Columns, in any order: x, y, z, the place in the body's axes; axis_x, axis_y, axis_z, the direction of the
+    section's x axis there (its part along the curve is taken off, its length does not count); k11, k12 .. k66
+    and m11, m12 .. m66, the upper triangles of stiffness and inertia by the axes, the order and the signs of
+    `SectionTable`. Columns off the diagonal that are not there are zero. z of a section leads along the
+    curve: at an inner section along the parabola through its neighbours.
+
+    Raises
+    ------
+    ImportFormatError   missing file or columns, words for numbers, fewer than two sections
+    ModelError          sections that `SectionTable` refuses
+    """
+    diagonal = [f"{of}{i}{i}" for of in "km" for i in range(1, 7)]
+    known = [f"{of}{pair}" for of in "km" for pair in PAIRS]
+    table = read_csv_table(
+        path, required=(*PLACE, *AXIS, *diagonal), optional=[name for name in known if name not in diagonal]
+    )
+    n = len(table.lines)
+    if n < 2:
+        raise ImportFormatError(f"{table.path}: {n} sections; give two at least, the root and the tip")
+    where = [f"{table.path}, line {line}" for line in table.lines]
+
+    def columns(names: tuple[str, ...] | list[str]) -> np.ndarray:
+        return np.column_stack([table.numbers(name) if name in table else np.zeros(n) for name in names])
+
+    positions, towards = columns(PLACE), columns(AXIS)
+    stiffness, inertia = (section_matrix(columns([f"{of}{pair}" for pair in PAIRS])) for of in "km")
+    for values in (positions, towards, stiffness, inertia):
+        bad = ~np.isfinite(values.reshape(n, -1)).all(axis=1)
+        if bad.any():
+            raise ImportFormatError(f"{where[int(np.argmax(bad))]}: a number is not finite; write another")
+    check_sections(where, stiffness, inertia)
+    lengths = np.linalg.norm(np.diff(positions, axis=0), axis=1)
+    if not (lengths > 0).all():
+        raise ModelError(f"{where[int(np.argmin(lengths)) + 1]}: at the place of the section before it")
+    z = np.gradient(positions, np.append(0.0, lengths.cumsum()), axis=0, edge_order=2 if n > 2 else 1)
+    z /= np.linalg.norm(z, axis=1)[:, None]
+    x = towards - np.einsum("ni,ni->n", towards, z)[:, None] * z
+    size = np.linalg.norm(x, axis=1)
+    flat = size <= 1e-6 * np.linalg.norm(towards, axis=1)
+    if flat.any():
+        raise ModelError(
+            f"{where[int(np.argmax(flat))]}: its axis_x, axis_y, axis_z lead along the curve; "
+            "give a direction across it"
+        )
+    x /= size[:, None]
+    return SectionTable(positions, np.stack([x, np.cross(z, x), z], axis=2), stiffness, inertia)
+
+
+def write_section_csv(table: SectionTable, path: str | Path, *, about: str = "") -> None:
+    """Write a section table that `read_section_csv` reads, to 8 digits, without columns of zeros.
+
+    about : text above the table, such as its source
+    """
+    entries = {
+        f"{of}{pair}": matrices[:, i, j]
+        for of, matrices in (("k", table.stiffness), ("m", table.inertia))
+        for pair, i, j in zip(PAIRS, *UPPER, strict=True)
+    }
+    columns = dict(zip((*PLACE, *AXIS), np.hstack([table.positions, table.axes[:, :, 0]]).T, strict=True))
+    columns |= {name: values for name, values in entries.items() if values.any()}
+    rows = [
+        ",".join(columns),
+        *(",".join(f"{value:.8g}" for value in row) for row in zip(*columns.values(), strict=True)),
+    ]
+    Path(path).write_text(
+        "\n".join([*(f"# {line}" for line in about.splitlines()), *rows]) + "\n", encoding="utf-8"
+    )

@@ -1,0 +1,36 @@
+"""Section tables of any format, by the suffix of the file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple.errors import ImportFormatError
+from supple.importers.section_csv import read_section_csv
+from supple.importers.section_table import SectionTable
+from supple.importers.turbine.beamdyn import read_beamdyn_sections
+from supple.importers.turbine.windio_sections import read_windio_sections
+
+__all__ = ["SECTION_SUFFIXES", "read_section_table"]
+
+_READERS = {
+    ".csv": read_section_csv,
+    ".yaml": read_windio_sections,
+    ".yml": read_windio_sections,
+    ".dat": read_beamdyn_sections,
+    ".inp": read_beamdyn_sections,
+}
+SECTION_SUFFIXES = tuple(_READERS)
+
+
+def read_section_table(path: str | Path) -> SectionTable:
+    """Section table of a file: CSV, a windIO turbine (.yaml), or the primary file of BeamDyn (.dat, .inp).
+
+    Raises ImportFormatError and ModelError as `read_section_csv`, `read_windio_sections` and
+    `read_beamdyn_sections`; ImportFormatError for another suffix.
+    """
+    reader = _READERS.get(Path(path).suffix.lower())
+    if reader is None:
+        raise ImportFormatError(
+            f"{path}: no section table; it is one of {', '.join(SECTION_SUFFIXES)} (CSV, windIO, BeamDyn)"
+        )
+    return reader(path)

@@ -1,0 +1,218 @@
+"""Section tables: place, 6 x 6 stiffness and 6 x 6 inertia along the curve of a beam."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from supple.algebra import read_only
+from supple.algebra.cross import cross_matrices
+from supple.arguments import check_numbers
+from supple.errors import ModelError
+
+__all__ = ["SectionTable", "check_sections", "section_matrix", "twisted_axes"]
+
+FloatArray = NDArray[np.float64]
+
+ASYMMETRY = 1e-6
+"""Of the root of the product of the two diagonal entries: digits of a printed table."""
+SMALLEST_STIFFNESS = 1e-9
+"""Smallest principal value of a stiffness whose diagonal is scaled to 1: less is no definite matrix."""
+NO_SECTION = 1e-3
+"""Of the mass, or of the mass times the radius of gyration: what an inertia has that matter has not."""
+LEAST_COSINE = 0.5
+"""Between the curve and the normal of a section."""
+
+UPPER = np.triu_indices(6)
+"""Row and column of the 21 numbers of a symmetric matrix: the upper triangle, row by row."""
+
+
+@dataclass(frozen=True, eq=False)
+class SectionTable:
+    """Sections along a curve, from its root to its tip.
+
+    Section axes: x and y across the curve, z along it, from the root to the tip. Forces and velocities come
+    before moments and angular velocities, x before y before z, all at the point of the section on the curve:
+
+        (F, M) = K (gamma, kappa),   gamma = u' + t x theta,   kappa = theta'
+        (p, l) = M (v, omega),       M = [m 1, -m c~; m c~, J],   c = (c_x, c_y, 0)
+
+    per unit length. So a centre of tension at (x, y) makes K_34 = EA y and K_35 = -EA x, and a centre of mass
+    M_34 = m y and M_35 = -m x. Between sections, places and matrices are linear in the length along the
+    chords, and the axes turn at a constant rate.
+
+    positions : (n, 3)      in the body's axes
+    axes : (n, 3, 3)        their columns are the unit vectors x, y, z of a section in the body's axes
+    stiffness : (n, 6, 6)   symmetric, positive definite
+    inertia : (n, 6, 6)     of a mass in the plane of the section
+
+    Raises
+    ------
+    ModelError      arrays of the wrong shape, sections at one place, axes that are no rotation or do not look
+                    along the curve; whatever `check_sections` refuses
+    """
+
+    positions: FloatArray
+    axes: FloatArray = field(repr=False)
+    stiffness: FloatArray = field(repr=False)
+    inertia: FloatArray = field(repr=False)
+
+    def __post_init__(self) -> None:
+        shapes = {"positions": (3,), "axes": (3, 3), "stiffness": (6, 6), "inertia": (6, 6)}
+        n = len(np.atleast_1d(self.positions))
+        for name, shape in shapes.items():
+            check_numbers(f"section table, {name}", getattr(self, name))
+            array = read_only(getattr(self, name))
+            if n < 2 or array.shape != (n, *shape) or not np.isfinite(array).all():
+                raise ModelError(
+                    f"section table: {name} have shape {array.shape}; give finite numbers "
+                    f"(n, {', '.join(map(str, shape))}) of the same n >= 2 sections"
+                )
+            object.__setattr__(self, name, array)
+        where = [f"section {k}" for k in range(n)]
+        check_sections(where, self.stiffness, self.inertia)
+        _check_curve(where, self.positions, self.axes)
+
+    @property
+    def n(self) -> int:
+        """Number of sections."""
+        return len(self.positions)
+
+    @cached_property
+    def lengths(self) -> FloatArray:
+        """(n,) from the first section to each, along the chords between them."""
+        return read_only(np.append(0.0, np.linalg.norm(np.diff(self.positions, axis=0), axis=1).cumsum()))
+
+    def at(self, lengths: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Positions, axes, stiffness and inertia at some lengths (k,) along the chords, in this order."""
+        s = np.asarray(lengths, dtype=float)
+        first = np.clip(np.searchsorted(self.lengths, s, side="right") - 1, 0, self.n - 2)
+        share = (s - self.lengths[first]) / np.diff(self.lengths)[first]
+
+        def between(values: FloatArray) -> FloatArray:
+            weight = share.reshape(-1, *(1,) * (values.ndim - 1))
+            return (1 - weight) * values[first] + weight * values[first + 1]
+
+        start, turn = Rotation.from_matrix(self.axes[first]), Rotation.from_matrix(self.axes[first + 1])
+        turned = start * Rotation.from_rotvec(share[:, None] * (start.inv() * turn).as_rotvec())
+        return between(self.positions), turned.as_matrix(), between(self.stiffness), between(self.inertia)
+
+
+def section_matrix(upper: ArrayLike) -> FloatArray:
+    """Symmetric matrices (..., 6, 6) of upper triangles (..., 21), row by row: 11, 12, .. 16, 22, .. 66."""
+    upper = np.asarray(upper, dtype=float)
+    full = np.zeros((*upper.shape[:-1], 6, 6))
+    full[..., UPPER[0], UPPER[1]] = upper
+    full[..., UPPER[1], UPPER[0]] = upper
+    return full
+
+
+def twisted_axes(tangents: ArrayLike, twist: ArrayLike) -> FloatArray:
+    """Axes (n, 3, 3) of sections across a curve that leads along z, turned by a twist about -z, rad.
+
+    Untwisted, x of the section has no part along y of the body. So blades are given in windIO and BeamDyn:
+    z from the root to the tip, x to the suction side, y to the trailing edge, twist positive at the root.
+
+    tangents : (n, 3)       of the curve, of any length; with a part along x or z
+    """
+    z = np.asarray(tangents, dtype=float)
+    z = z / np.linalg.norm(z, axis=1)[:, None]
+    x = np.column_stack([z[:, 2], np.zeros(len(z)), -z[:, 0]])
+    x /= np.linalg.norm(x, axis=1)[:, None]
+    turn = Rotation.from_rotvec(-np.asarray(twist)[:, None] * z)
+    return (turn * Rotation.from_matrix(np.stack([x, np.cross(z, x), z], axis=2))).as_matrix()
+
+
+def check_sections(where: Sequence[str], stiffness: FloatArray, inertia: FloatArray) -> None:
+    """ModelError where a stiffness is not positive definite or an inertia none of a mass in a plane.
+
+    where : what a message calls each section, such as its line in a file
+    """
+    for name, matrices in (("stiffness", stiffness), ("inertia", inertia)):
+        diagonal = np.einsum("nii->ni", matrices)
+        low = diagonal <= 0 if name == "stiffness" else (diagonal < 0) | (np.arange(6) < 3) & (diagonal == 0)
+        if low.any():
+            k, i = np.argwhere(low)[0]
+            raise ModelError(
+                f"{where[k]}: {name} {i + 1}{i + 1} is {diagonal[k, i]:.4g}; it must be positive"
+            )
+        scale = np.sqrt(np.einsum("ni,nj->nij", diagonal, diagonal))
+        off = np.abs(matrices - matrices.swapaxes(1, 2)) > ASYMMETRY * scale
+        if off.any():
+            k, i, j = np.argwhere(off)[0]
+            raise ModelError(
+                f"{where[k]}: {name} is not symmetric: {i + 1}{j + 1} is {matrices[k, i, j]:.6g} and "
+                f"{j + 1}{i + 1} is {matrices[k, j, i]:.6g}; correct one of them"
+            )
+    root = np.sqrt(np.einsum("nii->ni", stiffness))
+    least = np.linalg.eigvalsh(stiffness / (root[:, :, None] * root[:, None]))[:, 0]
+    if least.min() < SMALLEST_STIFFNESS:
+        k = int(least.argmin())
+        raise ModelError(
+            f"{where[k]}: its stiffness is not positive definite: with the diagonal scaled to 1, the "
+            f"smallest principal value is {least[k]:.2g}; check couplings, units and the order x, y, z of "
+            "forces, then of moments, with z along the curve"
+        )
+    _check_inertia(where, inertia)
+
+
+def _check_inertia(where: Sequence[str], inertia: FloatArray) -> None:
+    mass = inertia[:, 0, 0]
+    arm = np.column_stack([inertia[:, 1, 5], -inertia[:, 0, 5], np.zeros(len(mass))]) / mass[:, None]
+    c = cross_matrices(arm)
+    about_centre = inertia[:, 3:, 3:] + mass[:, None, None] * (c @ c)
+    size = np.sqrt(np.maximum(np.trace(inertia[:, 3:, 3:], axis1=1, axis2=2) / mass, 0.0))
+    parts = (
+        (
+            np.abs(inertia[:, :3, :3] / mass[:, None, None] - np.eye(3)).max(axis=(1, 2)) > NO_SECTION,
+            "its mass differs with the direction (11, 22, 33, and 12, 13, 23 zero)",
+        ),
+        (
+            np.abs(inertia[:, 3:, :3] / mass[:, None, None] - c).max(axis=(1, 2)) > NO_SECTION * size,
+            "its first moments are none of a mass in its plane (26 = m x = -35, 34 = m y = -16, others zero)",
+        ),
+        (
+            np.linalg.eigvalsh(about_centre)[:, 0] < -NO_SECTION * mass * size**2,
+            "its moments of inertia are less than those of the mass at its centre",
+        ),
+        (
+            inertia[:, 5, 5] < (1 - NO_SECTION) * np.maximum(inertia[:, 3, 3], inertia[:, 4, 4]),
+            "its polar moment of inertia, 66, is less than 44 or 55",
+        ),
+    )
+    for bad, what in parts:
+        if bad.any():
+            raise ModelError(
+                f"{where[int(np.argmax(bad))]}: {what}: no section has such an inertia; check signs, units "
+                "and the order x, y, z of velocities, then of rotations, with z along the curve"
+            )
+
+
+def _check_curve(where: Sequence[str], positions: FloatArray, axes: FloatArray) -> None:
+    chords = np.diff(positions, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    if not (lengths > 0).all():
+        k = int(np.argmin(lengths))
+        raise ModelError(f"sections {k} and {k + 1} are at one place; leave one of them out")
+    off = np.abs(axes.swapaxes(1, 2) @ axes - np.eye(3)).max(axis=(1, 2)) > ASYMMETRY
+    off |= np.linalg.det(axes) < 0
+    if off.any():
+        raise ModelError(
+            f"{where[int(np.argmax(off))]}: its axes are no rotation: give columns x, y, z of unit vectors, "
+            "right-handed"
+        )
+    directions = chords / lengths[:, None]
+    cosine = np.minimum(
+        np.einsum("ni,ni->n", directions, axes[:-1, :, 2]), np.einsum("ni,ni->n", directions, axes[1:, :, 2])
+    )
+    if cosine.min() < LEAST_COSINE:
+        k = int(np.argmin(cosine))
+        raise ModelError(
+            f"{where[k]}: the curve to the next section leads {np.degrees(np.arccos(cosine[k])):.0f} degrees "
+            "away from its axis z; z leads along the curve, from the root to the tip"
+        )

@@ -1,0 +1,18 @@
+"""Positions along a blade, as fine as straight pieces need that stand for its curve."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+PIECES = 100
+"""Of a whole blade, at least."""
+
+
+def fine_grid(grid: FloatArray) -> FloatArray:
+    """The grid (n,), ascending, with points added so that no step is more than a hundredth of it."""
+    parts = np.ceil(np.diff(grid) / (grid[-1] - grid[0]) * PIECES - 1e-9).astype(int)
+    steps = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(grid[:-1], grid[1:], parts, strict=True)]
+    return np.append(np.concatenate(steps), grid[-1])

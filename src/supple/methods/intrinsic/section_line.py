@@ -1,0 +1,83 @@
+"""A condensed line from a section table: no mesh, no elements."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.algebra.cross import cross_matrices
+from supple.arguments import checked_arguments
+from supple.errors import ModelError
+from supple.importers import SectionTable
+from supple.methods.intrinsic.condensed_line import CondensedLine, condensed_line
+
+__all__ = ["section_line"]
+
+Array = NDArray[np.float64]
+
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+@checked_arguments
+def section_line(name: str, table: SectionTable, n_stations: int) -> CondensedLine:
+    """The line of a beam given by its sections, on stations at equal lengths along their curve.
+
+    Between two stations, a and b, the flexibility follows from equilibrium with the force W at the middle of
+    the segment, and so is exact for sections that change along a curve:
+
+        C = integral of T^T K^-1 T ds,    T W = the force W at s, along the axes of the section
+        K_ab = B^T C^-1 B,                B u = motion of b beyond that of a, both taken to the middle
+
+    The inertia of each piece of the curve hangs rigidly on the two stations beside it, by shares that are
+    linear in between: mass, first and second moments are exact.
+
+    Parameters
+    ----------
+    table : SectionTable    from its root to its tip
+    n_stations : int        with both ends, at least 2
+
+    Raises
+    ------
+    ModelError      fewer than two stations; whatever `condensed_line` refuses
+    """
+    if n_stations < 2:
+        raise ModelError(f"line '{name}': it needs two stations at least, its ends, not {n_stations}")
+    stations = np.linspace(0, table.lengths[-1], n_stations)
+    points = table.at(stations)[0]
+    breaks = np.union1d(stations, table.lengths)
+    breaks = breaks[np.append(True, np.diff(breaks) > 1e-12 * breaks[-1])]
+    half = 0.5 * np.diff(breaks)
+    s = (0.5 * (breaks[1:] + breaks[:-1])[:, None] + half[:, None] * POINTS).ravel()
+    ds = (half[:, None] * WEIGHTS).ravel()
+    segment = np.clip(np.searchsorted(stations, s) - 1, 0, n_stations - 2)
+    places, axes, stiffness, inertia = table.at(s)
+    turned = np.zeros((len(s), 6, 6))
+    turned[:, :3, :3] = turned[:, 3:, 3:] = axes.swapaxes(1, 2)
+
+    middles = 0.5 * (points[1:] + points[:-1])
+    T = turned @ _moved(middles[segment] - places, force=True)
+    C = np.zeros((n_stations - 1, 6, 6))
+    np.add.at(C, segment, ds[:, None, None] * (T.swapaxes(1, 2) @ np.linalg.solve(stiffness, T)))
+    B = np.concatenate([-_moved(middles - points[:-1]), _moved(middles - points[1:])], axis=2)
+    K = np.zeros((6 * n_stations, 6 * n_stations))
+    for k, own in enumerate(B.swapaxes(1, 2) @ np.linalg.solve(C, B)):
+        K[6 * k : 6 * k + 12, 6 * k : 6 * k + 12] += 0.5 * (own + own.T)
+
+    share = (s - stations[segment]) / stations[1]
+    mass = np.zeros((n_stations, 6, 6))
+    for end, weight in enumerate((1 - share, share)):
+        X = turned @ _moved(places - points[segment + end])
+        np.add.at(mass, segment + end, (weight * ds)[:, None, None] * (X.swapaxes(1, 2) @ inertia @ X))
+    return condensed_line(name, points, K, linalg.block_diag(*mass))
+
+
+def _moved(arms: Array, *, force: bool = False) -> Array:
+    """Motion (n, 6, 6) of points by that of points from which they have arms (n, 3).
+
+    force : instead, force and moment there by those at points that have arms from them
+    """
+    result = np.tile(np.eye(6), (len(arms), 1, 1))
+    rows, columns = (slice(3, 6), slice(0, 3)) if force else (slice(0, 3), slice(3, 6))
+    result[:, rows, columns] = cross_matrices(arms) * (1 if force else -1)
+    return result

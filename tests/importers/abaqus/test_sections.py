@@ -1,0 +1,443 @@
+"""Sections of Abaqus decks: masses, walls, beams and axes beside closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from fixtures.abaqus_decks import STEEL, brick, element_rows, node_rows
+
+from supple.body import deck_frequencies, deck_models, mass_of_models
+from supple.errors import ImportFormatError
+from supple.importers.abaqus.beam_shapes import beam_shape
+from supple.importers.deck import RodProperty, ShellProperty, WallProperty
+from supple.mesh import CellType, block
+from supple.mesh.reference_cell import reference_nodes
+
+SQUARE8 = np.array(
+    [[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [1, 0, 0], [2, 0.5, 0], [1, 1, 0], [0, 0.5, 0]]
+)
+TRIANGLE6 = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+LINE3 = np.array([[0, 0, 0], [1, 0, 0], [2.0, 0, 0]])
+
+
+def total(made):
+    return mass_of_models(list(deck_models(made).values()))
+
+
+# --- elements
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "volume"),
+    [
+        ("C3D4", CellType.TETRA4, 1 / 6), ("C3D10", CellType.TETRA10, 1 / 6),
+        ("C3D10M", CellType.TETRA10, 1 / 6), ("C3D10T", CellType.TETRA10, 1 / 6),
+        ("C3D5", CellType.PYRAMID5, 4 / 3), ("C3D6", CellType.WEDGE6, 1.0), ("C3D15", CellType.WEDGE15, 1.0),
+        ("C3D8", CellType.HEXA8, 8.0), ("C3D8R", CellType.HEXA8, 8.0), ("C3D8I", CellType.HEXA8, 8.0),
+        ("C3D20", CellType.HEXA20, 8.0), ("C3D20RH", CellType.HEXA20, 8.0), ("SC8R", CellType.HEXA8, 8.0),
+    ],
+)  # fmt: skip
+def test_solids(deck, name, kind, volume):
+    text = node_rows(reference_nodes(kind)) + element_rows(name, [np.arange(kind.n_nodes)]) + STEEL
+    made = deck(text + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n")
+    assert made.left_out == ()
+    assert made.elements[0].kind is kind
+    assert total(made).mass == pytest.approx(7850 * volume, rel=1e-12)
+
+
+def rod_of_three(name):
+    """A free bar of three hexahedra of second order in a row."""
+    mesh = block(0.3, 0.1, 0.1, 3, 1, 1, CellType.HEXA20)
+    text = node_rows(mesh.nodes) + element_rows(name, mesh.cells[CellType.HEXA20])
+    return text + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n"
+
+
+def test_reduced_integration_softens_coarse_cells_and_leaves_no_mechanism(deck):
+    """Beside the same bar refined to 6 x 2 x 2; its eight points alone leave four motions without energy."""
+    mesh = block(0.3, 0.1, 0.1, 6, 2, 2, CellType.HEXA20)
+    text = node_rows(mesh.nodes) + element_rows("C3D20", mesh.cells[CellType.HEXA20])
+    fine = deck(text + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n")
+    exact = deck_frequencies(fine, 4)
+    full, reduced = (deck_frequencies(deck(rod_of_three(name)), 4) for name in ("C3D20", "C3D20R"))
+    # The third is torsion, which warps the section of a single cell as little in both.
+    assert (exact[[0, 1, 3]] < reduced[[0, 1, 3]]).all()
+    assert (reduced[[0, 1, 3]] < full[[0, 1, 3]]).all()
+    assert reduced[2] == pytest.approx(full[2])
+    assert deck(rod_of_three("C3D20RH")).elements[0].reduced
+
+
+@pytest.mark.parametrize(
+    ("name", "nodes", "cells", "area"),
+    [
+        ("S3", TRIANGLE6[:3], 1, 2.0), ("STRI3", TRIANGLE6[:3], 1, 2.0), ("S6", TRIANGLE6, 4, 2.0),
+        ("STRI65", TRIANGLE6, 4, 2.0), ("S4", SQUARE8[:4], 2, 2.0), ("S4R", SQUARE8[:4], 2, 2.0),
+        ("S4R5", SQUARE8[:4], 2, 2.0), ("S8", SQUARE8, 6, 2.0), ("S8R", SQUARE8, 6, 2.0),
+        ("S9R5", np.vstack([SQUARE8, [1, 0.5, 0]]), 6, 2.0),
+    ],
+)  # fmt: skip
+def test_shells(deck, name, nodes, cells, area):
+    text = node_rows(nodes) + element_rows(name, [np.arange(len(nodes))]) + STEEL
+    made = deck(text + "*SHELL SECTION, ELSET=all, MATERIAL=steel\n0.01\n")
+    assert made.elements[0].kind is CellType.TRIANGLE3
+    assert len(made.elements[0].nodes) == cells
+    corners = made.nodes[made.elements[0].nodes]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (normals[:, 2] > 0).all()
+    assert total(made).mass == pytest.approx(7850 * 0.01 * area, rel=1e-12)
+
+
+def test_a_quadrilateral_with_a_repeated_node_is_a_triangle(deck):
+    text = node_rows(TRIANGLE6[:3]) + element_rows("S4", [[0, 1, 2, 2]]) + STEEL
+    made = deck(text + "*SHELL SECTION, ELSET=all, MATERIAL=steel\n0.01\n")
+    assert len(made.elements[0].nodes) == 1
+
+
+@pytest.mark.parametrize("name", ["T3D2", "T3D3"])
+def test_trusses_have_the_area_of_their_solid_section(deck, name):
+    nodes = LINE3 if name == "T3D3" else LINE3[[0, 2]]
+    text = node_rows(nodes) + element_rows(name, [np.arange(len(nodes))]) + STEEL
+    made = deck(text + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n3e-4\n")
+    rod = made.properties["all"]
+    assert isinstance(rod, RodProperty)
+    assert (rod.area, rod.mass_per_length) == (3e-4, 3e-4 * 7850)
+    assert [len(each.nodes) for each in made.elements] == [len(nodes) - 1]
+
+
+def test_plane_elements_carry_sets_beside_solids_alone(deck):
+    nodes, cells = brick((1, 1, 1), (1, 1, 1))
+    plane = "*ELEMENT, TYPE=CPS4, ELSET=face\n9, 1, 2, 4, 3\n"
+    solid = element_rows("C3D8", cells) + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n"
+    sets = "*SURFACE, NAME=edge\nface, S2\n"
+    made = deck(node_rows(nodes) + solid + plane + sets)
+    assert made.passed_over["*ELEMENT, TYPE=CPS4"] == 1
+    assert made.left_out == ()
+    np.testing.assert_array_equal(made.node_sets["edge"], [1, 3])
+    alone = deck(node_rows(nodes) + plane)
+    assert [(left.card, left.meaning) for left in alone.left_out] == [
+        ("*ELEMENT, TYPE=CPS4", "a body is solid, not plane")
+    ]
+
+
+def test_faces_and_edges_of_solids_carry_sets_alone(deck):
+    """As meshers write them; a shell that stands away from the solids, without a section, is missing."""
+    nodes, cells = brick((1, 1, 1), (1, 1, 1))
+    text = (
+        node_rows(nodes) + element_rows("C3D8", cells) + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n"
+    )
+    text += "*ELEMENT, TYPE=S4, ELSET=face\n9, 1, 2, 4, 3\n*ELEMENT, TYPE=T3D2, ELSET=edge\n10, 1, 2\n"
+    made = deck(text + "*NSET, NSET=held, ELSET=face\n")
+    assert made.left_out == ()
+    assert made.passed_over["*ELEMENT, TYPE=S4"] == made.passed_over["*ELEMENT, TYPE=T3D2"] == 1
+    assert made.node_sets["held"].tolist() == [0, 1, 2, 3]
+    away = deck(text + "*NODE\n99, 5., 5., 5.\n*ELEMENT, TYPE=S3, ELSET=fin\n11, 1, 2, 99\n")
+    assert [left.card for left in away.left_out] == ["*ELEMENT, TYPE=S3"]
+
+
+def test_elements_of_an_unknown_type_are_left_out(deck):
+    made = deck(node_rows(LINE3) + "*ELEMENT, TYPE=CONN3D2\n1, 1, 2\n2, 2, 3\n")
+    (left,) = made.left_out
+    assert (left.card, left.count, left.line) == ("*ELEMENT, TYPE=CONN3D2", 2, 5)
+
+
+# --- walls
+
+SHELL = node_rows(SQUARE8[:4]) + element_rows("S4", [[0, 1, 2, 3]]) + STEEL
+LAMINA = "*MATERIAL, NAME=ply\n*ELASTIC, TYPE=LAMINA\n140e9, 10e9, 0.3, 5e9, 5e9, 3e9\n*DENSITY\n1600.\n"
+
+
+@pytest.mark.parametrize(
+    ("offset", "middle"), [("0.5", -0.005), ("SPOS", -0.005), ("SNEG", 0.005), ("0.2", -0.002)]
+)
+def test_the_middle_lies_away_from_the_nodes(deck, offset, middle):
+    """OFFSET: of the nodes from the middle along the normal, in thicknesses."""
+    made = deck(SHELL + f"*SHELL SECTION, ELSET=all, MATERIAL=steel, OFFSET={offset}\n0.01\n")
+    wall = made.properties["all"]
+    assert isinstance(wall, ShellProperty)
+    assert wall.offset == pytest.approx(middle)
+
+
+@pytest.mark.parametrize(("name", "factor"), [("S4", 5 / 6), ("S4R5", 0.0)])
+def test_shells_shear_but_for_thin_ones(deck, name, factor):
+    text = SHELL.replace("TYPE=S4", f"TYPE={name}")
+    assert (
+        deck(text + "*SHELL SECTION, ELSET=all, MATERIAL=steel\n0.01\n").properties["all"].shear_factor
+        == factor
+    )
+    plies = deck(text + "*SHELL SECTION, ELSET=all, COMPOSITE\n0.01,, steel\n").properties["all"]
+    assert (plies.shear is None) is (factor == 0)
+
+
+def test_plies_of_one_material_are_a_homogeneous_wall(deck):
+    """A = E t / (1 - nu^2), D = A t^2 / 12, B = A z of an offset, shear 5/6 G t."""
+    plies = "0.004, 3, steel, 0.\n0.006, 3, steel, 30.\n"
+    wall = deck(SHELL + "*SHELL SECTION, ELSET=all, COMPOSITE, OFFSET=SPOS\n" + plies).properties["all"]
+    A = 2.1e11 * 0.01 / 0.91 * np.array([[1, 0.3, 0], [0.3, 1, 0], [0, 0, 0.35]])
+    np.testing.assert_allclose(wall.membrane, A, rtol=1e-12, atol=1e-3)
+    np.testing.assert_allclose(wall.coupling, -0.005 * A, rtol=1e-12, atol=1e-5)
+    np.testing.assert_allclose(wall.bending, A * (0.01**2 / 12 + 0.005**2), rtol=1e-12, atol=1e-7)
+    np.testing.assert_allclose(wall.shear, 5 / 6 * 0.01 * 2.1e11 / 2.6 * np.eye(2), rtol=1e-9, atol=1e-2)
+    assert wall.mass_per_area == pytest.approx(78.5)
+
+
+def test_plies_turn_about_the_normal(deck):
+    """A ply at 90 degrees swaps the moduli; its orientation by name is the same as its angle."""
+    axes = "*ORIENTATION, NAME=along\n1., 0., 0., 0., 1., 0.\n3, 0.\n"
+    across = "*ORIENTATION, NAME=across\n0., 1., 0., -1., 0., 0.\n3, 0.\n"
+    head = SHELL + LAMINA + axes + across
+    straight, turned, named = (
+        deck(head + "*SHELL SECTION, ELSET=all, COMPOSITE\n" + plies).properties["all"]
+        for plies in (
+            "0.001,, ply, 0.\n0.001,, ply, 0.\n",
+            "0.001,, ply, 0.\n0.001,, ply, 90.\n",
+            "0.001,, ply, along\n0.001,, ply, across\n",
+        )
+    )
+    Q11, Q22 = straight.membrane[0, 0] / 0.002, straight.membrane[1, 1] / 0.002
+    assert pytest.approx(140e9 / (1 - 0.09 * 10 / 140)) == Q11
+    np.testing.assert_allclose(np.diag(turned.membrane)[:2], 0.001 * (Q11 + Q22) * np.ones(2))
+    for part in ("membrane", "coupling", "bending", "shear"):
+        np.testing.assert_allclose(getattr(named, part), getattr(turned, part), rtol=1e-9, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("axes", "section", "direction"),
+    [
+        ("", "", [1, 0, 0]),
+        ("*ORIENTATION, NAME=o\n0., 1., 0., -1., 0., 0.\n", ", ORIENTATION=o", [0, 1, 0]),
+        ("*ORIENTATION, NAME=o\n1., 0., 0., 0., 1., 0.\n3, 30.\n", ", ORIENTATION=o", [3**0.5 / 2, 0.5, 0]),
+        ("*ORIENTATION, NAME=o\n0., 0., 1., 1., 0., 0.\n1, 0.\n", ", ORIENTATION=o", [1, 0, 0]),
+        (
+            "*ORIENTATION, NAME=o, SYSTEM=Z RECTANGULAR\n0., 0., 1., 0., 1., 0.\n",
+            ", ORIENTATION=o",
+            [0, 1, 0],
+        ),
+    ],
+)
+def test_directions_of_plies(deck, axes, section, direction):
+    text = SHELL + LAMINA + axes + f"*SHELL SECTION, ELSET=all, MATERIAL=ply{section}\n0.01\n"
+    made = deck(text)
+    assert made.left_out == ()
+    np.testing.assert_allclose(made.elements[0].directions, np.tile(direction, (2, 1)), atol=1e-12)
+
+
+def test_plies_without_axes_on_a_wall_across_x_run_along_z(deck):
+    nodes = SQUARE8[:4][:, [2, 0, 1]]
+    text = node_rows(nodes) + element_rows("S4", [[0, 1, 2, 3]]) + LAMINA
+    made = deck(text + "*SHELL SECTION, ELSET=all, MATERIAL=ply\n0.01\n")
+    np.testing.assert_array_equal(made.elements[0].directions, [[0, 0, 1], [0, 0, 1]])
+
+
+def test_thickness_by_nodes(deck):
+    """0.01 at x = 0 of the section, 0.03 at x = 2: cells have the mean of their nodes, so the same mass."""
+    text = SHELL + "*SHELL SECTION, ELSET=all, MATERIAL=steel, NODAL THICKNESS\n0.01\n"
+    made = deck(text + "*NSET, NSET=end\n2, 3\n*NODAL THICKNESS\nend, 0.03\n")
+    assert sorted(wall.thickness for wall in made.properties.values()) == pytest.approx([0.05 / 3, 0.07 / 3])
+    assert total(made).mass == pytest.approx(7850 * 0.02 * 2)
+    assert made.left_out == ()
+
+
+def test_a_wall_by_its_stiffness(deck):
+    values = [f"{i + 1}." for i in range(21)]
+    rows = "\n".join(", ".join(values[i : i + 8]) for i in (0, 8, 16))
+    wall = deck(SHELL + f"*SHELL GENERAL SECTION, ELSET=all, DENSITY=5.\n{rows}\n").properties["all"]
+    assert isinstance(wall, WallProperty)
+    np.testing.assert_array_equal(wall.membrane, [[1, 2, 4], [2, 3, 5], [4, 5, 6]])
+    np.testing.assert_array_equal(wall.coupling, [[7, 11, 16], [8, 12, 17], [9, 13, 18]])
+    np.testing.assert_array_equal(wall.bending, [[10, 14, 19], [14, 15, 20], [19, 20, 21]])
+    assert wall.mass_per_area == 5.0
+
+
+def test_membranes_do_not_bend(deck):
+    text = node_rows(SQUARE8[:4]) + element_rows("M3D4", [[0, 1, 2, 3]]) + STEEL
+    made = deck(text + "*MEMBRANE SECTION, ELSET=all, MATERIAL=steel\n0.01\n")
+    wall = made.properties["all"]
+    assert wall.membrane[0, 0] == pytest.approx(2.1e11 * 0.01 / 0.91)
+    assert not wall.bending.any()
+    assert wall.mass_per_area == pytest.approx(78.5)
+    assert total(made).mass == pytest.approx(157)
+
+
+# --- axes of solids
+
+
+def test_axes_of_solids_turn_the_material(deck):
+    """A bar along y of a material whose first axis lies along y stretches with E1."""
+    nodes, cells = brick((0.1, 1, 0.1), (1, 4, 1))
+    material = (
+        "*MATERIAL, NAME=wood\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n"
+        "12e9, 1e9, 1e9, 0., 0., 0., 1e9, 1e9,\n1e9\n*DENSITY\n500.\n"
+    )
+    held = "*NSET, NSET=end\n1, 2, 11, 12\n*NSET, NSET=every, GENERATE\n1, 20\n"
+    held += "*BOUNDARY\nend, 2\nevery, 1\nevery, 3\n"
+    text = node_rows(nodes) + element_rows("C3D8", cells) + material + held
+    plain = deck(text + "*SOLID SECTION, ELSET=all, MATERIAL=wood\n")
+    axes = "*ORIENTATION, NAME=o\n0., 1., 0., -1., 0., 0.\n"
+    turned = deck(text + axes + "*SOLID SECTION, ELSET=all, MATERIAL=wood, ORIENTATION=o\n")
+    ratio = deck_frequencies(turned, 1, held=True) / deck_frequencies(plain, 1, held=True)
+    np.testing.assert_allclose(ratio, np.sqrt(12), rtol=1e-6)
+
+
+def test_cylindrical_axes(deck):
+    """At a place on the y axis the radial direction is y, the tangential one -x."""
+    nodes, cells = brick((0.1, 0.1, 0.1), (1, 1, 1), (-0.05, 0.95, 0.0))
+    constants = "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n9e9, 2e9, 3e9, 0., 0., 0., 1e9, 1e9,\n1e9\n"
+    axes = "*ORIENTATION, NAME=o, SYSTEM=CYLINDRICAL\n0., 0., 0., 0., 0., 1.\n"
+    text = node_rows(nodes) + element_rows("C3D8", cells) + "*MATERIAL, NAME=wood\n" + constants + axes
+    made = deck(text + "*SOLID SECTION, ELSET=all, MATERIAL=wood, ORIENTATION=o\n")
+    expected = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    np.testing.assert_allclose(made.elements[0].directions[0], expected, atol=1e-12)
+
+
+# --- beams
+
+POINTS = {
+    "RECT": ([0.2, 0.3], lambda y, z: True, (-0.1, 0.1, -0.15, 0.15)),
+    "CIRC": ([0.1], lambda y, z: y * y + z * z < 0.01, (-0.1, 0.1, -0.1, 0.1)),
+    "PIPE": ([0.1, 0.02], lambda y, z: 0.0064 < y * y + z * z < 0.01, (-0.1, 0.1, -0.1, 0.1)),
+    "BOX": ([0.2, 0.3, 0.01, 0.02, 0.03, 0.04],
+            lambda y, z: not (-0.07 < y < 0.09 and -0.11 < z < 0.13), (-0.1, 0.1, -0.15, 0.15)),
+    "I": ([0.1, 0.3, 0.2, 0.15, 0.02, 0.03, 0.01],
+          lambda y, z: (z < -0.08 and abs(y) < 0.1) or (z > 0.17 and abs(y) < 0.075) or abs(y) < 0.005,
+          (-0.1, 0.1, -0.1, 0.2)),
+    "T": ([0.2, 0.3, 0.1, 0.02, 0.01],
+          lambda y, z: z > 0.18 or abs(y) < 0.005, (-0.1, 0.1, -0.1, 0.2)),
+    "L": ([0.2, 0.1, 0.01, 0.02],
+          lambda y, z: z < 0.005 or y < 0.01, (-0.01, 0.19, -0.005, 0.095)),
+    "TRAPEZOID": ([0.2, 0.3, 0.1, 0.05],
+                  lambda y, z: abs(y) < 0.1 - (z + 0.05) / 6, (-0.1, 0.1, -0.05, 0.25)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", POINTS)
+def test_sections_of_beams_beside_sums_over_their_points(kind):
+    dimensions, inside, (y0, y1, z0, z1) = POINTS[kind]
+    y, z = np.meshgrid(
+        y0 + (y1 - y0) * (np.arange(1200) + 0.5) / 1200, z0 + (z1 - z0) * (np.arange(1200) + 0.5) / 1200
+    )
+    there = np.vectorize(inside)(y, z)
+    y, z, a = y[there], z[there], (y1 - y0) * (z1 - z0) / 1200**2
+    made = beam_shape(kind, dimensions)
+    assert made.area == pytest.approx(a * y.size, rel=2e-3)
+    np.testing.assert_allclose(made.centroid, [y.mean(), z.mean()], atol=1e-4)
+    y, z = y - y.mean(), z - z.mean()
+    expected = [a * (y * y).sum(), a * (z * z).sum(), a * (y * z).sum()]
+    np.testing.assert_allclose([made.Iyy, made.Izz, made.Iyz], expected, rtol=5e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "dimensions", "J"),
+    [
+        ("RECT", [0.1, 0.1], 0.1406 * 0.1**4), ("RECT", [0.2, 0.1], 0.2287 * 0.2 * 0.1**3),
+        ("CIRC", [0.1], np.pi * 0.1**4 / 2), ("BOX", [0.1, 0.1, 0.001], 0.099**3 * 0.001),
+        ("L", [0.1, 0.1, 0.001, 0.001], (0.0995 + 0.0995) * 0.001**3 / 3),
+    ],
+)  # fmt: skip
+def test_torsion_of_sections(kind, dimensions, J):
+    """Rectangles: Timoshenko and Goodier, Theory of Elasticity, section 109."""
+    assert beam_shape(kind, dimensions).J == pytest.approx(J, rel=3e-4)
+
+
+def test_torsion_of_a_triangle_like_trapezoid():
+    """Saint-Venant's A^4 / (40 I_p) is within some percent for every compact section; here the square."""
+    assert beam_shape("TRAPEZOID", [0.1, 0.1, 0.1, 0.0]).J == pytest.approx(0.1406e-4, rel=0.07)
+
+
+BEAM = node_rows([[0, 0, z] for z in np.linspace(0, 1, 9)])
+CELLS = [[i, i + 1] for i in range(8)]
+
+
+def test_beams_bend_about_the_axes_of_their_section(deck):
+    """n1 along y, 0.01 wide there, 0.03 along n2: f = 1.8751^2 / (2 pi L^2) sqrt(E I / rho A)."""
+    text = BEAM + element_rows("B33", CELLS) + STEEL + "*BOUNDARY\n1, ENCASTRE\n"
+    made = deck(text + "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=RECT\n0.01, 0.03\n0., 1., 0.\n")
+    wave = 1.8751**2 / (2 * np.pi) * np.sqrt(2.1e11 / 7850 / 12)
+    np.testing.assert_allclose(deck_frequencies(made, 2, held=True), wave * np.array([0.01, 0.03]), rtol=2e-3)
+    np.testing.assert_allclose(made.elements[0].directions, np.tile([0, 1, 0], (8, 1)), atol=1e-15)
+    assert made.properties["all"].first.I1 == pytest.approx(0.03 * 0.01**3 / 12)
+
+
+def test_the_same_beam_by_numbers_and_by_three_node_elements(deck):
+    """I11 bends about the first axis: int x2^2 dA."""
+    shape = "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=RECT\n0.01, 0.03\n0., 1., 0.\n"
+    straight = deck(BEAM + element_rows("B31", CELLS) + STEEL + shape)
+    rows = [[i, i + 1, i + 2] for i in range(0, 8, 2)]
+    quadratic = deck(BEAM + element_rows("B32R", rows) + STEEL + shape)
+    np.testing.assert_array_equal(quadratic.elements[0].nodes, straight.elements[0].nodes)
+    np.testing.assert_array_equal(quadratic.elements[0].ids, np.repeat([1, 2, 3, 4], 2))
+    values = straight.properties["all"].first
+    numbers = f"{values.area}, {values.I2}, 0., {values.I1}, {values.J}\n0., 1., 0.\n2.1e11, {2.1e11 / 2.6}\n"
+    general = deck(
+        BEAM + element_rows("B31", CELLS) + f"*BEAM GENERAL SECTION, ELSET=all, DENSITY=7850.\n{numbers}"
+    )
+    same = general.properties["all"].first
+    assert (same.area, same.I1, same.I2, same.J) == (values.area, values.I1, values.I2, values.J)
+    assert same.mass_per_length == pytest.approx(values.mass_per_length)
+    assert general.properties["all"].material.poissons_ratio == pytest.approx(0.3)
+
+
+def test_a_node_gives_the_first_axis(deck):
+    text = (
+        BEAM + "*NODE\n100, 0., 5., 0.\n*ELEMENT, TYPE=B31, ELSET=all\n1, 1, 2, 100\n2, 2, 3, 100\n" + STEEL
+    )
+    made = deck(text + "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=CIRC\n0.01\n")
+    np.testing.assert_allclose(made.elements[0].directions, [[0, 1, 0], [0, 1, 0]], atol=1e-12)
+
+
+def test_centres_of_sections_stand_away_from_the_nodes(deck):
+    """The node of this I lies on its bottom; beams hang on their shear centre, mass on the centroid."""
+    text = BEAM + element_rows("B31", CELLS) + STEEL
+    section = (
+        "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=I\n0., .3, .2, .2, .02, .02, .01\n0., 1., 0.\n"
+    )
+    made = deck(text + section)
+    # n2 = t x n1 = z x y = -x
+    np.testing.assert_allclose(made.elements[0].offsets[0], [[-0.15, 0, 0], [-0.15, 0, 0]], atol=1e-12)
+    np.testing.assert_allclose(made.properties["all"].first.neutral, [0, 0], atol=1e-12)
+    np.testing.assert_allclose(total(made).centre, [-0.15, 0, 0.5], atol=1e-9)
+
+
+def test_shares_of_the_thickness_move_beams_of_calculix(deck):
+    """OFFSET1 = 0.5: the nodes lie on the face at +n1, as of shells."""
+    text = BEAM + element_rows("B31", CELLS) + STEEL
+    section = "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=RECT, OFFSET1=0.5\n0.02, 0.03\n0., 1., 0.\n"
+    np.testing.assert_allclose(total(deck(text + section)).centre, [0, -0.01, 0.5], atol=1e-9)
+
+
+def test_centres_that_are_given(deck):
+    text = BEAM + element_rows("B31", CELLS)
+    section = "*BEAM GENERAL SECTION, ELSET=all, DENSITY=1.\n1., 1., 0., 1., 1.\n0., 1., 0.\n1., .4\n"
+    made = deck(text + section + "*CENTROID\n0.1, 0.\n*SHEAR CENTER\n0.3, 0.2\n")
+    np.testing.assert_allclose(made.properties["all"].first.neutral, [-0.2, -0.2])
+    np.testing.assert_allclose(made.elements[0].offsets[0, 0], [-0.2, 0.3, 0], atol=1e-12)
+    assert made.left_out == ()
+
+
+def test_sections_that_are_not_read_leave_their_beams_out(deck):
+    text = BEAM + element_rows("B31", CELLS) + STEEL
+    made = deck(text + "*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=ELBOW\n0.1, 0.01, 1.\n")
+    assert [left.card for left in made.left_out] == ["*BEAM SECTION, SECTION=ELBOW", "*ELEMENT, TYPE=B31"]
+    assert made.left_out[1].count == 8
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ("*SHELL SECTION, ELSET=all, MATERIAL=steel\n", "*SHELL SECTION without a thickness"),
+        (
+            "*SHELL SECTION, ELSET=all, MATERIAL=steel\n0.\n",
+            "*SHELL SECTION: the thickness 0 is not positive",
+        ),
+        ("*SHELL SECTION, ELSET=all, COMPOSITE\n-1.,, steel\n", "a ply of thickness -1"),
+        ("*SHELL GENERAL SECTION, ELSET=all\n1., 2.\n", "*SHELL GENERAL SECTION has 21 stiffnesses, not 2"),
+        ("*BEAM SECTION, ELSET=all, MATERIAL=steel, SECTION=RECT\n", "*BEAM SECTION without dimensions"),
+        (
+            "*BEAM GENERAL SECTION, ELSET=all\n1., 1., 0., 1., 1.\n",
+            "*BEAM GENERAL SECTION: its last line begins",
+        ),
+        ("*ORIENTATION, NAME=o\n1., 0., 0., 2., 0., 0.\n", "*ORIENTATION, NAME=o: its points give no axes"),
+    ],
+)
+def test_errors_of_sections(deck, section, message):
+    with pytest.raises(ImportFormatError) as error:
+        deck(SHELL + section)
+    assert message in str(error.value)

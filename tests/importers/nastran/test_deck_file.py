@@ -1,0 +1,215 @@
+"""Whole decks: what is counted, passed over and left out; supports, matrices, parts, parameters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from supple.errors import ImportFormatError
+from supple.importers.deck import LeftOut
+
+SQUARE = """\
+GRID,10,,0.,0.,0.
+GRID,20,,1.,0.,0.
+GRID,30,,1.,1.,0.
+GRID,40,,0.,1.,0.
+CTRIA3,1,7,10,20,30
+CTRIA3,2,7,10,30,40
+PSHELL,7,5,0.1,5
+MAT1,5,2.1+11,,.3,7850.
+"""
+
+
+def held(read):
+    """Freedoms that a deck's supports hold, as (grid id, component); of axes of the basic system."""
+    if not read.held:
+        return set()
+    (terms,) = read.held
+    assert set(terms.factors) <= {1.0}
+    return {(int(read.node_ids[f // 6]), int(f % 6) + 1) for f in terms.freedoms}
+
+
+# --- the table
+
+
+def test_reading_is_not_refusing(deck):
+    read = deck(
+        SQUARE
+        + "FORCE,1,10,,1.,1.\nFORCE,1,20,,1.,1.\nCAERO1,9\nCGAP,5,6,10\nCGAP,6,6,10\nNEWCARD,1\nEIGRL,1\n"
+    )
+    assert read.read == {"GRID": 4, "CTRIA3": 2, "PSHELL": 1, "MAT1": 1}
+    assert read.passed_over == {"FORCE": 2, "CAERO1": 1, "EIGRL": 1}
+    assert read.left_out[0].card == "CGAP"
+    assert (read.left_out[0].count, read.left_out[0].line) == (2, 12)
+    assert read.left_out[1] == LeftOut("NEWCARD", 1, 14, "a card that is not known here")
+    np.testing.assert_array_equal(read.node_ids, [10, 20, 30, 40])
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("AESURF", "CAERO5", "SPLINE7", "DRESP1", "DVPREL2", "TABLED1", "TABLEM4", "TEMPD", "MAT4", "MATT1"),
+        *("FREQ3", "BCTSET", "BSURFS", "MONPNT1", "SET3", "PLOTEL", "PLOAD4", "QSET1", "SESET", "CHBDYG"),
+    ],
+)
+def test_cards_that_describe_no_body(deck, name):
+    read = deck(SQUARE + f"{name},1,2,3,4,5,6,7,8,9,10,11,12\n")
+    assert read.passed_over == {name: 1}
+    assert not read.left_out
+
+
+@pytest.mark.parametrize("name", ["CGAP", "CFAST", "BGSET", "GENEL", "MATS1", "PELAST", "CSUPER", "PBRSECT"])
+def test_cards_that_would_change_the_body(deck, name):
+    (left,) = deck(SQUARE + f"{name},1,2,3\n").left_out
+    assert left.card == name
+    assert len(left.meaning) > 5
+
+
+def test_cards_given_twice_alike_are_one(deck):
+    read = deck(SQUARE + "GRID,10,,0.,0.,0.\nCTRIA3,1,7,10,20,30\nPSHELL,7,5,0.1,5\n")
+    assert len(read.node_ids) == 4
+    assert sum(len(found.nodes) for found in read.elements) == 2
+
+
+# --- supports and sets
+
+
+def test_supports_of_all_forms(deck):
+    """SPC, SPC1 with ranges, PS of grids, in the set of case control; further sets are only named."""
+    cards = "SPC,1,10,12,0.,20,3\nSPC1,1,6,20,THRU,35,40\nSPC1,2,123456,40\nGRID,50,,5.,0.,0.,,4\n"
+    read = deck("SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n")
+    assert held(read) == {(10, 1), (10, 2), (20, 3), (20, 6), (30, 6), (40, 6), (50, 4)}
+    sets = {name: read.node_ids[nodes].tolist() for name, nodes in read.node_sets.items()}
+    assert sets == {
+        "spc_4": [50],
+        "spc1_12": [10],
+        "spc1_3": [20],
+        "spc1_6": [20, 30, 40],
+        "spc2_123456": [40],
+    }
+
+
+@pytest.mark.parametrize(
+    ("control", "expected"),
+    [
+        ("SOL 103\nCEND\nSPC = 3\nBEGIN BULK\n", {1, 2}),
+        ("SOL 103\nCEND\nSUBCASE 1\n SPC = 2\nSUBCASE 2\n SPC = 1\nBEGIN BULK\n", {2}),
+        ("SOL 103\nCEND\nBEGIN BULK\n", set()),
+        ("", set()),
+    ],
+)
+def test_which_supports_hold(deck, control, expected):
+    """SPCADD joins; of several subcases the first; none where case control chooses none, or sets compete."""
+    read = deck(control + SQUARE + "SPC1,1,1,10\nSPC1,2,2,10\nSPCADD,3,1,2\nENDDATA\n")
+    assert held(read) == {(10, component) for component in expected}
+    only = deck(SQUARE + "SPC1,1,1,10\n")
+    assert held(only) == {(10, 1)}
+
+
+def test_supports_in_local_axes(deck):
+    read = deck("CORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,60,,3.,4.,0.,3\nSPC1,1,2,60\n" + SQUARE)
+    (terms,) = read.held
+    found = dict(zip(terms.freedoms.tolist(), terms.factors.tolist(), strict=True))
+    assert found == pytest.approx({0: -0.8, 1: 0.6})
+
+
+def test_analysis_set(deck):
+    read = deck(SQUARE + "ASET1,123,10,THRU,25\nASET,40,3\n")
+    assert sorted(read.node_ids[read.node_sets["aset"]]) == [10, 20, 40]
+
+
+# --- matrices
+
+
+def test_matrices_beside_elements(deck):
+    """K2GG and M2GG of case control, with factors; one triangle of a symmetric one stands for both."""
+    cards = (
+        "DMIG,KADD,0,6,1,0\nDMIG,KADD,10,1,,10,1,4.\n,20,2,-2.\nDMIG,KADD,20,2,,20,2,3.\n"
+        "DMIG,MADD,0,6,1,0\nDMIG,MADD,30,3,,30,3,5.\n"
+    )
+    control = "SOL 103\nCEND\nK2GG = 2.0*KADD\nM2GG = MADD\nBEGIN BULK\n"
+    read = deck(control + SQUARE + cards + "ENDDATA\n")
+    (K,), (M,) = read.stiffnesses, read.masses
+    assert K.freedoms.tolist() == [0, 7]
+    np.testing.assert_array_equal(K.values, [[8, -4], [-4, 6]])
+    assert (M.freedoms.tolist(), M.values.tolist()) == ([14], [[5.0]])
+    assert not read.left_out
+    left = deck(SQUARE + cards).left_out
+    assert [each.meaning for each in left] == [
+        "no case control says what the matrix KADD adds to",
+        "no case control says what the matrix MADD adds to",
+    ]
+    direct = deck(control.replace("K2GG = 2.0*", "K2PP = ") + SQUARE + cards + "ENDDATA\n")
+    assert "K2PP = KADD" in direct.left_out[0].meaning
+
+
+# --- parameters
+
+
+def test_parameters_that_scale(deck):
+    plain = deck(SQUARE + "CELAS2,9,4.,10,3\nCONM2,8,10,,2.\n")
+    scaled = deck(SQUARE + "CELAS2,9,4.,10,3\nCONM2,8,10,,2.\nPARAM,WTMASS,.5\nPARAM,CK1,3.\nPARAM,POST,-1\n")
+    a, b = (each.properties["pshell_7"] for each in (plain, scaled))
+    assert b.material.density == pytest.approx(a.material.density / 2)
+    assert b.material.youngs_modulus == pytest.approx(3 * a.material.youngs_modulus)
+    assert scaled.springs[0].values[0] == 12.0
+    assert scaled.masses[0].values[0, 0] == 1.0
+
+
+# --- parts
+
+
+def test_parts_are_decks_of_their_own(deck):
+    part = SQUARE.replace("2.1+11", "7.+10")
+    read = deck(
+        "SOL 101\nCEND\nSPC = 1\nBEGIN BULK\nPARAM,WTMASS,.5\n"
+        + SQUARE
+        + "BEGIN SUPER=4\n"
+        + part
+        + "ENDDATA\n"
+    )
+    assert list(read.superelements) == ["super_4"]
+    inner = read.superelements["super_4"]
+    assert inner.properties["pshell_7"].material.youngs_modulus == 7e10
+    assert inner.properties["pshell_7"].material.density == 7850 / 2
+    assert read.properties["pshell_7"].material.youngs_modulus == 2.1e11
+
+
+def test_a_partition_is_one_body(deck):
+    read = deck(SQUARE + "SESET,1,10,20\n")
+    assert not read.superelements
+    assert any("read as one body" in note for note in read.notes)
+
+
+# --- what is unreadable
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("MAT1,5,1.\n", r"deck\.bdf: no GRID card"),
+        (SQUARE + "PARAM,WTMASS,0.\n", "line 9: PARAM: WTMASS is 0; it must be positive"),
+        (SQUARE + "PARAM,WTMASS,1.\nPARAM,WTMASS,.5\n", "line 10: PARAM: WTMASS is 0.5, and 1 above"),
+        (SQUARE + "SPC1,1,127,10\n", "line 9: SPC1: components '127' are not some of 123456"),
+        (SQUARE + "SPOINT,1,THRU,9999999\n", "line 9: SPOINT: 1 THRU 9999999 are over a million points"),
+        (SQUARE + "DMIG,K,0,6,1\nDMIG,K,99,1,,99,1,4.\n", None),
+        (
+            "SOL 101\nCEND\nK2GG=K\nBEGIN BULK\n" + SQUARE + "DMIG,K,0,6,1\nDMIG,K,99,1,,99,1,4.\nENDDATA\n",
+            "DMIG: names grid 99",
+        ),
+        ("GRID,1\nINCLUDE 'gone.bdf'\n", r"line 2: includes .*gone\.bdf, and there is no such file"),
+    ],
+)
+def test_what_makes_a_deck_unreadable(deck, text, message):
+    if message is None:
+        deck(text)
+        return
+    with pytest.raises(ImportFormatError, match=message):
+        deck(text)
+
+
+def test_what_a_deck_notes(deck):
+    read = deck(SQUARE + "SPC1,1,3,10,99\nSPC,1,20,3,.5\n")
+    assert held(read) == {(10, 3), (20, 3)}
+    for words in ("name grids that the file does not define", "Enforced displacements", "No ENDDATA"):
+        assert any(words in note for note in read.notes), words
