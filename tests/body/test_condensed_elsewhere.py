@@ -196,6 +196,18 @@ def test_a_sound_model_passes_every_gate(beam, labels, ours):
     assert [f for f in check.findings if f.verdict is not Verdict.OK] == []
     assert check.mass.mass == pytest.approx(ours.mass)
     assert check.n_zero_modes == 6
+    assert "nothing but the boundary is drawn" in {f.what: f.seen for f in check.findings}["points inside"]
+
+
+def test_points_inside_are_checked(beam, labels):
+    points, T, ids = inside(beam)
+    matrices = replace(matrices_of(beam, labels), recovery=Recovery(points, ids, T))
+    assert {f.what: f.seen for f in check_nodal_matrices(matrices).findings}["points inside"].startswith(
+        "9, "
+    )
+    found = refused(replace(matrices, recovery=Recovery(points, ids, 2 * T)))["points inside"]
+    assert "misses rigid motion by" in found.seen
+    assert "absolute displacements" in found.remedy
 
 
 def test_rotations_without_mass_pass_every_gate():
