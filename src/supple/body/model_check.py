@@ -178,7 +178,7 @@ def check_nodal_matrices(
     matrices: NodalMatrices, *, n_frequencies: int = 6, rigid_tolerance: float | None = None
 ) -> ModelCheck:
     """`check_model` of the matrices of another program, naming its nodes, as exact as their digits are."""
-    return check_model(
+    check = check_model(
         matrices.nodes,
         matrices.stiffness,
         matrices.mass,
@@ -187,6 +187,26 @@ def check_nodal_matrices(
         node_ids=matrices.node_ids,
         rigid_tolerance=matrices.rigid_tolerance if rigid_tolerance is None else rigid_tolerance,
     )
+    return replace(check, findings=(*check.findings, *_points_inside(matrices)))
+
+
+def _points_inside(matrices: NodalMatrices) -> Iterator[Finding]:
+    """What is known of a condensed model between its boundary grids."""
+    what = "points inside"
+    if matrices.recovery is None:
+        if len(matrices.modal):
+            yield Finding(
+                what, "none: nothing but the boundary is drawn and sensed; a recovery matrix gives them"
+            )
+        return
+    n = matrices.stiffness.indptr.size - 1
+    try:
+        matrices.recovery.check("model", matrices.nodes, matrices.dofs_per_node, n)
+    except ModelError as error:
+        seen, _, remedy = str(error).removeprefix("body 'model': ").partition("; ")
+        yield Finding(what, seen, Verdict.REFUSED, remedy)
+        return
+    yield Finding(what, f"{len(matrices.recovery.points)}, which move rigidly with the boundary")
 
 
 def _cells_twice(mesh: Mesh) -> Finding:
