@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ class Coordinates:
 
     whole : csc (n_nodal, n0)   u of coordinates q0 that come in threes: of free nodes, then of rigid pieces
     rest : csc (n0, n)          q0 of q, the identity where nothing but rigid pieces ties nodes
-    rigid_modes : (n, 6)
+    rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
     freedoms : (n,) the nodal freedom that each is, for messages
     sets : the rigid pieces
     bare : nodal freedoms that have no mass and follow statically
@@ -54,6 +55,8 @@ class Coordinates:
     whole: sparse.csc_array = field(repr=False)
     rest: sparse.csc_array | None = field(repr=False)
     rigid_modes: FloatArray = field(repr=False)
+    stiffness: sparse.csc_array = field(repr=False)
+    mass: sparse.csc_array = field(repr=False)
     freedoms: IntArray = field(repr=False)
     sets: tuple[RigidSet, ...] = field(repr=False)
     bare: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64), repr=False)
@@ -76,11 +79,6 @@ class Coordinates:
             return sparse.csr_array(self.rest.tocsr()[n0 - k :])
         own = np.arange(k)
         return sparse.csr_array((np.ones(k), (own, n0 - k + own)), shape=(k, n0))
-
-    def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
-        """T^T A T of a nodal matrix."""
-        product = congruent(self.whole, matrix)
-        return product if self.rest is None else congruent(self.rest, product)
 
 
 def rigid_sets(
@@ -167,7 +165,8 @@ def coordinates(
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
-        state = state.after(_follow_statically(body, state.K, bare))
+        tied = _follow_statically(body, state.K, bare)
+        state = state.after(tied, _condensed(state.K, tied), state.M[tied.kept][:, tied.kept])
     try:
         motions = massless_motions(state.M, tolerance) if len(state.kept) else np.zeros((0, 0))
         if motions.shape[1]:
@@ -178,7 +177,7 @@ def coordinates(
             "everywhere?"
         ) from None
     return Coordinates(
-        *(whole, state.rest, state.R, freedoms[state.kept], sets),
+        *(whole, state.rest, state.R, state.K, state.M, freedoms[state.kept], sets),
         bare=freedoms[np.setdiff1d(before, state.kept)],
         n_fixed=still.indptr.size - 1,
     )
@@ -194,13 +193,13 @@ class _State:
     kept: IntArray
     rest: sparse.csc_array | None
 
-    def after(self, tied: StaticallyTied) -> _State:
-        """When some of them follow the others."""
+    def after(self, tied: StaticallyTied, K: Any = None, M: Any = None) -> _State:
+        """When some of them follow the others; K and M where they are known."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
-        return _State(
-            congruent(T, self.K), congruent(T, self.M), self.R[tied.kept], self.kept[tied.kept], rest
-        )
+        K = congruent(T, self.K) if K is None else sparse.csc_array(K)
+        M = congruent(T, self.M) if M is None else sparse.csc_array(M)
+        return _State(K, M, self.R[tied.kept], self.kept[tied.kept], rest)
 
 
 def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
@@ -301,3 +300,9 @@ def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.
     places = np.concatenate([kept, eliminated[i]]), np.concatenate([np.arange(len(kept)), reached[j]])
     values = np.concatenate([np.ones(len(kept)), solved[i, j]])
     return StaticallyTied(kept, sparse.csc_array((values, places), shape=(len(bare), len(kept))))
+
+
+def _condensed(stiffness: sparse.csc_array, tied: StaticallyTied) -> sparse.csc_array:
+    """K_kk + K_ke T_ek of freedoms in equilibrium: less work than T^T K T, and the same."""
+    product = sparse.csc_array(stiffness[tied.kept] @ tied.expansion)
+    return sparse.csc_array(0.5 * (product + product.T))

@@ -60,7 +60,7 @@ def free_body(
         n_interfaces=len(rigid),
         tolerance=rigid_tolerance,
     )
-    M, K = made.of(M_nodal), made.of(K_nodal)
+    M, K = made.mass, made.stiffness
     check_moves_rigidly(name, K, made.rigid_modes, rigid_tolerance)
     T = made.expansion
     body = FlexibleBody(

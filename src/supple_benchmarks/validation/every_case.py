@@ -25,6 +25,7 @@ TOPICS = (
     "vibrations",
     "elements_at_rest",
     "sections_and_cells",
+    "decks",
     "flexible_motion",
     "machine_elements",
 )
