@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,9 @@ SHARE = 0.7
 """Of a beam's mass, at its tip"""
 
 
-def _beam(n: int, masses: Sequence[NodalMatrix], held: Sequence[ScalarTerms] = (), **more: object) -> Deck:
+def _beam(
+    n: int, masses: Sequence[NodalMatrix], held: Sequence[ScalarTerms], springs: Sequence[ScalarTerms] = ()
+) -> Deck:
     """A beam along x of n elements."""
     nodes = np.column_stack([np.linspace(0, LENGTH, n + 1), np.zeros((n + 1, 2))])
     numbers = np.arange(n)
@@ -56,8 +59,8 @@ def _beam(n: int, masses: Sequence[NodalMatrix], held: Sequence[ScalarTerms] = (
         properties,
         masses=tuple(masses),
         held=tuple(held),
-        **more,
-    )  # type: ignore[arg-type]
+        springs=tuple(springs),
+    )
 
 
 def _supports(freedoms: Sequence[int]) -> ScalarTerms:
@@ -69,7 +72,7 @@ def _tip_mass() -> tuple[Comparison, ...]:
     n, m = 40, SQUARE.mass_per_length * LENGTH
     tip = NodalMatrix(6 * n + np.arange(3), SHARE * m * np.eye(3))
     found = deck_frequencies(_beam(n, [tip], [_supports(range(6))]), 1, held=True)[0]
-    root = brentq(
+    root: Any = brentq(
         lambda x: 1 + np.cos(x) * np.cosh(x) + SHARE * x * (np.cos(x) * np.sinh(x) - np.sin(x) * np.cosh(x)),
         0.5,
         1.8,
