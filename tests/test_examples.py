@@ -11,7 +11,9 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["nastran_plate", "reference_blade", "robot_arm", "satellite", "spinning_disc"])
+@pytest.mark.parametrize(
+    "name", ["nastran_plate", "reference_blade", "robot_arm", "satellite", "spinning_disc"]
+)
 def test_an_example_meets_its_expectation_and_draws(name, tmp_path):
     picture = tmp_path / f"{name}.png"
     runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"](picture)

@@ -38,6 +38,7 @@ def run(page):
     return namespace
 
 
+@pytest.mark.slow
 def test_ten_lines_print_the_number_and_draw_the_picture_that_the_readme_promises(here, capsys):
     run(ROOT / "README.md")
     printed = capsys.readouterr().out.strip()

@@ -74,6 +74,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.machine import TorsionSpringDamper as TorsionSpringDamper
     from supple.machine import Turning as Turning
     from supple.machine import Universal as Universal
+    from supple.machine import read_mujoco as read_mujoco
     from supple.machine import split_body as split_body
     from supple.mesh import CellType as CellType
     from supple.mesh import Mesh as Mesh
@@ -128,7 +129,7 @@ _NAMES = {
         "System Placed At GROUND "
         "Fixed Ball Revolute Universal Cylindrical Prismatic PrescribedRotation PrescribedTranslation "
         "SpringDamper TorsionSpringDamper DeadForce DeadTorque FollowerForce FollowerTorque "
-        "FollowerPressure BaseAcceleration split_body "
+        "FollowerPressure BaseAcceleration split_body read_mujoco "
         "Table Spline Ramp Sine SpinUp Turning Spin"
     ),
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",

@@ -38,7 +38,7 @@ _EXPLAINED = 3
 
 @contextmanager
 def open_copied(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
-    """A copy of an HDF5 file, open to read: arrays as they are, attributes of groups, no compression.
+    """A copy of an HDF5 file, open to read: arrays with their texts, attributes of groups, no compression.
 
     parts : names of what is copied, of all that the root holds; everything where left out. Names that are not
         there are passed over, links are followed.
@@ -107,7 +107,10 @@ def _copy_group(source: h5py.Group, target: h5py.Group, names: Collection[str]) 
         match found:
             case h5py.Dataset():
                 _check_size(found)
-                target.create_dataset(name, data=found[()], dtype=found.dtype)
+                made = target.create_dataset(name, data=found[()], dtype=found.dtype)
+                for key in found.attrs:
+                    if h5py.check_string_dtype(found.attrs.get_id(key).dtype):
+                        made.attrs[key] = found.attrs[key]
             case h5py.Group():
                 _copy_group(found, target.create_group(name), list(found))
 

@@ -140,6 +140,7 @@ def test_it_moves_as_with_a_reduced_body_to_second_order():
     assert apart[1] < 0.3 * apart[0]
 
 
+@pytest.mark.slow
 def test_stiff_bodies_swing_as_a_compound_pendulum():
     """Frequency sqrt(m g d / I) about the pin, of masses and inertias of all four bodies."""
     stiff = {"EA": 1e7, "EI": 1e5}

@@ -58,14 +58,14 @@ def test_the_example_of_the_mesh_page_is_a_valid_case(tmp_path):
 def test_the_examples_of_the_import_page_are_valid_cases(tmp_path):
     page = (ROOT / "docs" / "how-to" / "imported_models.md").read_text(encoding="utf-8")
     rest = '\ntitle = "arm"\n[simulation]\nduration = 1.0\noutput_step = 0.1\nstep = 0.1\n'
-    for name in ("arm.bdf", "arm.pch"):
+    for name in ("arm.bdf", "arm.pch", "arm.op4"):
         (tmp_path / name).touch()
     found = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     for text in found:
         title, simulation = rest.split("[simulation]")
         (tmp_path / "arm.toml").write_text(f"{title}\n{text}\n[simulation]{simulation}", encoding="utf-8")
         assert read_case(tmp_path / "arm.toml").tables.body[0].name == "arm"
-    assert len(found) == 2
+    assert len(found) == 3
 
 
 def test_the_imported_line_of_the_page_of_intrinsic_bodies_is_a_valid_case(tmp_path):
@@ -88,7 +88,7 @@ def test_the_scripts_of_the_import_page_run(tmp_path, monkeypatch, bulk):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.bdf").write_text(bulk.text(mesh, *bulk.solid()))
     page = (ROOT / "docs" / "how-to" / "imported_models.md").read_text(encoding="utf-8")
-    writer, script = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    writer, script, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {}
     exec(compile(writer, "imported_models.md", "exec"), names)
     ids = np.arange(1, mesh.n_nodes + 1)

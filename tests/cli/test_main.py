@@ -8,6 +8,7 @@ import shutil
 
 import numpy as np
 import pytest
+from fixtures.strip_case import filled
 from typer.testing import CliRunner
 
 from supple import __version__
@@ -28,6 +29,15 @@ def call(*arguments, code=0):
     return re.sub(r"\s+", " ", result.output)
 
 
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A folder whose case has run, with results in `out`, and what the run printed."""
+    folder = filled(tmp_path_factory.mktemp("finished"))
+    case = folder / "strip.toml"
+    case.write_text('units = { time = "s" }\n' + case.read_text())
+    return folder, call("run", case, "-o", folder / "out")
+
+
 @pytest.mark.parametrize("command", ["run", "reduce", "static", "modes", "export", "info", "check"])
 def test_help_is_plain(command):
     """Flags stand alone, without a type that one would have to give; no markup takes words away."""
@@ -37,8 +47,8 @@ def test_help_is_plain(command):
         assert styled not in found
 
 
-def test_run_writes_results_and_prints_tables(case_folder):
-    output = call("run", case_folder / "strip.toml", "-o", case_folder / "out")
+def test_run_writes_results_and_prints_tables(finished):
+    folder, output = finished
     for part in (
         "clamped strip",
         "Bodies",
@@ -49,10 +59,10 @@ def test_run_writes_results_and_prints_tables(case_folder):
         "Results are in",
     ):
         assert part in output
-    header = read_header(case_folder / "out" / "strip.h5")
+    header = read_header(folder / "out" / "strip.h5")
     assert header.complete
     assert header.n_times == 201
-    numbers = json.loads((case_folder / "out" / "strip.json").read_text())
+    numbers = json.loads((folder / "out" / "strip.json").read_text())
     # Damped to rest: the clamp carries the weight and its moment, the tip hangs by w L^4 / (8 E I).
     assert numbers["joints"]["clamp"]["last force"] == pytest.approx(
         [0, 0, ROOT_WEIGHT], abs=2e-3 * ROOT_WEIGHT
@@ -120,15 +130,13 @@ def test_node_sets_that_no_mesh_has_are_named_with_their_lines(case_folder):
     )
 
 
-def test_info_of_case_mesh_and_result(case_folder):
-    case = case_folder / "strip.toml"
-    case.write_text('units = { time = "s" }\n' + case.read_text())
-    assert "shell, basis rubin; interfaces: root" in call("info", case_folder / "strip.toml")
-    mesh = call("info", case_folder / "strip.inp")
+def test_info_of_case_mesh_and_result(finished):
+    folder, _ = finished
+    assert "shell, basis rubin; interfaces: root" in call("info", folder / "strip.toml")
+    mesh = call("info", folder / "strip.inp")
     assert "27 nodes" in mesh
     assert "node set TIP" in mesh
-    call("run", case_folder / "strip.toml", "-o", case_folder / "out")
-    result = call("info", case_folder / "out" / "strip.h5")
+    result = call("info", folder / "out" / "strip.h5")
     assert "complete" in result
     assert "201, from 0 to 0.4 s" in result
 
@@ -139,9 +147,9 @@ def test_info_of_another_kind_of_file(tmp_path):
     )
 
 
-def test_a_run_that_was_cut_off_is_continued_to_the_same_end(case_folder):
-    case, whole, cut = case_folder / "strip.toml", case_folder / "whole", case_folder / "cut"
-    call("run", case, "-o", whole)
+def test_a_run_that_was_cut_off_is_continued_to_the_same_end(finished, tmp_path):
+    folder, _ = finished
+    case, whole, cut = folder / "strip.toml", folder / "out", tmp_path / "cut"
     solution = read_solution(whole / "strip.h5")
     half = solution.at(slice(100))
     cut.mkdir()
@@ -190,9 +198,9 @@ def test_strict_stops_at_a_motion_beyond_the_shell_s_validity(case_folder):
     assert "error: body 'strip' turns by" in strictly
 
 
-def test_resuming_a_complete_run_is_refused(case_folder):
-    call("run", case_folder / "strip.toml", "-o", case_folder / "out")
-    output = call("run", case_folder / "strip.toml", "-o", case_folder / "out", "--resume", code=2)
+def test_resuming_a_complete_run_is_refused(finished):
+    folder, _ = finished
+    output = call("run", folder / "strip.toml", "-o", folder / "out", "--resume", code=2)
     assert "its run is complete" in output
 
 

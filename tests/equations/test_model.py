@@ -43,6 +43,9 @@ def test_size_of_a_single_point_is_a_length_of_its_body():
     """Whatever the unit of length: sqrt(trace(J) / m)."""
     ball = RigidBody("ball", 2.0, [0, 0, 0], 6.0 * np.eye(3))
     assert system_length(System((Placed(ball, position=[5, 0, 0]),))) == pytest.approx(3.0)
+    other = RigidBody("other", 2.0, [0, 0, 0], 6.0 * np.eye(3))
+    pair = System((Placed(ball, position=[5, 0, 0]), Placed(other, position=[5, 0, 1e-28])))
+    assert system_length(pair) == pytest.approx(3.0)  # not the round-off between them
 
 
 def test_joint_axes_coincide_at_the_start(rod, turned):

@@ -83,7 +83,13 @@ def pushed(body, size=2.0, rise=0.3):
     return System((Placed(body),), (wall,), loads=(force,))
 
 
-@pytest.fixture(scope="module", params=[PlainQuartic(), CondensedQuartic()], ids=["plain", "condensed"])
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(PlainQuartic(), id="plain"),
+        pytest.param(CondensedQuartic(), id="condensed", marks=pytest.mark.slow),
+    ],
+)
 def plain(beam, request):
     """A body of a fixed size, its run with a long step, and what is said of it.
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 SCRIPT = """
 import multiprocessing, sys
 import numpy as np
@@ -39,5 +41,6 @@ def test_a_child_forked_after_a_run_refuses(tmp_path):
     assert printed(tmp_path, "after").startswith("ForkedProcessError: this process was forked")
 
 
+@pytest.mark.slow
 def test_a_child_forked_before_it_computes(tmp_path):
     assert printed(tmp_path, "before") == "-0.0491"

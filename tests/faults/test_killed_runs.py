@@ -59,7 +59,7 @@ def check_plain(path, kind, seed, whole):
     assert read_header(path).complete
 
 
-@pytest.mark.parametrize("kind", ["fixed", "adaptive"])
+@pytest.mark.parametrize("kind", ["fixed", pytest.param("adaptive", marks=pytest.mark.slow)])
 def test_a_killed_run_is_continued_to_the_same_bits(tmp_path, kind, uninterrupted):
     check_plain(tmp_path / "run.h5", kind, 1, uninterrupted[kind])
 

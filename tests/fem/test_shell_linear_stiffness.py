@@ -77,7 +77,7 @@ def published_stiffness(xy, wall):
     K[np.ix_(plane, plane)] = area * basic.T @ wall.membrane @ basic
     weight = 0.75 * area * higher_order_weight(wall.membrane)
     K[np.ix_(plane, plane)] += weight * (higher.swapaxes(1, 2) @ wall.membrane @ higher).sum(axis=0)
-    # The elements of the middle surface, at the height where the coupling is least; the nodes hold it by arms.
+    # The middle surface stands where the coupling is least; the nodes hold it by arms.
     height = (wall.coupling * wall.membrane).sum() / (wall.membrane**2).sum()
     coupling = wall.coupling - height * wall.membrane
     about_middle = wall.bending - 2 * height * wall.coupling + height**2 * wall.membrane

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from supple.algebra.rotation import rotation_exp
-from supple.machine import Constant, Ramp, TimeFunction
+from supple.machine import TimeFunction
 from supple.programs import kept_programs, program_worker
 from supple.programs.kept_programs import KeptProgram
 
@@ -73,25 +73,58 @@ def test_the_folder_is_bounded_and_the_program_read_last_stays(kept, monkeypatch
     assert len(list((kept / "by-text").iterdir())) == 3
 
 
-def value_of(law, time):
-    """The value of a law, an argument like any other."""
-    return jnp.asarray(law(time))
+def scaled_by(factor):
+    return lambda time: factor * jnp.sin(np.pi * time) + sum(part for part in (time, OFFSET))
 
 
-def test_function_of_the_users_own_is_not_kept(kept, traced):
-    """It is known by its name alone: another of the same name would be given this one's values."""
-    for factor in (2.0, 3.0):
-        law = TimeFunction(lambda time, factor=factor: factor * time)
-        program = KeptProgram(Ramp.__call__)
-        assert float(program(Ramp(1.0, 2.0), 0.7)) == pytest.approx(float(Ramp(1.0, 2.0)(0.7)), rel=1e-14)
-        assert float(KeptProgram(TimeFunction.__call__)(law, 5.0)) == 5.0 * factor
-    assert traced == ["kept_call__", "__call__", "__call__"]
+OFFSET = 1.0
 
 
-def test_functions_of_other_packages_are_not_kept(kept, traced):
-    KeptProgram(value_of)(Constant(3.0), 1.0)
-    KeptProgram(value_of)(Constant(3.0), 1.0)
-    assert traced == ["value_of", "value_of"]
+def test_functions_of_the_users_own_are_known_by_what_they_do(kept, traced, monkeypatch):
+    def value(factor):
+        return float(KeptProgram(TimeFunction.__call__)(TimeFunction(scaled_by(factor)), 0.5))
+
+    assert [value(factor) for factor in (2.0, 3.0, 2.0)] == [3.5, 4.5, 3.5]
+    assert len(traced) == 2
+    monkeypatch.setitem(globals(), "OFFSET", 2.0)
+    assert value(2.0) == 4.5
+    assert len(traced) == 3
+
+
+TABLE = {"factor": 2.0}
+
+
+def of_a_table(time):
+    return TABLE["factor"] * time
+
+
+def of_an_import(time):
+    import math
+
+    return math.pi * time
+
+
+def of_itself(time, n=3):
+    return time if n == 0 else of_itself(time, n - 1)
+
+
+def of_the_clock(time):
+    return time + 0 * os.getpid()
+
+
+def of_a_file(time):
+    return time * (1.0 if jnp.load is None else 2.0)
+
+
+@pytest.mark.parametrize(
+    "function", [of_a_table, of_an_import, of_itself, of_the_clock, of_a_file, lambda time: time + id(time)]
+)
+def test_functions_that_take_what_is_not_known_are_not_kept(kept, traced, function):
+    """Another of the same name, or this one with other surroundings, would be given the values of now."""
+    law = TimeFunction(function)
+    for _ in range(2):
+        KeptProgram(TimeFunction.__call__)(law, 5.0)
+    assert traced == ["__call__", "__call__"]
     assert not list(kept.rglob("by-*"))
 
 

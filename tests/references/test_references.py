@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from fixtures.section_tables import COUPLED
 
 from supple_benchmarks.beam_statics import bend_beam
 from supple_benchmarks.planar_beam import ROTATING_BEAM, BeamElements
 from supple_benchmarks.references.elastica import elastica
 from supple_benchmarks.references.lateral_buckling import lateral_buckling_load
 from supple_benchmarks.references.rod import Rod
+from supple_benchmarks.references.section_beam import SectionAt, bent_tip, clamped_rest
 from supple_benchmarks.references.simo_reissner import Beam, bent, energies, straight_beam, swung
 
 LENGTH = 10.0
@@ -154,3 +156,17 @@ def test_a_force_that_follows_the_rods_tip_is_the_dead_one_it_ends_as():
 def test_the_rod_stretches_and_shears():
     place, _ = Rod(1.0, (4.0, 5.0, 1e9, 1e9, 1e9, 1e9)).tip([0.4, 1.0, 0.0])
     np.testing.assert_allclose(place, [1.1, 0.2, 0.0], atol=1e-7)
+
+
+def test_an_exact_section_beam_is_the_linear_one_under_a_small_force():
+    """By an elastica too: bending alone, beside the rows of another reference."""
+    stiffness, force = COUPLED, np.array([2.0, -3.0, 1.0])
+
+    def section(_s):
+        return SectionAt(np.eye(3), stiffness, np.eye(6))
+
+    linear = clamped_rest(section, [0, 2.0, 4.0], np.zeros(3), np.append(force, np.zeros(3)))[:6]
+    assert bent_tip(stiffness, 4.0, 1e-4 * force) * 1e4 == pytest.approx(linear, rel=1e-4, abs=1e-8)
+    along, across, turn = elastica(1.0, 1.0, 2.0)
+    tip = bent_tip(np.diag([1e8, 1e8, 1e8, 1.0, 1.0, 1.0]), 1.0, (0, 2.0, 0))
+    assert tip[[1, 2, 3]] == pytest.approx([across, along - 1, -turn], rel=1e-6)

@@ -58,5 +58,5 @@ def test_a_folder_with_a_deck_that_fails_and_one_that_is_not_there(tmp_path):
 
 
 def test_a_folder_without_expected_numbers_is_refused(tmp_path):
-    with pytest.raises(ImportFormatError, match="give a folder with expected.json"):
+    with pytest.raises(ImportFormatError, match=r"give a folder with expected\.json"):
         perform(tmp_path, tmp_path / "report.json", 60.0)

@@ -122,6 +122,7 @@ def test_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):
     assert [series.label for series in energy.series] == ["kinetic"]
 
 
+@pytest.mark.slow
 def test_a_film_shows_frames_elements_and_rigid_bodies_together(tmp_path):
     """A hammer on a hinge hits nothing: a rigid body on a modal bar, beside elements that fly."""
     modal = modal_subdomain(flexible_body("arm", bar(CellType.HEXA8)), NormalModes(2))

@@ -19,6 +19,7 @@ from supple.body.labelled_superelement import *
 from supple.body.mass_properties import *
 from supple.body.model_check import *
 from supple.body.point_motion import *
+from supple.body.recovery import *
 from supple.body.rigid_body import *
 from supple.body.section_beams import *
 from supple.body.superelement import *

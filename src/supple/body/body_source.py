@@ -108,8 +108,12 @@ def labelled_matrices_source(
     nodes: Path,
     stiffness: Path,
     mass: Path,
+    damping: Path | None = None,
+    recovery: Path | None = None,
     stiffness_name: str | None = None,
     mass_name: str | None = None,
+    damping_name: str | None = None,
+    recovery_name: str | None = None,
     rigid_tolerance: float | None = None,
 ) -> BodySource:
     """Matrices of another program with the file of its nodes, as for `read_labelled_superelement`.
@@ -123,8 +127,12 @@ def labelled_matrices_source(
             nodes=nodes,
             stiffness=stiffness,
             mass=mass,
+            damping=damping,
+            recovery=recovery,
             stiffness_name=stiffness_name,
             mass_name=mass_name,
+            damping_name=damping_name,
+            recovery_name=recovery_name,
         )
 
     exact = rigid_tolerance
@@ -132,7 +140,7 @@ def labelled_matrices_source(
         lambda n: check_nodal_matrices(read(), n_frequencies=n, rigid_tolerance=exact),
         lambda name, interfaces: labelled_superelement(name, read(), interfaces, rigid_tolerance=exact),
         lambda: read().connections,
-        lambda ids: _numbers(read().node_ids, ids),
+        lambda ids: _numbers(read().all_ids, ids),
     )
 
 
@@ -146,7 +154,16 @@ def _numbers(ids: IntArray, wanted: IntArray) -> IntArray:
     return number
 
 
-def matrices_source(*, nodes: Path, stiffness: Path, mass: Path, dofs_per_node: int) -> BodySource:
+def matrices_source(
+    *,
+    nodes: Path,
+    stiffness: Path,
+    mass: Path,
+    dofs_per_node: int,
+    damping: Path | None = None,
+    recovery: Path | None = None,
+    points: Path | None = None,
+) -> BodySource:
     """Matrices in Matrix Market files, as for `read_superelement`."""
 
     def check(n_frequencies: int) -> ModelCheck:
@@ -166,6 +183,9 @@ def matrices_source(*, nodes: Path, stiffness: Path, mass: Path, dofs_per_node: 
             stiffness=stiffness,
             mass=mass,
             dofs_per_node=dofs_per_node,
+            damping=damping,
             interfaces=interfaces,
+            recovery=recovery,
+            points=points,
         ),
     )

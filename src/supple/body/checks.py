@@ -24,10 +24,10 @@ FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
 def checked_nodal_matrix(
-    body: str, what: str, matrix: Any, nodes: NDArray[np.float64], dofs_per_node: int
+    body: str, what: str, matrix: Any, nodes: NDArray[np.float64], dofs_per_node: int, n_modal: int = 0
 ) -> sparse.csc_array:
     """A nodal matrix as csc, after checking its shape, that it is finite and that it is symmetric."""
-    n_nodal = len(nodes) * dofs_per_node
+    n_nodal = len(nodes) * dofs_per_node + n_modal
     result = sparse.csc_array(matrix, dtype=np.float64)
     if result.shape != (n_nodal, n_nodal):
         raise ModelError(
@@ -78,17 +78,23 @@ def check_positive_mass(body: str, nodal_mass: sparse.csc_array, dofs_per_node: 
 
 
 def check_moves_rigidly(
-    body: str, stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64], tolerance: float
+    body: str,
+    what: str,
+    matrix: sparse.csc_array,
+    rigid_modes: NDArray[np.float64],
+    dofs_per_node: int,
+    tolerance: float,
 ) -> None:
-    """K R = 0, up to round-off of the forces that cancel in it."""
-    ratio = rigid_force_ratios(stiffness, rigid_modes)
+    """K R = 0 (or C R) of nodal freedoms and modal ones, up to round-off of the forces that cancel in it."""
+    ratio = rigid_force_ratios(matrix, rigid_modes)
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:
         raise ModelError(
-            f"body '{body}': its stiffness resists rigid motion: {RIGID_NAMES[mode]} meets "
+            f"body '{body}': its {what} resists rigid motion: {RIGID_NAMES[mode]} meets "
             f"{ratio[row, mode]:.1e} of the forces that should cancel (allowed {tolerance:.0e}), most at "
-            f"coordinate {row}. A body must be free: leave supports out of its matrices and hold it by "
-            "joints; for matrices printed with few digits, raise rigid_tolerance"
+            f"{_freedom(int(row), dofs_per_node)}. A body must be free: leave supports "
+            "out of its matrices and hold it by joints; for matrices printed with few digits, raise "
+            "rigid_tolerance"
         )
 
 

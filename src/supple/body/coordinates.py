@@ -43,11 +43,12 @@ _LARGEST_TIE = 2e7
 class Coordinates:
     """q of a body, and what its nodes do with them.
 
-    whole : csc (n_nodal, n0)   u of coordinates q0 that come in threes: of free nodes, then of rigid pieces
+    whole : csc (n_nodal, n0)   u of coordinates q0: in threes of free nodes, then of rigid pieces; modal ones
     rest : csc (n0, n)          q0 of q, the identity where nothing but rigid pieces ties nodes
     rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
-    freedoms : (n,) the nodal freedom that each is, for messages
+    freedoms : (n,) the nodal freedom that each is, for messages; modal ones count on
     sets : the rigid pieces
+    n_modal : coordinates of q0 that no node has
     bare : nodal freedoms that have no mass and follow statically
     n_fixed : rotations that nothing stiffens
     """
@@ -59,6 +60,7 @@ class Coordinates:
     mass: sparse.csc_array = field(repr=False)
     freedoms: IntArray = field(repr=False)
     sets: tuple[RigidSet, ...] = field(repr=False)
+    n_modal: int = 0
     bare: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64), repr=False)
     n_fixed: int = 0
 
@@ -73,12 +75,30 @@ class Coordinates:
         return self.whole if self.rest is None else sparse.csc_array(self.whole @ self.rest)
 
     def last_coordinates(self, k: int) -> sparse.csr_array:
-        """The motion (k, n) of the last k of q0, those of rigid interfaces."""
-        n0 = self.whole.indptr.size - 1
+        """The motion (k, n) of the last k of q0 in threes, those of rigid interfaces."""
+        rows = self._rows
+        end = rows.indptr.size - 1 - self.n_modal
+        return sparse.csr_array(rows[end - k : end])
+
+    @property
+    def threes(self) -> sparse.csr_array | None:
+        """The coordinates in threes of q, (n0 - n_modal, n); None where they are q."""
+        if self.rest is None and not self.n_modal:
+            return None
+        rows = self._rows
+        return sparse.csr_array(rows[: rows.indptr.size - 1 - self.n_modal])
+
+    @property
+    def _rows(self) -> sparse.csr_array:
+        """q0 of q."""
         if self.rest is not None:
-            return sparse.csr_array(self.rest.tocsr()[n0 - k :])
-        own = np.arange(k)
-        return sparse.csr_array((np.ones(k), (own, n0 - k + own)), shape=(k, n0))
+            return sparse.csr_array(self.rest)
+        return sparse.csr_array(sparse.eye_array(self.whole.indptr.size - 1))
+
+    def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
+        """T^T A T of a nodal matrix."""
+        product = congruent(self.whole, matrix)
+        return product if self.rest is None else congruent(self.rest, product)
 
 
 def rigid_sets(
@@ -128,12 +148,14 @@ def coordinates(
     attached: Attached,
     *,
     n_interfaces: int = 0,
+    n_modal: int = 0,
     tolerance: float,
     held: bool = False,
 ) -> Coordinates:
     """The coordinates that ties, constraints, rotations without stiffness and freedoms without mass leave.
 
     n_interfaces : the last of the sets are interfaces, whose coordinates stay
+    n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
     tolerance : of what counts as no mass
     held : whether constraints may hold the body; displacements that nothing stiffens then rest as well
 
@@ -142,22 +164,27 @@ def coordinates(
     ModelError   constraints that hold the body; motions with neither mass nor stiffness
     """
     whole = rigid_elimination(nodes, dofs_per_node, sets)
+    if n_modal:
+        whole = sparse.csc_array(sparse.block_diag([whole, sparse.eye_array(n_modal)], format="csc"))
     free = np.ones(len(nodes), dtype=bool)
     for members, _ in sets:
         free[members] = False
     places = np.array([position for _, position in sets]).reshape(-1, 3)
-    R = np.vstack([nodal_rigid_modes(nodes[free], dofs_per_node), nodal_rigid_modes(places, 6)])
+    R = np.vstack(
+        [nodal_rigid_modes(nodes[free], dofs_per_node), nodal_rigid_modes(places, 6), np.zeros((n_modal, 6))]
+    )
     d = np.arange(dofs_per_node)
     own = [(np.flatnonzero(free)[:, None] * dofs_per_node + d).ravel()]
     own += [members[0] * dofs_per_node + np.minimum(np.arange(6), dofs_per_node - 1) for members, _ in sets]
-    freedoms = np.concatenate(own)
-    n0 = len(R)
-    last = np.arange(n0) >= n0 - 6 * n_interfaces
+    freedoms = np.concatenate([*own, len(nodes) * dofs_per_node + np.arange(n_modal)])
+    n0, n_threes = len(R), len(R) - n_modal
+    last = (np.arange(n0) >= n_threes - 6 * n_interfaces) & (np.arange(n0) < n_threes)
     K, M = congruent(whole, stiffness), congruent(whole, mass)
     state = _State(K, M, R, np.arange(n0), None)
     if attached.constraints is not None:
         state = state.after(eliminate(body, attached.constraints, whole, R, last, held=held))
-    turns = np.repeat(held | ~R.reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+    turns = np.repeat(held | ~R[:n_threes].reshape(-1, 3, 6)[:, :, :3].any(axis=(1, 2)), 3)
+    turns = np.concatenate([turns, np.zeros(n_modal, dtype=bool)])
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.nnz:
         # A rigid motion of all else leaves them where they rest.
@@ -177,7 +204,7 @@ def coordinates(
             "everywhere?"
         ) from None
     return Coordinates(
-        *(whole, state.rest, state.R, state.K, state.M, freedoms[state.kept], sets),
+        *(whole, state.rest, state.R, state.K, state.M, freedoms[state.kept], sets, n_modal),
         bare=freedoms[np.setdiff1d(before, state.kept)],
         n_fixed=still.indptr.size - 1,
     )

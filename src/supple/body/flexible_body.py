@@ -41,6 +41,9 @@ class FlexibleBody:
     rotation_limit    : rad against the body's frame up to which its kinematics hold
     threes : where more than rigid interfaces tie the nodes: coordinates q0 that come in threes, of free nodes
         and rigid pieces, as q0 = rest @ q, and their mass (n0, n0); None where q0 = q
+    damping       : csc (n, n), N s/m, what its files say; None without. Options of a reduction add to it
+    n_modal : modal coordinates among q, of a model that was condensed elsewhere: no node has them, they carry
+        mass that `nodal_mass` lacks, and no part of it turns with the frame
     """
 
     name: str
@@ -57,6 +60,8 @@ class FlexibleBody:
     rotation_operator: sparse.csc_array | None = field(repr=False)
     rotation_limit: float
     threes: tuple[sparse.csc_array, sparse.csc_array] | None = field(default=None, repr=False)
+    n_modal: int = 0
+    damping: sparse.csc_array | None = field(default=None, repr=False)
 
     @property
     def n(self) -> int:

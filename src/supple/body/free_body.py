@@ -18,6 +18,8 @@ from supple.body.coordinates import Coordinates, congruent, coordinates, rigid_s
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
+from supple.body.recovery import Recovery
+from supple.body.rigid_motion import nodal_rigid_modes
 from supple.body.second_order_tie import with_virtual_nodes
 from supple.body.virtual_node import interface_motions, virtual_nodes
 from supple.errors import ModelError
@@ -36,43 +38,74 @@ def free_body(
     nodal_mass: Any,
     *,
     dofs_per_node: int,
+    nodal_damping: Any = None,
+    n_modal: int = 0,
+    recovery: Recovery | None = None,
     interfaces: tuple[RigidInterface | AveragingInterface, ...],
     model: FiniteElementModel | None = None,
     rotation_operator: sparse.csc_array | None = None,
     rotation_limit: float = np.inf,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """Coordinates that ties leave, M = T^T M_nodal T and K likewise, and what every free body obeys."""
+    """Coordinates that ties leave, M = T^T M_nodal T and K likewise, and what every free body obeys.
+
+    n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
+    recovery : of points that become nodes without mass of their own
+    """
     node_ids = None if model is None else model.mesh.node_ids
     attached = Attached() if model is None else model.attached
     check_nodes(name, nodes, node_ids)
-    M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node)
-    K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node)
+    M_nodal = checked_nodal_matrix(name, "mass", nodal_mass, nodes, dofs_per_node, n_modal)
+    K_nodal = checked_nodal_matrix(name, "stiffness", nodal_stiffness, nodes, dofs_per_node, n_modal)
+    every = nodes if recovery is None else np.concatenate([nodes, recovery.points])
     pieces = [each.nodes for each in attached.rigid]
     tied = np.concatenate(pieces) if pieces else None
-    virtual = virtual_nodes(name, nodes, dofs_per_node, interfaces, node_ids, tied)
+    virtual = virtual_nodes(name, every, dofs_per_node, interfaces, node_ids, tied)
     rigid = [(node.name, node.node_ids, node.position) for node in virtual if node.is_rigid]
+    for interface, members, _ in rigid:
+        if members.max() >= len(nodes):
+            raise ModelError(
+                f"body '{name}', interface '{interface}': a recovered point follows the boundary and the "
+                'modes, so nothing can be tied to it; take kind = "averaging" (AveragingInterface), or a '
+                "boundary grid"
+            )
     sets = rigid_sets(name, len(nodes), rigid, attached)
-    if sum(len(members) for members, _ in sets) == len(nodes):
+    if len(sets) == 1 and len(sets[0][0]) == len(nodes) and not n_modal:
         raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
     made = coordinates(
         *(name, nodes, dofs_per_node, K_nodal, M_nodal, sets, attached),
         n_interfaces=len(rigid),
+        n_modal=n_modal,
         tolerance=rigid_tolerance,
     )
     M, K = made.mass, made.stiffness
-    check_moves_rigidly(name, K, made.rigid_modes, rigid_tolerance)
-    T = made.expansion
+    # Before freedoms follow others: forces that have cancelled do not show their size.
+    R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
+    check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)
+    C = None
+    if nodal_damping is not None:
+        C = checked_nodal_matrix(name, "damping", nodal_damping, nodes, dofs_per_node, n_modal)
+        check_moves_rigidly(name, "damping", C, R, dofs_per_node, rigid_tolerance)
+    n_nodal = len(nodes) * dofs_per_node
+    of_all, T = made.expansion, made.expansion
+    if n_modal:
+        T = sparse.csc_array(T[:n_nodal])
+    own_mass = sparse.csc_array(M_nodal[:n_nodal, :n_nodal])
+    threes = _threes(made, own_mass)
+    if recovery is not None:
+        recovery.check(name, nodes, dofs_per_node, n_nodal + n_modal)
+        T = sparse.csc_array(sparse.vstack([T, recovery.rows(dofs_per_node) @ of_all]))
+        own_mass, rotation_operator = _widened(own_mass, rotation_operator, len(every) * dofs_per_node)
     body = FlexibleBody(
         name=name,
-        nodes=read_only(nodes),
+        nodes=read_only(every),
         dofs_per_node=dofs_per_node,
         expansion=T,
-        nodal_mass=M_nodal,
+        nodal_mass=own_mass,
         mass=M,
         stiffness=K,
         interfaces=interface_motions(
-            nodes,
+            every,
             dofs_per_node,
             T,
             virtual,
@@ -85,10 +118,36 @@ def free_body(
         force=LinearForce(K) if model is None else _quadratic_force(model, made),
         rotation_operator=rotation_operator,
         rotation_limit=rotation_limit,
-        threes=None if made.rest is None else (made.rest, congruent(made.whole, M_nodal)),
+        threes=threes,
+        n_modal=n_modal,
+        damping=None if C is None else made.of(C),
     )
     _ = body.grounded_stiffness  # made now, so that a mechanism is named where the body is built
     return body
+
+
+def _threes(
+    made: Coordinates, nodal_mass: sparse.csc_array
+) -> tuple[sparse.csc_array, sparse.csc_array] | None:
+    """Coordinates in threes of the body's, and their mass; modal coordinates turn with nothing."""
+    rest = made.threes
+    if rest is None:
+        return None
+    n_threes, n_nodal = rest.indptr.size - 1, nodal_mass.indptr.size - 1
+    whole = sparse.csc_array(made.whole[:n_nodal, :n_threes])
+    return sparse.csc_array(rest), congruent(whole, nodal_mass)
+
+
+def _widened(
+    mass: sparse.csc_array, rotations: sparse.csc_array | None, n: int
+) -> tuple[sparse.csc_array, sparse.csc_array | None]:
+    """The same for n nodal freedoms, of which the last have neither mass nor a rotation."""
+    k = n - (mass.indptr.size - 1)
+    wide = sparse.csc_array(sparse.block_diag([mass, sparse.csc_array((k, k))], format="csc"))
+    if rotations is None:
+        return wide, None
+    none = sparse.csc_array((rotations.tocsr().indptr.size - 1, k))
+    return wide, sparse.csc_array(sparse.hstack([rotations, none]))
 
 
 def _quadratic_force(model: FiniteElementModel, made: Coordinates) -> QuadraticStrainForce:

@@ -38,7 +38,6 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         raise ModelError(f"the basis has shape {V.shape}; body '{body.name}' has {body.n} coordinates")
     r, R = V.shape[1], body.rigid_modes
     energy = InertiaPolynomial(body)
-    nodal = body.expansion @ V
     by_basis = (body.mass @ R).T @ V
     turned = np.zeros((6, r, 3))
     turned[:3] = np.moveaxis(cross_of_axes(by_basis[:3].T), 0, 1)
@@ -49,6 +48,8 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         among[:, :, number] = np.moveaxis(energy.spin_products(column) @ V, 2, 0)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
-    own = nodal.T @ (body.nodal_mass @ nodal)
+    # From the nodes, which shows where the two masses disagree; nodes know nothing of modal coordinates.
+    nodal = V if body.n_modal else body.expansion @ V
+    own = nodal.T @ ((body.mass if body.n_modal else body.nodal_mass) @ nodal)
     gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])
     return 0.5 * (gram + gram.T)

@@ -184,8 +184,9 @@ class InertiaPolynomial:
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)
             result[:, j] = np.where(turns, cross.T @ own + through, cross.T @ momenta).reshape(-1, 3).T
-        skew = np.einsum("aij,na->ijn", _CROSS, angular)
-        return self._gathered((result + result.swapaxes(0, 1) - skew) / 2, 2)
+        # Of all the body's mass: also of modal coordinates, which are not in threes.
+        skew = np.einsum("aij,na->ijn", _CROSS, self.body.mass @ self.body.rigid_modes[:, 3:])
+        return (self._gathered(result + result.swapaxes(0, 1), 2) - skew) / 2
 
 
 class _Blocks(NamedTuple):

@@ -1,4 +1,7 @@
-"""Superelements from labelled matrices: rows found by node id and component, and turned to the mesh axes."""
+"""Superelements from labelled matrices: rows found by node id and component, and turned to the mesh axes.
+
+Freedoms that no node has (scalar points, QSET) are modal coordinates of a model that was condensed elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from supple.body.connection_interfaces import connection_interface
 from supple.body.flexible_body import FlexibleBody
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.recovery import Recovery
 from supple.body.superelement import superelement
 from supple.errors import ModelError
 from supple.importers import (
@@ -21,11 +25,14 @@ from supple.importers import (
     LabelledMatrix,
     MatrixRole,
     NodeTable,
+    RecoveryMatrix,
     freedom_name,
     numbers_of,
     read_labelled_matrix,
     read_nodes,
+    read_recovery,
 )
+from supple.importers.matrices.recovery_matrix import in_order
 
 __all__ = [
     "NodalMatrices",
@@ -43,12 +50,14 @@ ROUNDED_ROWS = 100.0
 
 @dataclass(frozen=True, eq=False)
 class NodalMatrices:
-    """Stiffness and mass node by node, in the mesh axes, on the nodes that carry any.
+    """Stiffness and mass node by node, in the mesh axes, on the nodes that carry any; then modal coordinates.
 
     nodes           : (N, 3);  node_ids : (N,) labels
-    stiffness, mass : csc (n, n), n = N * dofs_per_node
+    stiffness, mass : csc (n, n), n = N * dofs_per_node + n_modal;  damping : likewise, or None
     node_sets       : {name: node numbers};  connections : on these nodes
     resolution      : relative error of an entry
+    modal           : (n_modal, 2) id and component of modal coordinates, 0 of scalar points
+    recovery        : of points inside; None without
     """
 
     source: str
@@ -60,6 +69,14 @@ class NodalMatrices:
     node_sets: dict[str, IntArray] = field(repr=False)
     connections: tuple[Connection, ...]
     resolution: float
+    modal: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    recovery: Recovery | None = field(default=None, repr=False)
+    damping: sparse.csc_array | None = field(default=None, repr=False)
+
+    @property
+    def all_ids(self) -> IntArray:
+        """Labels of the nodes of a body of it, recovered points behind the others."""
+        return self.node_ids if self.recovery is None else np.concatenate([self.node_ids, self.recovery.ids])
 
     @property
     def rigid_tolerance(self) -> float:
@@ -73,25 +90,43 @@ def read_labelled_superelement(
     nodes: str | Path,
     stiffness: str | Path,
     mass: str | Path,
+    damping: str | Path | None = None,
     interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
+    recovery: str | Path | None = None,
     stiffness_name: str | None = None,
     mass_name: str | None = None,
+    damping_name: str | None = None,
+    recovery_name: str | None = None,
 ) -> FlexibleBody:
-    """A linear body from the matrices of another program and the file with its nodes.
+    """A linear body from the matrices of another program and the file with its nodes, whole or condensed.
+
+    Condensed: boundary grids and modal coordinates (Craig-Bampton), which QSET and SPOINT cards of the mesh
+    file name, or the component 0 in the matrix file. See `superelement`.
 
     Parameters
     ----------
     nodes           : Abaqus or CalculiX .inp, Nastran .bdf, or HDF5
-    stiffness, mass : DMIG .pch, OUTPUT4 .op4, HDF5, Abaqus .mtx, CalculiX .sti and .mas
-    interfaces      : with node sets of the mesh file, or node numbers; None takes its RBE2 and RBE3
-    stiffness_name, mass_name : where a file holds several matrices (DMIG, OUTPUT4)
+    stiffness, mass : DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5, Abaqus .mtx, CalculiX .sti and .mas
+    interfaces      : with node sets of the mesh file, or node numbers; None takes its RBE2 and RBE3, and
+                      where it has none each boundary grid of a condensed model (grid_ID)
+    damping         : as stiffness and mass; None without
+    recovery        : HDF5 or OUTPUT4 file of displacements of points inside, which become nodes of the body
+    stiffness_name, mass_name, damping_name, recovery_name : where a file holds several (DMIG, OUTPUT4)
     Raises
     ------
     ImportFormatError   files that cannot be read
     ModelError          as for `nodal_matrices` and `superelement`
     """
     matrices = read_nodal_matrices(
-        nodes=nodes, stiffness=stiffness, mass=mass, stiffness_name=stiffness_name, mass_name=mass_name
+        nodes=nodes,
+        stiffness=stiffness,
+        mass=mass,
+        damping=damping,
+        recovery=recovery,
+        stiffness_name=stiffness_name,
+        mass_name=mass_name,
+        damping_name=damping_name,
+        recovery_name=recovery_name,
     )
     return labelled_superelement(name, matrices, interfaces)
 
@@ -101,8 +136,12 @@ def read_nodal_matrices(
     nodes: str | Path,
     stiffness: str | Path,
     mass: str | Path,
+    damping: str | Path | None = None,
+    recovery: str | Path | None = None,
     stiffness_name: str | None = None,
     mass_name: str | None = None,
+    damping_name: str | None = None,
+    recovery_name: str | None = None,
 ) -> NodalMatrices:
     """The matrices of `read_labelled_superelement`, before any body is made of them."""
     table = read_nodes(nodes)
@@ -110,6 +149,10 @@ def read_nodal_matrices(
         table,
         read_labelled_matrix(stiffness, MatrixRole.STIFFNESS, table, name=stiffness_name),
         read_labelled_matrix(mass, MatrixRole.MASS, table, name=mass_name),
+        None if recovery is None else read_recovery(recovery, table, name=recovery_name),
+        None
+        if damping is None
+        else read_labelled_matrix(damping, MatrixRole.DAMPING, table, name=damping_name),
     )
 
 
@@ -128,6 +171,9 @@ def labelled_superelement(
     """
     if interfaces is None:
         interfaces = [connection_interface(connection) for connection in matrices.connections]
+        if not interfaces and len(matrices.modal) and matrices.dofs_per_node == 6:
+            ids = matrices.node_ids.tolist()
+            interfaces = [RigidInterface(f"grid_{label}", [i]) for i, label in enumerate(ids)]
     resolved = [
         replace(given, nodes=_node_set(matrices, given.nodes)) if isinstance(given.nodes, str) else given
         for given in interfaces
@@ -140,44 +186,69 @@ def labelled_superelement(
             matrices.mass,
             dofs_per_node=matrices.dofs_per_node,
             interfaces=resolved,
+            damping=matrices.damping,
+            recovery=matrices.recovery,
             rigid_tolerance=matrices.rigid_tolerance if rigid_tolerance is None else rigid_tolerance,
         )
     except ModelError as error:
         raise ModelError(f"{error} (read from {matrices.source})") from error
 
 
-def nodal_matrices(nodes: NodeTable, stiffness: LabelledMatrix, mass: LabelledMatrix) -> NodalMatrices:
+def nodal_matrices(
+    nodes: NodeTable,
+    stiffness: LabelledMatrix,
+    mass: LabelledMatrix,
+    recovery: RecoveryMatrix | None = None,
+    damping: LabelledMatrix | None = None,
+) -> NodalMatrices:
     """Rows of labelled matrices in the order of the nodes, three or six to each, in the mesh axes.
 
+    Modal coordinates stand last.
+
     Nodes without stiffness and mass (reference points) are left out, and so are rotations when none has any
-    (solids, in programs whose nodes always have six freedoms).
+    (solids, in programs whose nodes always have six freedoms). A node without a rotation beside others with
+    theirs keeps it, at rest.
 
     Raises
     ------
-    ModelError   freedoms of nodes that the mesh file lacks; nodes with some of their freedoms only
+    ModelError   freedoms of nodes that the mesh file lacks; nodes with some of their translations only; modal
+                 coordinates alone, of a model whose boundary was held
+    ImportFormatError   a recovery matrix by other freedoms
     """
-    K, M = (_on_all_freedoms(nodes, matrix) for matrix in (stiffness, mass))
-    used = ((abs(K).sum(axis=1) + abs(M).sum(axis=1)) > 0).reshape(-1, 6)
+    given = [stiffness, mass, *([] if damping is None else [damping])]
+    modal = _modal_freedoms(nodes, *given)
+    K, M, *C = (_on_all_freedoms(nodes, modal, matrix) for matrix in given)
+    n_all = 6 * len(nodes.ids)
+    used = ((abs(K).sum(axis=1) + abs(M).sum(axis=1)) > 0)[:n_all].reshape(-1, 6)
     kept = used.any(axis=1)
     if not kept.any():
         raise ModelError(
-            f"{stiffness.source}: no freedom has any stiffness or mass; is the right matrix named?"
+            f"{stiffness.source}: {len(modal)} modal coordinates, and no freedom of a node: the model was "
+            "held at its boundary. Condense it again with its boundary grids free and kept (BSET, ASET)"
+            if len(modal)
+            else f"{stiffness.source}: no freedom has any stiffness or mass; is the right matrix named?"
         )
     dofs_per_node = 6 if used[:, 3:].any() else 3
-    missing = np.argwhere(kept[:, None] & ~used[:, :dofs_per_node])
+    missing = np.argwhere(kept[:, None] & ~used[:, :3])
     if missing.size:
         node, component = missing[0]
         raise ModelError(
             f"{stiffness.source}: {freedom_name(int(nodes.ids[node]), int(component) + 1)} has neither "
             f"stiffness nor mass, while other freedoms have ({len(missing)} such in all). A body needs all "
-            f"{dofs_per_node} of every node: export the matrices free, without supports or reduction"
+            "translations of every node: export the matrices free, without supports, and name modal "
+            "coordinates that grids bear in a QSET"
         )
-    freedoms = np.flatnonzero(np.repeat(kept, 6) & np.tile(np.arange(6) < dofs_per_node, len(kept)))
+    of_nodes = np.flatnonzero(np.repeat(kept, 6) & np.tile(np.arange(6) < dofs_per_node, len(kept)))
+    freedoms = np.concatenate([of_nodes, n_all + np.arange(len(modal))])
     number = np.cumsum(kept) - 1
-    K, M = (matrix[freedoms][:, freedoms] for matrix in (K, M))
+    labels = np.concatenate([np.column_stack([nodes.ids[of_nodes // 6], of_nodes % 6 + 1]), modal])
+    T = None if recovery is None else in_order(recovery, labels).matrix
+    K, M, *C = (matrix[freedoms][:, freedoms] for matrix in (K, M, *C))
     if nodes.axes is not None:
         turn = _turned(nodes.axes[kept], dofs_per_node)
-        K, M = (turn @ matrix @ turn.T for matrix in (K, M))
+        turn = sparse.csr_array(sparse.block_diag([turn, sparse.eye_array(len(modal))], format="csr"))
+        K, M, *C = (turn @ matrix @ turn.T for matrix in (K, M, *C))
+        T = None if T is None else T @ turn.T
     sets = {name: number[members[kept[members]]] for name, members in nodes.node_sets.items()}
     return NodalMatrices(
         source=stiffness.source,
@@ -188,21 +259,45 @@ def nodal_matrices(nodes: NodeTable, stiffness: LabelledMatrix, mass: LabelledMa
         mass=_symmetric(M),
         node_sets={name: members for name, members in sets.items() if members.size},
         connections=tuple(made for c in nodes.connections if (made := _on_kept(c, kept, number)) is not None),
-        resolution=max(stiffness.resolution, mass.resolution),
+        resolution=max(matrix.resolution for matrix in given),
+        modal=modal,
+        recovery=None if recovery is None or T is None else Recovery(recovery.points, recovery.ids, T),
+        damping=_symmetric(C[0]) if C else None,
     )
 
 
-def _on_all_freedoms(nodes: NodeTable, labelled: LabelledMatrix) -> sparse.csr_array:
-    """The matrix on six freedoms of every node of the table."""
-    number, known = numbers_of(nodes.ids, labelled.freedoms[:, 0])
+def _modal_freedoms(nodes: NodeTable, *matrices: LabelledMatrix) -> IntArray:
+    """Freedoms (k, 2) of the matrices that no node has: scalar points, and those of a QSET."""
+    labels = np.unique(np.concatenate([matrix.freedoms for matrix in matrices]), axis=0)
+    width = 7
+    is_modal = np.isin(labels @ [width, 1], nodes.modal @ [width, 1]) | (labels[:, 1] == 0)
+    modal = labels[is_modal]
+    grids = np.flatnonzero((modal[:, 1] == 0) & numbers_of(nodes.ids, modal[:, 0])[1])
+    # HDF5 files number their modal coordinates as they like.
+    if grids.size and len(nodes.modal):
+        raise ModelError(
+            f"{matrices[0].source}: component 0 of grid {modal[grids[0], 0]}, which is no scalar point; "
+            "correct it"
+        )
+    return modal
+
+
+def _on_all_freedoms(nodes: NodeTable, modal: IntArray, labelled: LabelledMatrix) -> sparse.csr_array:
+    """The matrix on six freedoms of every node of the table, and on the modal coordinates."""
+    n_nodes, width = len(nodes.ids), 7
+    key, modal_key = labelled.freedoms @ [width, 1], modal @ [width, 1]
+    own = np.isin(key, modal_key)
+    number, known = numbers_of(nodes.ids, labelled.freedoms[~own, 0])
     if not known.all():
         raise ModelError(
-            f"{labelled.source}: names node {labelled.freedoms[~known][0, 0]}, which {nodes.source} does "
-            "not define; take nodes and matrices from the same model"
+            f"{labelled.source}: names node {labelled.freedoms[~own][~known][0, 0]}, which {nodes.source} "
+            "does not define; take nodes and matrices from the same model"
         )
-    place = 6 * number + labelled.freedoms[:, 1] - 1
+    place = np.empty(len(key), dtype=np.int64)
+    place[~own] = 6 * number + labelled.freedoms[~own, 1] - 1
+    place[own] = 6 * n_nodes + np.searchsorted(modal_key, key[own])
     entries = labelled.matrix.tocoo()
-    n = 6 * len(nodes.ids)
+    n = 6 * n_nodes + len(modal)
     return sparse.csr_array((entries.data, (place[entries.row], place[entries.col])), shape=(n, n))
 
 

@@ -45,7 +45,7 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
 
     Parameters
     ----------
-    mass : sparse (n, n), n = N * dofs_per_node;  nodes : (N, 3)
+    mass : sparse (n, n), of N * dofs_per_node nodal freedoms, then of modal coordinates;  nodes : (N, 3)
     Returns
     -------
     MassProperties   centre and inertia are zero where the mass is
@@ -53,7 +53,7 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
     # About the middle of the nodes, so that the inertia is no small difference of large numbers.
     middle = nodes.mean(axis=0)
     R = nodal_rigid_modes(nodes - middle, dofs_per_node)
-    gram = R.T @ (mass @ R)
+    gram = R.T @ (mass[: len(R), : len(R)] @ R)
     total = float(np.trace(gram[:3, :3]) / 3)
     if not total > 0:
         return MassProperties(total, middle, np.zeros((3, 3)))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from typing import Any
@@ -110,7 +110,7 @@ def check_model(
     Parameters
     ----------
     nodes           : (N, 3)
-    stiffness, mass : sparse (n, n), n = N * dofs_per_node, node by node
+    stiffness, mass : sparse (n, n), n >= N * dofs_per_node, node by node, then modal coordinates
     n_frequencies   : elastic modes to compute; 0 leaves modes out, which is cheap
     node_ids        : (N,) labels for messages; node numbers from 0 when omitted
     mesh_mass       : what the mass should be, from the mesh
@@ -124,7 +124,7 @@ def check_model(
     ModelError   matrices of another size than the nodes need
     """
     K, M = sparse.csc_array(stiffness, dtype=np.float64), sparse.csc_array(mass, dtype=np.float64)
-    _check_sizes(len(nodes) * dofs_per_node, {"stiffness": K, "mass": M})
+    _check_sizes(len(nodes) * dofs_per_node, K, M)
     if not (np.isfinite(K.data).all() and np.isfinite(M.data).all()):
         broken = Finding(
             "finite entries", "infinite, or no numbers", Verdict.REFUSED, "export the matrices anew"
@@ -132,15 +132,18 @@ def check_model(
         return ModelCheck((broken,), MassProperties(0.0, np.zeros(3), np.zeros((3, 3))), np.zeros(6))
     labels = np.arange(len(nodes)) if node_ids is None else node_ids
     R = nodal_rigid_modes(nodes, dofs_per_node)
+    n_modal = K.indptr.size - 1 - len(R)
+    R = np.vstack([R, np.zeros((n_modal, 6))])
     properties = rigid_mass_properties(M, nodes, dofs_per_node)
     made, tied_found = _coordinates(nodes, dofs_per_node, K, M, attached, labels, rigid_tolerance)
     findings = [
         _symmetry("stiffness", K),
         _symmetry("mass", M),
-        *_mass(M, R, properties, mesh_mass),
+        *_mass(M, R, properties, mesh_mass, n_modal),
         *tied_found,
+        *_modal(K, M, n_modal),
         _grounding(K, R, labels, dofs_per_node, rigid_tolerance),
-        _units(nodes, K, M, dofs_per_node),
+        _units(nodes, K, M, dofs_per_node, n_modal),
     ]
     energy = _rigid_energy(K, R)
     check = ModelCheck(tuple(findings), properties, energy)
@@ -223,11 +226,14 @@ def _middle_nodes(mesh: Mesh) -> list[Finding]:
     ]
 
 
-def _check_sizes(n: int, matrices: Mapping[str, sparse.csc_array]) -> None:
-    for what, matrix in matrices.items():
-        if matrix.shape != (n, n):
+def _check_sizes(n: int, K: sparse.csc_array, M: sparse.csc_array) -> None:
+    """Square, of one size, and at least the nodes' freedoms."""
+    for what, matrix in (("stiffness", K), ("mass", M)):
+        columns, rows = matrix.indptr.size - 1, matrix.tocsr().indptr.size - 1
+        if rows != columns or rows < n or (what == "mass" and K.shape != M.shape):
             raise ModelError(
-                f"the {what} has shape {matrix.shape}, but its nodes need ({n}, {n}); export both anew"
+                f"the {what} has shape {matrix.shape}, but its nodes need ({n}, {n}), or more with modal "
+                "coordinates, in both matrices; export both anew"
             )
 
 
@@ -247,7 +253,11 @@ def _symmetry(what: str, matrix: sparse.csc_array) -> Finding:
 
 
 def _mass(
-    M: sparse.csc_array, R: FloatArray, found: MassProperties, expected: MassProperties | None
+    M: sparse.csc_array,
+    R: FloatArray,
+    found: MassProperties,
+    expected: MassProperties | None,
+    n_modal: int,
 ) -> list[Finding]:
     three = np.diag(R[:, :3].T @ (M @ R[:, :3]))
     spread = float(np.ptp(three) / max(abs(found.mass), np.finfo(float).tiny))
@@ -258,7 +268,8 @@ def _mass(
             "mass",
             f"{masses} along x, y, z",
             Verdict.REFUSED,
-            "a body has one positive mass; export the whole matrix",
+            "a body has one positive mass; export the whole matrix"
+            + (", with the mass of the boundary freedoms and not of the modes alone" if n_modal else ""),
         )
     else:
         total = Finding("mass and centre", seen)
@@ -305,7 +316,11 @@ def _coordinates(
     beside = Attached() if attached is None else attached
     try:
         sets = rigid_sets("model", len(nodes), (), beside)
-        made = coordinates("model", nodes, dofs_per_node, K, M, sets, beside, tolerance=tolerance)
+        made = coordinates(
+            *("model", nodes, dofs_per_node, K, M, sets, beside),
+            n_modal=K.indptr.size - 1 - len(nodes) * dofs_per_node,
+            tolerance=tolerance,
+        )
     except ModelError as error:
         remedy = (
             "every freedom needs mass, or stiffness by which it follows the others; give materials a "
@@ -328,7 +343,7 @@ def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np
     n, bare = mass.indptr.size - 1, made.bare
     if not made.n_massless:
         return Finding("positive mass", f"all {len(made.freedoms)} eigenvalues")
-    nodes = np.unique(labels[bare // d])
+    nodes = np.unique(labels[bare[bare < len(labels) * d] // d])
     listed = ", ".join(str(node) for node in nodes[:8]) + (", ..." if len(nodes) > 8 else "")
     return Finding(
         "positive mass",
@@ -353,13 +368,36 @@ def _grounding(
     if worst <= tolerance:
         return Finding("free of supports", f"rigid motions meet {worst:.0e} of the forces that cancel")
     seen = f"{RIGID_NAMES[motion]} meets {worst:.1e}, most at {_freedom(int(row), labels, dofs_per_node)}"
+    factor = _unit_of_nodes(K, R, dofs_per_node, tolerance)
+    if factor is not None:
+        return Finding(
+            "free of supports",
+            f"{seen}, and none would if all coordinates were {factor:.6g} times as large",
+            Verdict.REFUSED,
+            "nodes and matrices are in different units of length: write both in the same",
+        )
     return Finding(
         "free of supports",
         seen,
         Verdict.REFUSED,
         "leave supports and springs to ground out of the model, and hold it by joints; are the nodes those "
-        f"of the matrix? For entries printed with few digits, raise rigid_tolerance above {worst:.0e}",
+        "of the matrix, and along its axes (CD)? Does a grid bear modal coordinates, which QSET names? "
+        f"For entries printed with few digits, raise rigid_tolerance above {worst:.0e}",
     )
+
+
+def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, tolerance: float) -> float | None:
+    """By which factor the coordinates of nodes that turn must grow for K R = 0; None where none does."""
+    if dofs_per_node == 3:
+        return None
+    turning = R.copy()
+    turning[:, :3] = 0.0
+    places = np.where(np.any(R[:, :3], axis=1)[:, None], turning, 0.0)
+    weights = 1 / np.sqrt(np.where(K.diagonal() > 0, K.diagonal(), np.inf))[:, None]
+    of_places, of_turns = (weights * (K @ part) for part in (places, turning - places))
+    factor = -float(np.sum(of_places * of_turns) / max(np.sum(of_places**2), np.finfo(float).tiny))
+    moved = np.hstack([R[:, :3], factor * places[:, 3:] + (turning - places)[:, 3:]])
+    return factor if factor > 0 and rigid_force_ratios(K, moved).max() <= tolerance else None
 
 
 def wave_speed(nodes: FloatArray, stiffness: Any, mass: Any, *, dofs_per_node: int) -> float:
@@ -376,9 +414,13 @@ def wave_speed(nodes: FloatArray, stiffness: Any, mass: Any, *, dofs_per_node: i
     return float(spacing * np.sqrt(max(float(np.median(fastest)), 0.0)))
 
 
-def _units(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per_node: int) -> Finding:
+def _units(
+    nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per_node: int, n_modal: int
+) -> Finding:
     if len(nodes) < 2:
         return Finding("units", "a single node tells nothing")
+    n = len(nodes) * dofs_per_node
+    K, M = K[:n, :n], M[:n, :n]
     speed = wave_speed(nodes, K, M, dofs_per_node=dofs_per_node)
     extent = float(np.ptp(nodes, axis=0).max())
     seen = f"size {extent:.3g}, waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
@@ -388,8 +430,34 @@ def _units(nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per
     return Finding(
         "units",
         seen,
-        Verdict.DOUBTFUL if possible else Verdict.REFUSED,
+        # The distance of boundary grids says little of the waves between them.
+        Verdict.DOUBTFUL if possible or n_modal else Verdict.REFUSED,
         "use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
+    )
+
+
+def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[Finding]:
+    """How far a model with modal coordinates reaches: it is to turn slowly against the lowest of them."""
+    if not n_modal:
+        return
+    n = K.indptr.size - 1
+    rates = np.divide(K.diagonal(), M.diagonal(), out=np.full(n, np.inf), where=M.diagonal() > 0)[
+        n - n_modal :
+    ]
+    lowest = float(np.sqrt(max(rates.min(), 0.0)))
+    if lowest <= 0:
+        yield Finding(
+            "modal coordinates",
+            f"{n_modal}, number {int(np.argmin(rates)) + 1} without stiffness",
+            Verdict.REFUSED,
+            "modes of a held boundary all have stiffness: leave rigid body modes out of the set, and name "
+            "all boundary grids as kept",
+        )
+        return
+    yield Finding(
+        "modal coordinates",
+        f"{n_modal}, from {lowest / (2 * np.pi):.4g} cycles per unit of time; matrices do not say which way "
+        f"they move, so spins should stay well below {lowest:.3g} rad per unit of time",
     )
 
 
@@ -446,7 +514,10 @@ def _zero_modes(
 
 
 def _freedom(row: int, labels: NDArray[np.int64], dofs_per_node: int) -> str:
-    return f"node {labels[row // dofs_per_node]} {FREEDOM_NAMES[row % dofs_per_node]}"
+    node, component = divmod(row, dofs_per_node)
+    if node < len(labels):
+        return f"node {labels[node]} {FREEDOM_NAMES[component]}"
+    return f"modal coordinate {row - len(labels) * dofs_per_node + 1}"
 
 
 def _point(found: MassProperties) -> str:

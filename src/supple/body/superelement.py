@@ -1,4 +1,4 @@
-"""Superelements: linear bodies from the matrices of another program."""
+"""Superelements: linear bodies from the matrices of another program, condensed or not."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from scipy import sparse
 from supple.body.flexible_body import FlexibleBody
 from supple.body.free_body import RIGID_TOLERANCE, free_body
 from supple.body.interface import AveragingInterface, RigidInterface
+from supple.body.recovery import Recovery
 from supple.errors import ModelError
 from supple.importers import read_matrix
 
@@ -26,17 +27,26 @@ def superelement(
     mass: Any,
     *,
     dofs_per_node: int,
+    damping: Any = None,
     interfaces: Sequence[RigidInterface | AveragingInterface] = (),
+    recovery: Recovery | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """A linear body from nodes and matrices.
+    """A linear body from nodes and matrices, whole or condensed.
+
+    Rows beyond those of the nodes are modal coordinates of a model that was condensed elsewhere
+    (Craig-Bampton): rigid motions do not move them, K R = 0 of the others. Matrices do not say which way a
+    modal coordinate moves, so its motion does not turn with the body's frame, nor change its inertia: spins
+    are to stay well below its frequency.
 
     Parameters
     ----------
     nodes           : (N, 3) m, where the freedoms sit
-    stiffness, mass : sparse or dense (n, n), n = N * dofs_per_node, node by node: ux uy uz [rx ry rz]
+    stiffness, mass : sparse or dense (n, n), n >= N * dofs_per_node, node by node: ux uy uz [rx ry rz]
     dofs_per_node   : 3 or 6
+    damping         : (n, n) N s/m, likewise; None without
     interfaces      : as for `flexible_body`, with node numbers
+    recovery        : points inside, which become nodes of the body after the others
     rigid_tolerance : largest |K R| against the forces that cancel in it; about the last digit of the matrices
     Raises
     ------
@@ -51,6 +61,7 @@ def superelement(
                 "superelement has no node sets; give node numbers"
             )
     points = np.array(nodes, dtype=np.float64)
+    n_modal = max(np.shape(stiffness)[0] - len(points) * dofs_per_node, 0)
     rotations = None
     if dofs_per_node == 6:
         rows = (6 * np.arange(len(points))[:, None] + np.arange(3, 6)).ravel()
@@ -61,6 +72,9 @@ def superelement(
         stiffness,
         mass,
         dofs_per_node=dofs_per_node,
+        nodal_damping=damping,
+        n_modal=n_modal,
+        recovery=recovery,
         interfaces=tuple(interfaces),
         rotation_operator=rotations,
         rigid_tolerance=rigid_tolerance,
@@ -74,25 +88,36 @@ def read_superelement(
     stiffness: str | Path,
     mass: str | Path,
     dofs_per_node: int,
+    damping: str | Path | None = None,
     interfaces: Sequence[RigidInterface | AveragingInterface] = (),
+    recovery: str | Path | None = None,
+    points: str | Path | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """A linear body from three Matrix Market files; `nodes` holds a dense (N, 3) array.
+    """A linear body from Matrix Market files; `nodes` holds a dense (N, 3) array.
+
+    recovery, points : (3 P, n) and (P, 3), of points inside a model that was condensed elsewhere
 
     Raises
     ------
     ImportFormatError   a file that is not Matrix Market
     ModelError          as for `superelement`, naming the files
     """
-    points, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
+    places, K, M = read_matrix(nodes).toarray(), read_matrix(stiffness), read_matrix(mass)
+    inside = None
+    if recovery is not None and points is not None:
+        at = read_matrix(points).toarray()
+        inside = Recovery(at, len(places) + np.arange(len(at)), read_matrix(recovery).toarray())
     try:
         return superelement(
             name,
-            points,
+            places,
             K,
             M,
             dofs_per_node=dofs_per_node,
+            damping=None if damping is None else read_matrix(damping),
             interfaces=interfaces,
+            recovery=inside,
             rigid_tolerance=rigid_tolerance,
         )
     except ModelError as error:

@@ -162,19 +162,26 @@ class Abaqus(DeckKind):
 
 
 class Matrices(ElasticKind):
-    """A linear body from matrices exported by another program, with the nodes of its mesh file."""
+    """A linear body from matrices of another program, whole or condensed, with the nodes of its mesh file."""
 
     mesh_suffixes = NODE_SUFFIXES
     has_connections = True
 
     stiffness: FileName = Field(
-        description="DMIG .pch, OUTPUT4 .op4, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside the case file"
+        description="DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5 .h5, Abaqus .mtx or CalculiX .sti, beside "
+        "the case file; rows that no node has (QSET, SPOINT) are modal coordinates"
     )
     mass: FileName = Field(description="likewise, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
         None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
     )
     mass_name: str | None = Field(None, description="likewise; the one with M.. if left out")
+    damping: FileName | None = Field(None, description="likewise, where there is one")
+    damping_name: str | None = Field(None, description="likewise; the one with B.. if left out")
+    recovery: FileName | None = Field(
+        None, description="HDF5 or OUTPUT4 file of displacements of points inside by the rows of the matrices"
+    )
+    recovery_name: str | None = Field(None, description="matrix of an OUTPUT4 file that is the recovery")
     rigid_tolerance: Positive | None = Field(
         None, description="largest relative force against rigid motion; from the printed digits if left out"
     )
@@ -185,14 +192,18 @@ class Matrices(ElasticKind):
             nodes=folder / mesh,
             stiffness=folder / self.stiffness,
             mass=folder / self.mass,
+            damping=None if self.damping is None else folder / self.damping,
+            recovery=None if self.recovery is None else folder / self.recovery,
             stiffness_name=self.stiffness_name,
             mass_name=self.mass_name,
+            damping_name=self.damping_name,
+            recovery_name=self.recovery_name,
             rigid_tolerance=self.rigid_tolerance,
         )
 
 
 class Superelement(ElasticKind):
-    """A linear body from matrices made elsewhere."""
+    """A linear body from matrices made elsewhere; rows beyond those of the nodes are modal coordinates."""
 
     stiffness: FileName = Field(
         description="Matrix Market file of the stiffness matrix, beside the case file"
@@ -202,6 +213,11 @@ class Superelement(ElasticKind):
     dofs_per_node: Literal[3, 6] = Field(
         description="freedoms per node: 3 (translations) or 6 (and rotations)"
     )
+    damping: FileName | None = Field(None, description="Matrix Market file of the damping matrix")
+    recovery: FileName | None = Field(
+        None, description="Matrix Market file of displacements, 3 rows a point, by the rows of the matrices"
+    )
+    points: FileName | None = Field(None, description="Matrix Market file of these points, 3 columns")
 
     def source(self, folder: Path, _mesh: str, _cells: str | None = None, /) -> BodySource:
         """The three files."""
@@ -210,6 +226,9 @@ class Superelement(ElasticKind):
             stiffness=folder / self.stiffness,
             mass=folder / self.mass,
             dofs_per_node=self.dofs_per_node,
+            damping=None if self.damping is None else folder / self.damping,
+            recovery=None if self.recovery is None else folder / self.recovery,
+            points=None if self.points is None else folder / self.points,
         )
 
 

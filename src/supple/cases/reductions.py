@@ -186,6 +186,7 @@ Herting = _sized(
 )
 NormalModes = _sized(reduction.NormalModes, "normal-modes", "vibration modes")
 Guyan = table_of(reduction.Guyan, "guyan", Correctable)
+Complete = table_of(reduction.CompleteBasis, "complete", Correctable)
 
 
 class ErrorControlled(Basis):
@@ -228,6 +229,7 @@ Reduction = Annotated[
         Herting,
         NormalModes,
         Guyan,
+        Complete,
         ErrorControlled,
         FullOrder,
         by="basis",
@@ -289,7 +291,7 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
     if {"relative", "absolute"} <= table(given, "accuracy").keys():
         message = "give the error either as relative or as absolute (a length), not both"
         yield (*path, "reduction", "accuracy", "absolute"), message
-    sized = "modes" in given or given.get("basis") == "guyan"
+    sized = "modes" in given or given.get("basis") in ("guyan", "complete")
     if "derivatives" in given and not sized and accuracy is None:
         yield (
             (*path, "reduction", "derivatives"),

@@ -200,6 +200,9 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
     return np.block([[mass * np.eye(3), -mass * cross], [mass * cross, inertia]])
 
 
+ONE_POINT = 1e-12
+"""Of the radius of gyration of the rigid bodies: what is no larger is one point, but for round-off."""
+
 _ELASTIC = ("stiffness", "damping")
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 
@@ -411,9 +414,12 @@ def _nodal_load(system: System, load: NodalLoad, places: _BodyPlaces) -> NodalLo
     return NodalLoadArrays(index, velocities, coordinates, prepared(load), positions, basis)
 
 
-def row_scales(system: System) -> np.ndarray:
-    """What counts as one of each constraint equation: the system's size for positions, 1 for angles, (m,)."""
-    length = system_length(system)
+def row_scales(system: System, length: float | None = None) -> np.ndarray:
+    """What counts as one of each constraint equation: a length for positions, 1 for angles, (m,).
+
+    length : the system's size when omitted
+    """
+    length = system_length(system) if length is None else length
     return np.array(
         [length if row.startswith("position") else 1.0 for joint in system.joints for row in joint.rows]
     )
@@ -424,8 +430,9 @@ def system_length(system: System) -> float:
     assemblies = [(placed.body.nodes, *placed.assembly) for placed in system.bodies]
     points = [position[None] for _, position, _ in assemblies]
     points += [position + nodes @ rotation.T for nodes, position, rotation in assemblies]
-    extent = np.ptp(np.concatenate(points), axis=0)
-    return float(np.linalg.norm(extent)) or _largest_gyration(system)
+    extent = float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
+    gyration = _largest_gyration(system)
+    return extent if extent > ONE_POINT * gyration else gyration
 
 
 def _largest_gyration(system: System) -> float:

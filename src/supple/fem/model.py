@@ -26,7 +26,7 @@ from supple.fem.section import Section, sections
 from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import shell_triangle
-from supple.fem.solid_element import SOLID_ELEMENTS, solid_mass, solid_strain
+from supple.fem.solid_element import SOLID_ELEMENTS, solid_element, solid_mass, solid_strain
 from supple.mesh import CellType, Mesh, MeshPart
 
 __all__ = [
@@ -264,7 +264,7 @@ def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_n
         return rod_strain(corners, nodal_freedoms(nodes, dofs_per_node, own), given)
     if isinstance(given, Isotropic | Anisotropic):
         return solid_strain(
-            SOLID_ELEMENTS[section.cell_type],
+            solid_element(section.cell_type, reduced=section.reduced),
             corners,
             nodal_freedoms(nodes, dofs_per_node, 3),
             given,

@@ -41,6 +41,7 @@ class Section:
     offsets : float array (E, 2, 3) or None     of the ends of beams from their nodes, by rigid arms, m
     released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
                                                 carry no force or moment
+    reduced : bool                              of HEXA20: eight strain points, with a share of fourteen
 
     Raises
     ------
@@ -53,6 +54,7 @@ class Section:
     directions: FloatArray | None = None
     offsets: FloatArray | None = None
     released: NDArray[np.bool_] | None = None
+    reduced: bool = False
 
     def __post_init__(self) -> None:
         axes = (3, 3) if self.cell_type.dimension == 3 else (3,)

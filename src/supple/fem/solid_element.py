@@ -6,7 +6,7 @@ Three freedoms a node, ux uy uz in global axes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,13 @@ from supple.fem.kinematics import SOLID_FORM, VOIGT
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.quadratic_strain import QuadraticStrain
 from supple.mesh.cell_type import CellType
-from supple.mesh.quadrature import Quadrature, four_point_tetrahedron, product_rule, strain_rule
+from supple.mesh.quadrature import (
+    Quadrature,
+    four_point_tetrahedron,
+    product_rule,
+    reduced_cube,
+    strain_rule,
+)
 from supple.mesh.reference_cell import reference_nodes, shape_functions, shape_gradients
 
 FloatArray = NDArray[np.float64]
@@ -160,3 +166,10 @@ SOLID_ELEMENTS = {
     )
 }
 """Linear ones are stiff in bending, the more so where they are slender: prefer quadratic ones."""
+
+_REDUCED_HEXA20 = replace(SOLID_ELEMENTS[CellType.HEXA20], strain_rule=reduced_cube())
+
+
+def solid_element(kind: CellType, *, reduced: bool) -> SolidElement:
+    """The element of a cell type; a HEXA20 may have reduced integration."""
+    return _REDUCED_HEXA20 if reduced and kind is CellType.HEXA20 else SOLID_ELEMENTS[kind]

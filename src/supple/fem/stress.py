@@ -22,7 +22,7 @@ from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
 from supple.fem.section import Section
 from supple.fem.shell_section import HomogeneousSection
 from supple.fem.shell_triangle import element_axes, layer_strain
-from supple.fem.solid_element import extrapolation
+from supple.fem.solid_element import extrapolation, solid_element
 
 __all__ = [
     "StressRecovery",
@@ -246,7 +246,8 @@ def _as_strain(section: Section, stress: SectionStress) -> SectionStress:
 def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
-        to_nodes = extrapolation(SOLID_ELEMENTS[section.cell_type])[:, None]
+        element = solid_element(section.cell_type, reduced=section.reduced)
+        to_nodes = extrapolation(element)[:, None]
         of_strain = block.D if block.D.ndim == 3 else block.D[None]
         return SectionStress(
             nodes, block, np.broadcast_to(of_strain[:, None], (len(nodes), 1, 6, 6)), to_nodes

@@ -1,14 +1,17 @@
 """One file format per module; every importer of a mesh ends in a Mesh."""
 
 from supple.importers.abaqus.mesh_view import *
+from supple.importers.ansys import *
 from supple.importers.connection import *
 from supple.importers.deck_file import *
+from supple.importers.exodus import *
 from supple.importers.file_mesh import *
 from supple.importers.gmsh import *
 from supple.importers.included_files import *
 from supple.importers.matrices.labelled_matrix import *
 from supple.importers.matrices.matrix_file import *
 from supple.importers.matrices.matrix_market import *
+from supple.importers.matrices.recovery_matrix import *
 from supple.importers.mesh_file import *
 from supple.importers.nastran.mesh_view import *
 from supple.importers.node_table import *
@@ -22,3 +25,4 @@ from supple.importers.turbine.rotor_table import *
 from supple.importers.turbine.station_table import *
 from supple.importers.turbine.windio import *
 from supple.importers.turbine.windio_sections import *
+from supple.importers.vtu import *

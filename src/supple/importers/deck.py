@@ -157,6 +157,7 @@ class DeckElements:
                  (C, 3, 3) solids: the material's axes as columns. None where nothing depends on them
     offsets : (C, 2, 3) of the ends of beams from their nodes
     released : (C, 12) freedoms of beam ends, in the beam's axes, that carry no force
+    reduced : whether HEXA20 cells have reduced integration
     """
 
     name: str
@@ -168,6 +169,7 @@ class DeckElements:
     directions: FloatArray | None = None
     offsets: FloatArray | None = None
     released: NDArray[np.bool_] | None = None
+    reduced: bool = False
 
 
 @dataclass(frozen=True, eq=False)

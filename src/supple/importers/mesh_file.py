@@ -7,14 +7,24 @@ from pathlib import Path
 from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.mesh_view import read_abaqus
+from supple.importers.ansys import read_ansys
+from supple.importers.exodus import EXODUS_SUFFIXES, read_exodus
 from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh import read_gmsh
 from supple.importers.nastran.mesh_view import NASTRAN_SUFFIXES, read_nastran
+from supple.importers.vtu import read_vtu
 from supple.mesh import Mesh
 
 __all__ = ["MESH_SUFFIXES", "read_mesh"]
 
-READERS = {".inp": read_abaqus, ".msh": read_gmsh} | dict.fromkeys(NASTRAN_SUFFIXES, read_nastran)
+READERS = {
+    ".inp": read_abaqus,
+    ".msh": read_gmsh,
+    ".vtu": read_vtu,
+    ".cdb": read_ansys,
+    **dict.fromkeys(EXODUS_SUFFIXES, read_exodus),
+    **dict.fromkeys(NASTRAN_SUFFIXES, read_nastran),
+}
 
 MESH_SUFFIXES = tuple(READERS)
 """Files that `read_mesh` reads."""
@@ -24,9 +34,10 @@ MESH_SUFFIXES = tuple(READERS)
 def read_mesh(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
-    """Mesh of a Gmsh (.msh), Abaqus or CalculiX (.inp) or Nastran (.bdf, .dat, .nas, .blk) file.
+    """Mesh of a Gmsh, Abaqus, CalculiX, Nastran, VTU, Exodus or Ansys file, by its suffix.
 
-    See `read_gmsh`, `read_abaqus` and `read_nastran`.
+    .msh, .inp, .bdf .dat .nas .blk, .vtu, .exo .e .ex2 .g, .cdb: see `read_gmsh`, `read_abaqus`,
+    `read_nastran`, `read_vtu`, `read_exodus` and `read_ansys`.
 
     Raises
     ------

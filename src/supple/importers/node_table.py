@@ -25,7 +25,9 @@ class NodeTable:
     axes        : (N, 3, 3) directions of the freedoms as columns; None where all are the global axes
     node_sets   : {name: (k,) node numbers from 0}
     connections : rigid and averaging elements
-    retained    : (n, 2) node id and component (1 to 6) of an analysis set (ASET), sorted; None without one
+    retained    : (n, 2) node id and component (1 to 6, 0 of scalar points) of an analysis set (ASET, QSET),
+                  sorted; None without one
+    modal       : (k, 2) those freedoms that are modal coordinates (QSET, SPOINT)
     """
 
     source: str
@@ -35,3 +37,4 @@ class NodeTable:
     node_sets: Mapping[str, IntArray] = field(default_factory=dict)
     connections: tuple[Connection, ...] = ()
     retained: IntArray | None = None
+    modal: IntArray = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))

@@ -44,6 +44,7 @@ from supple.machine.laws.table import *
 from supple.machine.laws.time_function import *
 from supple.machine.laws.time_law import *
 from supple.machine.laws.turning import *
+from supple.machine.mujoco_model import *
 from supple.machine.nodal_loads.base_acceleration import *
 from supple.machine.nodal_loads.dead_force import *
 from supple.machine.nodal_loads.follower_pressure import *

@@ -46,6 +46,21 @@ def irons_cube() -> Quadrature:
     return Quadrature(np.concatenate([faces, corners]), np.repeat([320 / 361, 121 / 361], [6, 8]))
 
 
+def reduced_cube() -> Quadrature:
+    """The eight Gauss points on the cube with a share of 3/4, the fourteen of Irons with 1/4.
+
+    Eight points alone leave six modes of a HEXA20 without energy, of which some remain in a row of single
+    cells, below the modes that bend it unless they have a good share of their energy. Of what full
+    integration is too stiff, a quarter remains.
+    """
+    few, full = gauss_cube(2), irons_cube()
+    share = 0.25
+    return Quadrature(
+        np.concatenate([few.points, full.points]),
+        np.concatenate([(1 - share) * few.weights, share * full.weights]),
+    )
+
+
 def centroid_tetrahedron() -> Quadrature:
     """One point on the tetrahedron, exact to degree 1."""
     return Quadrature(np.full((1, 3), 1 / 4), np.array([1 / 6]))

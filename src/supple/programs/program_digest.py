@@ -2,12 +2,15 @@
 
 Of the arguments: their structure with all that is fixed in it, shapes and types. Of everything else: the
 sources of this package, the versions of JAX and of the machine, and the options of the compiler. What
-is fixed in a structure counts if it is this package's own or a plain value. Of a stranger's function nothing
-is known but its name, and a program with one has no digest.
+is fixed in a structure counts if it is this package's own or a plain value. A stranger's function counts by
+its bytecode and by all that this takes from around it, where that is known in the same way or belongs to
+`jax.numpy` or `math`; a program with any other has no digest.
 """
 
 from __future__ import annotations
 
+import builtins
+import dis
 import hashlib
 import os
 import sys
@@ -15,7 +18,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import lru_cache, partial
 from pathlib import Path
-from types import FunctionType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import jax
@@ -45,7 +48,7 @@ def program_digest(
     """
     try:
         content = _described(function), sorted(options.items()), _of_structure(structure), shapes
-    except _StrangerError:
+    except (_StrangerError, RecursionError):  # a function that calls itself among them
         return None
     return _digest(content)
 
@@ -81,10 +84,11 @@ def _of_structure(structure: Any) -> Any:
 
 def _described(value: Any) -> Any:
     """What a fixed part is, in words that are the same in every process."""
-    if value is None or isinstance(value, (bool, int, float, complex, str, bytes)):
+    if value is None or value is ... or isinstance(value, (bool, int, float, complex, str, bytes)):
         return repr(value)
     if isinstance(value, (tuple, list)):
-        return type(value).__name__, tuple(map(_described, value))
+        kind = type(value)
+        return kind.__name__ if kind in (tuple, list) else _name(kind), tuple(map(_described, value))
     if isinstance(value, np.ndarray):
         return str(value.dtype), value.shape, value.tobytes()
     if isinstance(value, partial):
@@ -95,10 +99,20 @@ def _described(value: Any) -> Any:
             _described([*value.keywords.items()]),
         )
     if isinstance(value, (type, FunctionType, _Compiled)):
-        return _name(value)
+        return _found(value)
     if is_dataclass(value):
         return _name(type(value)), tuple(_described(getattr(value, each.name)) for each in fields(value))
     raise _StrangerError
+
+
+def _found(value: Any) -> Any:
+    """The name of a class or a function; of a stranger's function, or one made by another, what it does."""
+    try:
+        return _name(value)
+    except _StrangerError:
+        if not isinstance(value, FunctionType):
+            raise
+        return _content(value)
 
 
 def _name(value: Any) -> str:
@@ -114,3 +128,63 @@ def _name(value: Any) -> str:
     if found is not value:  # made by a function, or replaced
         raise _StrangerError
     return f"{module}.{name}"
+
+
+_PURE = {
+    each.__name__
+    for each in (
+        *(abs, all, any, bool, dict, enumerate, float, int, isinstance, len, list, map, max, min, pow),
+        *(range, reversed, round, set, sorted, sum, tuple, zip),
+    )
+}
+"""Functions of Python whose results depend on their arguments alone."""
+_OUTSIDE = ("IMPORT", "STORE_GLOBAL", "DELETE_GLOBAL", "LOAD_NAME", "LOAD_BUILD_CLASS")
+"""Instructions by which code takes from elsewhere, or leaves there, what is not looked at here."""
+
+
+def _content(function: FunctionType) -> Any:
+    """What a function does: its code, and what that takes from its closure, defaults and module."""
+    if function.__dict__:
+        raise _StrangerError
+    try:
+        closure = [_described(cell.cell_contents) for cell in function.__closure__ or ()]
+    except ValueError:  # a cell that is still empty
+        raise _StrangerError from None
+    defaults = _described([function.__defaults__, sorted((function.__kwdefaults__ or {}).items())])
+    return sys.version, _code(function.__code__, function.__globals__), closure, defaults
+
+
+def _code(code: CodeType, around: Mapping[str, Any]) -> Any:
+    """Instructions and constants, those of functions within too, with what they find around them."""
+    found = []
+    steps = [step for step in dis.get_instructions(code) if step.opname != "EXTENDED_ARG"]
+    for step, following in zip(steps, [*steps[1:], None], strict=True):
+        if step.opname.startswith(_OUTSIDE):
+            raise _StrangerError
+        if step.opname == "LOAD_GLOBAL":
+            found.append((step.argval, _taken(step.argval, following, around)))
+    constants = [
+        _code(each, around) if isinstance(each, CodeType) else _described(each) for each in code.co_consts
+    ]
+    signature = code.co_argcount, code.co_kwonlyargcount, code.co_flags, code.co_varnames, code.co_freevars
+    return code.co_code, code.co_names, code.co_exceptiontable, signature, constants, found
+
+
+def _taken(name: str, following: Any, around: Mapping[str, Any]) -> Any:
+    """A global of a function; of a module, which it has no use for itself, the attribute that is taken."""
+    if name not in around:
+        if name not in _PURE:
+            raise _StrangerError
+        return getattr(builtins, name).__name__
+    value = around[name]
+    if not isinstance(value, ModuleType):
+        return _described(value)
+    if following is None or following.opname not in ("LOAD_ATTR", "LOAD_METHOD"):
+        raise _StrangerError
+    attribute = following.argval
+    if value.__name__ == "numpy":  # its numbers: its functions do not take what JAX traces
+        return _described(getattr(value, attribute))
+    # Files are no part of a function.
+    if value.__name__ not in ("jax.numpy", "math") or attribute.startswith(("load", "from")):
+        raise _StrangerError
+    return value.__name__

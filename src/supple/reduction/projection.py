@@ -77,7 +77,8 @@ def project(
         stiffness=tensors.stiffness,
         cubic=tensors.cubic,
         quartic=tensors.quartic,
-        damping=damping_matrix(damping, body, V, tensors.stiffness),
+        damping=damping_matrix(damping, body, V, tensors.stiffness)
+        + (0.0 if body.damping is None else V.T @ (body.damping @ V)),
         damping_cubic=None if material is None else time * material.cubic,
         damping_quartic=None if material is None else time * material.quartic,
         interfaces=tuple(
@@ -93,7 +94,8 @@ def project(
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
         report=replace(basis.report, seconds=seconds, locking=found),
         condensed=motion,
-        full=FullBody(body, basis.frame, _counted(damping, r)),
+        # Of coordinates that no node has, the nodal basis would not tell which were kept.
+        full=None if body.n_modal else FullBody(body, basis.frame, _counted(damping, r)),
     )
 
 

@@ -24,8 +24,14 @@ LIKE = 1e-6
 def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     """V with T V = nodal basis: least squares, exact for a body reduced from this one.
 
-    Raises ModelError for a body that was reduced from another.
+    Raises ModelError for a body that was reduced from another, or has coordinates that no node shows.
     """
+    if full.body.n_modal:
+        raise ModelError(
+            f"body '{full.name}' was condensed elsewhere, and its nodes do not show its modal "
+            "coordinates, so nothing tells which a basis kept. Keep all: "
+            'CompleteBasis(), or reduction = { basis = "complete" }'
+        )
     T = full.body.expansion
     normal = splu(csc_array(T.T @ T))
     columns = normal.solve(np.asarray(T.T @ reduced.nodal_basis))

@@ -1,4 +1,4 @@
-"""A clamped beam of 6 x 6 sections along any curve, by integration of its linear equations."""
+"""A clamped beam of 6 x 6 sections, by integration of its equations: linear, or of a straight one exact."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
+from scipy.spatial.transform import Rotation
 
-__all__ = ["SectionAt", "clamped_frequencies", "clamped_rest"]
+__all__ = ["SectionAt", "bent_tip", "clamped_frequencies", "clamped_rest"]
 
 Array = NDArray[np.float64]
 
@@ -58,6 +60,31 @@ def clamped_frequencies(beam: Beam, steps: ArrayLike, grid: ArrayLike) -> Array:
     values = [determinant(omega) for omega in grid]
     turns = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))
     return np.array([float(brentq(determinant, grid[k], grid[k + 1], rtol=1e-9)) for k in turns])  # pyright: ignore[reportArgumentType]
+
+
+def bent_tip(stiffness: Array, length: float, force: ArrayLike) -> Array:
+    """Displacement and rotation vector (6,) of the tip of a straight uniform beam along z, bent by any angle.
+
+    The rotation of the tip under a dead force F there is shot for, from the tip to the clamp:
+
+        R' = R kappa~,  d' = -R (gamma + e_z),  K (gamma, kappa) = R^T (F, d x F),
+
+    with d from the section to the tip.
+    """
+    force = np.asarray(force, dtype=float)
+
+    def rates(_s: float, y: Array) -> Array:
+        turn, d = y[:9].reshape(3, 3), y[9:]
+        strain = np.linalg.solve(stiffness, np.concatenate([turn.T @ force, turn.T @ np.cross(d, force)]))
+        bend = turn @ np.cross(strain[3:], np.eye(3)).T
+        return np.concatenate([bend.ravel(), -turn @ (strain[:3] + np.eye(3)[2])])
+
+    def clamp(tip: Array) -> Array:
+        start = np.append(Rotation.from_rotvec(tip).as_matrix(), np.zeros(3))
+        return solve_ivp(rates, (length, 0.0), start, method="DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
+
+    found = root(lambda tip: Rotation.from_matrix(clamp(tip)[:9].reshape(3, 3)).as_rotvec(), np.zeros(3))
+    return np.concatenate([clamp(found.x)[9:] - [0, 0, length], found.x])
 
 
 def _rates(beam: Beam, steps: Array) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ __all__ = ["CASES", "TOPICS"]
 TOPICS = (
     "driven_starts",
     "intrinsic_lines",
+    "section_tables",
     "flying_spaghetti",
     "rotors",
     "damping",

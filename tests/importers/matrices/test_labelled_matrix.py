@@ -41,7 +41,7 @@ def test_one_way_stands_for_both(chosen):
             LABELS,
             r"file: the matrix has shape \(2, 2\), but its map names 3 freedoms; export both",
         ),
-        (np.eye(3), [[7, 1], [7, 0], [3, 6]], "component 0 of node 7; only 1 to 6 are motions of a node"),
+        (np.eye(3), [[7, 1], [7, -1], [3, 6]], "component -1 of node 7; only 1 to 6 are motions of a node"),
         (np.eye(3), [[7, 1], [3, 6], [7, 1]], "node 7 ux stands twice in the map"),
         (np.diag([1, np.nan, 1]), LABELS, "an entry in the row of node 7 uy is not finite; export it anew"),
         (

@@ -105,7 +105,7 @@ def test_the_step_accounts_for_it():
     """Of a cube without lateral strain: xi = 3 b_1 of its breathing, dt = L / c (sqrt(1 + xi^2) - xi)."""
     for b1 in (0.0, 0.06, 0.2):
         engine = ExplicitEngine(System([cube(BulkViscosity(b1, 0.0))]), Run(1.0, 1.0))
-        limit = float(nodes_limit(engine.built.model, engine.built.start))
+        limit = float(nodes_limit(engine.built.model, engine.built.start, 1.0))
         xi = 3 * b1
         assert limit == pytest.approx(0.1 / C * (np.sqrt(1 + xi**2) - xi), rel=1e-9)
     assert marched(engine, 0.999 * limit, 2000) < 10.0
@@ -118,7 +118,7 @@ def test_a_compression_shortens_the_step():
     for rate in (0.0, -10.0, 10.0):
         engine = ExplicitEngine(System([cube(BulkViscosity(0.0, 1.2))]), Run(1.0, 1.0))
         start = engine.built.start
-        steps.append(float(nodes_limit(engine.built.model, start._replace(v=rate * start.x))))
+        steps.append(float(nodes_limit(engine.built.model, start._replace(v=rate * start.x), 1.0)))
     xi = 3 * 1.2**2 * 0.1 / C * 30.0  # of three directions
     assert steps[1] / steps[0] == pytest.approx(np.sqrt(1 + xi**2) - xi, rel=1e-3)
     assert steps[2] == steps[0]

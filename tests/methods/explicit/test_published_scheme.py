@@ -40,6 +40,7 @@ def test_exact_links_do_not_brake_a_rigid_rotation():
     assert links < 1e-14
 
 
+@pytest.mark.slow
 def test_each_published_form_errs_more_than_the_default():
     box = modal_box()
     default, _ = _momentum_lost(box, ProjectedDifference())

@@ -85,7 +85,11 @@ def test_energy_is_lost_to_the_work_of_the_damping_force(bar):
 
 
 @pytest.mark.parametrize(
-    "damping", [RayleighDamping(20.0, 0.0, held="root"), ModalDamping(0.2, n_modes=4, held="root")]
+    "damping",
+    [
+        RayleighDamping(20.0, 0.0, held="root"),
+        pytest.param(ModalDamping(0.2, n_modes=4, held="root"), marks=pytest.mark.slow),
+    ],
 )
 def test_damping_against_an_interface_does_not_know_the_frame(damping):
     """A beam held at its root, pushed at its tip: the same path, half a millimetre, in both frames."""

@@ -114,7 +114,7 @@ def test_the_pull_of_a_beam_that_turns():
     assert np.linalg.norm(tip.acceleration) == pytest.approx(36.0, rel=1e-4)
 
 
-@pytest.mark.parametrize("rate", [0.0, 5.0])
+@pytest.mark.parametrize("rate", [pytest.param(0.0, marks=pytest.mark.slow), 5.0])
 def test_the_tangent_is_the_derivative_of_the_residual(rate):
     """By central differences, of a bent beam that a joint holds, and that gravity and a spring load."""
     body = released(beam(4, n_modes=4))
@@ -216,6 +216,7 @@ def test_rigid_reduced_and_intrinsic_bodies_rest_and_vibrate_together():
     assert found[1] == pytest.approx(found[0], rel=5e-3)
 
 
+@pytest.mark.slow
 def test_a_machine_stays_in_the_equilibrium_that_was_found():
     _, arm = arms()
     rest = equilibrium(bridge(arm)).system

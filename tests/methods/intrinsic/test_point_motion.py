@@ -65,6 +65,7 @@ def test_rates_are_those_of_the_positions_in_free_flight():
     assert_derivatives(body, motion, [0, 3, 4], "tip", h)
 
 
+@pytest.mark.slow
 def test_rates_are_those_of_the_positions_where_the_root_is_driven():
     """Sections that warp: the nodes of a condensed strip follow its strains."""
     steel = Isotropic(2.1e9, 0.3, 7850.0)

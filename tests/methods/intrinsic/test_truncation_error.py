@@ -189,6 +189,7 @@ def test_the_part_of_the_modes_is_computed_once_a_run(whole, monkeypatch, tmp_pa
     assert stated.basis.value > 0
 
 
+@pytest.mark.slow
 def test_a_batch_warns_once_of_the_case_that_is_strained_most(whole):
     plain = lowest_alone(whole, 8)
     cases = [

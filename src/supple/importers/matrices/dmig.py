@@ -75,11 +75,13 @@ def _entries(file: BulkFile, header: BulkCard, cards: list[BulkCard], precision:
     rows, columns, values = [], [], []
     resolution = 1.0
     for card in cards:
-        column = (card.integer(1, "the grid of the column"), card.integer(2, "its component"))
+        column = (card.integer(1, "the grid of the column"), card.integer(2, "its component", 0))
         for place in range(4, len(card.fields), 4):
             if not any(card.fields[place : place + 4]):
                 continue
-            rows.append((card.integer(place, "the grid of a row"), card.integer(place + 1, "its component")))
+            rows.append(
+                (card.integer(place, "the grid of a row"), card.integer(place + 1, "its component", 0))
+            )
             columns.append(column)
             values.append(card.real(place + 2, "an entry"))
             resolution = min(resolution, printed_resolution(card.word(place + 2)))

@@ -2,7 +2,7 @@
 
 /nodes                 (N, 3) float     positions
 /node_ids              (N,) int         labels; 1 .. N where left out
-/freedoms              (n, 2) int       node id and component (1 to 6) of each row
+/freedoms              (n, 2) int       node id and component (1 to 6) of each row; 0: a modal coordinate
 /stiffness, /mass      groups with data, indices, indptr of a compressed sparse column matrix (n, n)
 /node_sets/NAME        (k,) int         node ids; optional
 
@@ -37,14 +37,14 @@ def read_hdf5_nodes(path: str | Path) -> NodeTable:
                         twice; sets that name nodes the file lacks
     """
     path = Path(path)
-    with _opened(path, ("nodes", "node_ids", "node_sets")) as file:
-        positions = _array(file, path, "nodes", np.float64)
+    with opened(path, ("nodes", "node_ids", "node_sets")) as file:
+        positions = array_of(file, path, "nodes", np.float64)
         if positions.ndim != 2 or positions.shape[1] != 3 or not np.isfinite(positions).all():
             raise ImportFormatError(
                 f"{path}: /nodes has shape {positions.shape}; write (N, 3), all finite numbers"
             )
         N = len(positions)
-        ids = _array(file, path, "node_ids", np.int64) if "node_ids" in file else np.arange(1, N + 1)
+        ids = array_of(file, path, "node_ids", np.int64) if "node_ids" in file else np.arange(1, N + 1)
         if ids.shape != (N,):
             raise ImportFormatError(
                 f"{path}: /node_ids has shape {ids.shape}, /nodes {N} rows; write one id a node"
@@ -55,7 +55,7 @@ def read_hdf5_nodes(path: str | Path) -> NodeTable:
         sets = {}
         group = file.get("node_sets")
         for name in group if isinstance(group, h5py.Group) else ():
-            wanted = _array(file, path, f"node_sets/{name}", np.int64)
+            wanted = array_of(file, path, f"node_sets/{name}", np.int64)
             sets[name], known = numbers_of(ids, wanted)
             if not known.all():
                 raise ImportFormatError(
@@ -75,16 +75,16 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
     """
     path = Path(path)
     source = f"{path}, /{role.label}"
-    with _opened(path, ("freedoms", role.label)) as file:
-        freedoms = _array(file, path, "freedoms", np.int64)
+    with opened(path, ("freedoms", role.label)) as file:
+        freedoms = array_of(file, path, "freedoms", np.int64)
         if freedoms.ndim != 2 or freedoms.shape[1] != 2:
             raise ImportFormatError(
                 f"{path}: /freedoms has shape {freedoms.shape}; write (n, 2): node id, component"
             )
-        data = _array(file, path, f"{role.label}/data", np.float64)
+        data = array_of(file, path, f"{role.label}/data", np.float64)
         is_single = file[f"{role.label}/data"].dtype == np.float32  # pyright: ignore[reportAttributeAccessIssue]
         indices, indptr = (
-            _array(file, path, f"{role.label}/{part}", np.int64) for part in ("indices", "indptr")
+            array_of(file, path, f"{role.label}/{part}", np.int64) for part in ("indices", "indptr")
         )
     n = len(indptr) - 1
     if (
@@ -114,7 +114,7 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
 
 
 @contextmanager
-def _opened(path: Path, parts: Collection[str]) -> Iterator[h5py.File]:
+def opened(path: Path, parts: Collection[str]) -> Iterator[h5py.File]:
     """A copy of those parts of the file; whatever HDF5 finds broken in it is an ImportFormatError."""
     if not is_file(path):
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
@@ -127,7 +127,8 @@ def _opened(path: Path, parts: Collection[str]) -> Iterator[h5py.File]:
         raise ImportFormatError(f"{path}: not readable as HDF5 ({error}); is it cut short?") from error
 
 
-def _array(file: h5py.File, path: Path, name: str, dtype: type) -> NDArray:
+def array_of(file: h5py.File, path: Path, name: str, dtype: type) -> NDArray:
+    """A dataset; ImportFormatError where it is missing, or of another kind of numbers."""
     dataset = file.get(name)
     if not isinstance(dataset, h5py.Dataset):
         raise ImportFormatError(

@@ -34,6 +34,7 @@ class MatrixRole(Enum):
 
     STIFFNESS = ("stiffness", "K")
     MASS = ("mass", "M")
+    DAMPING = ("damping", "B")
 
     def __init__(self, label: str, letter: str) -> None:
         self.label = label
@@ -46,13 +47,14 @@ class LabelledMatrix:
 
     source     : where it was read, for messages
     matrix     : csc (n, n)
-    freedoms   : (n, 2) node id and component (1 to 3 translations, 4 to 6 rotations), each once
+    freedoms   : (n, 2) node id and component (1 to 3 translations, 4 to 6 rotations; 0 a scalar
+                 point or modal coordinate), each once
     resolution : relative error of an entry, from the digits it was printed with
 
     Raises
     ------
     ImportFormatError   a size other than that of the freedoms; freedoms given twice or with a component
-                        outside 1 to 6; entries that are not finite; an unsymmetric matrix
+                        outside 0 to 6; entries that are not finite; an unsymmetric matrix
     """
 
     source: str
@@ -67,12 +69,12 @@ class LabelledMatrix:
                 f"{self.source}: the matrix has shape {self.matrix.shape}, but its map names {n} freedoms; "
                 "export both from the same model and set"
             )
-        wrong = np.flatnonzero((self.freedoms[:, 1] < 1) | (self.freedoms[:, 1] > 6))
+        wrong = np.flatnonzero((self.freedoms[:, 1] < 0) | (self.freedoms[:, 1] > 6))
         if wrong.size:
             node, component = self.freedoms[wrong[0]]
             raise ImportFormatError(
-                f"{self.source}: component {component} of node {node}; only 1 to 6 are motions of a node "
-                "(scalar points and modal coordinates are not read: export the matrices before reduction)"
+                f"{self.source}: component {component} of node {node}; only 1 to 6 are motions of a node, "
+                "and 0 is a scalar point or modal coordinate; correct the map"
             )
         unique, counts = np.unique(self.freedoms, axis=0, return_counts=True)
         if len(unique) < n:
@@ -104,7 +106,7 @@ class LabelledMatrix:
 
 def freedom_name(node: int, component: int) -> str:
     """A freedom as users know it."""
-    return f"node {node} {COMPONENT_NAMES[component]}"
+    return f"node {node} {COMPONENT_NAMES[component]}" if component else f"modal coordinate {node}"
 
 
 def from_labelled_entries(

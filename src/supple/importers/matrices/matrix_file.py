@@ -17,9 +17,10 @@ from supple.importers.node_table import NodeTable
 __all__ = ["HDF5_SUFFIXES", "NODE_SUFFIXES", "read_labelled_matrix", "read_nodes"]
 
 DMIG_SUFFIXES = (".pch", *NASTRAN_SUFFIXES)
+OUTPUT_SUFFIXES = (".op4", ".op2")
 HDF5_SUFFIXES = (".h5", ".hdf5")
 """Names of HDF5 files end so."""
-MATRIX_SUFFIXES = (*DMIG_SUFFIXES, ".op4", *HDF5_SUFFIXES, ".mtx", ".sti", ".mas")
+MATRIX_SUFFIXES = (*DMIG_SUFFIXES, *OUTPUT_SUFFIXES, *HDF5_SUFFIXES, ".mtx", ".sti", ".mas")
 NODE_SUFFIXES = (".inp", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES)
 """Files that `read_nodes` reads."""
 
@@ -47,7 +48,7 @@ def read_nodes(path: str | Path) -> NodeTable:
 def read_labelled_matrix(
     path: str | Path, role: MatrixRole, nodes: NodeTable, *, name: str | None = None
 ) -> LabelledMatrix:
-    """Stiffness or mass, from DMIG (.pch, .bdf ..), OUTPUT4, HDF5, Abaqus (.mtx) or CalculiX (.sti, .mas).
+    """Stiffness or mass from DMIG (.pch, .bdf ..), OUTPUT4 and 2, HDF5, Abaqus .mtx or CalculiX .sti, .mas.
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def read_labelled_matrix(
     suffix = Path(path).suffix.lower()
     if suffix in DMIG_SUFFIXES:
         return read_dmig(path, role, name=name)
-    if suffix == ".op4":
+    if suffix in OUTPUT_SUFFIXES:
         return read_output4(path, role, nodes, name=name)
     if name is not None:
         raise ImportFormatError(

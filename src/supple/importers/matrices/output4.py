@@ -1,4 +1,4 @@
-"""OUTPUT4 files (.op4), text or binary: matrices by row number, with the map that the mesh file implies."""
+"""OUTPUT4 and OUTPUT2 files (.op4, .op2): matrices by row number, with the map that a mesh file implies."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _HEADERS = tuple(struct.pack(form, 24 * n) for form in ("<i", ">i") for n in (1,
 def read_output4(
     path: str | Path, role: MatrixRole, nodes: NodeTable, *, name: str | None = None
 ) -> LabelledMatrix:
-    """The stiffness or mass of an OUTPUT4 file; read by the library pyyeti (install `supple[nastran]`).
+    """The stiffness or mass of an OUTPUT4 or OUTPUT2 file; read by pyyeti (install `supple[nastran]`).
 
-    OUTPUT4 has no labels. Rows are the analysis set (ASET) of the mesh file where their number fits it, else
-    all six freedoms of all its grids (the g-set), sorted by grid id.
+    They have no labels. Rows are the analysis set (ASET, BSET, QSET) of the mesh file where their number fits
+    it, else all six freedoms of all its grids (the g-set), sorted by id.
 
     Parameters
     ----------
@@ -44,12 +44,7 @@ def read_output4(
     path = Path(path)
     matrices = _load(path)
     chosen = _chosen_name(path, list(matrices), role, name)
-    matrix, kind = matrices[chosen]
-    source = f"{path}, matrix {chosen.upper()}"
-    if np.iscomplexobj(matrix.data):
-        raise ImportFormatError(
-            f"{source}: complex entries; stiffness and mass are real, so export them as real"
-        )
+    source, matrix, kind = _real(path, chosen, matrices)
     freedoms = _row_freedoms(source, matrix.shape[0], nodes)
     if matrix.shape[1] != matrix.shape[0]:  # before arrays of that size are made
         raise ImportFormatError(
@@ -58,16 +53,42 @@ def read_output4(
     return LabelledMatrix(source, csc_array(matrix, dtype=np.float64), freedoms, _resolution(path, kind))
 
 
+def named_matrix(path: Path, name: str) -> tuple[str, Any]:
+    """What messages call a matrix of the file, and the matrix, sparse (m, n); errors as `read_output4`."""
+    matrices = _load(path)
+    source, matrix, _ = _real(path, _chosen_name(path, list(matrices), MatrixRole.STIFFNESS, name), matrices)
+    return source, matrix
+
+
+def _real(path: Path, chosen: str, matrices: dict[str, tuple[Any, int]]) -> tuple[str, Any, int]:
+    matrix, kind = matrices[chosen]
+    source = f"{path}, matrix {chosen.upper()}"
+    if np.iscomplexobj(matrix.data):
+        raise ImportFormatError(
+            f"{source}: complex entries; stiffness and mass are real, so export them as real"
+        )
+    return source, matrix, kind
+
+
 def _load(path: Path) -> dict[str, tuple[Any, int]]:
     """Matrices of a file with their types, by name."""
     try:
-        from pyyeti.nastran import op4
+        from pyyeti.nastran import op2, op4
     except ImportError as error:
         raise ImportFormatError(
-            f"{path}: OUTPUT4 files are read by the library pyyeti; pip install 'supple[nastran]', or "
-            "punch the matrices as DMIG"
+            f"{path}: OUTPUT4 and OUTPUT2 files are read by the library pyyeti; pip install "
+            "'supple[nastran]', or punch the matrices as DMIG"
         ) from error
     content = file_content(path)
+    if path.suffix.lower() == ".op2":
+        try:
+            found = op2.rdmats(str(path))
+        except Exception as error:  # as below
+            raise ImportFormatError(
+                f"{path}: not readable as OUTPUT2 ({type(error).__name__}: {error}); is it cut short? Write "
+                "it anew"
+            ) from error
+        return {key.lower(): (csc_array(value), 0) for key, value in found.items()}
     if content[:4] in _HEADERS:
         _check_records(path, content)
     elif not content.isascii() or b"_" in b"".join(content.split(b"\n")[1:]):
@@ -148,7 +169,13 @@ def _row_freedoms(source: str, n: int, nodes: NodeTable) -> NDArray[np.int64]:
     if nodes.retained is not None and len(nodes.retained) == n:
         return nodes.retained
     if n != 6 * len(nodes.ids):
-        aset = "no ASET" if nodes.retained is None else f"an ASET of {len(nodes.retained)}"
+        retained = 0 if nodes.retained is None else len(nodes.retained)
+        aset = f"an ASET of {retained}" if retained else "no ASET"
+        if retained and not len(nodes.modal) and n > retained:
+            aset += (
+                f" and no modal coordinates: {n - retained} rows more than the ASET may be some, which QSET1 "
+                "and SPOINT cards in the mesh file name"
+            )
         raise ImportFormatError(
             f"{source}: {n} rows, but {nodes.source} has {len(nodes.ids)} grids, so {6 * len(nodes.ids)} "
             f"freedoms, and {aset}; export the matrix of all grids (KGG, MGG) or of the ASET written "

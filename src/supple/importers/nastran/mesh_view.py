@@ -14,8 +14,9 @@ from supple.importers.deck import RigidTie
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.nastran.bulk_data import read_bulk_data
 from supple.importers.nastran.deck_file import read_nastran_deck, start_reading
+from supple.importers.nastran.retained_freedoms import modal_freedoms, retained_freedoms
 from supple.importers.nastran.rigid import read_ties
-from supple.importers.nastran.supports import analysis_set, read_supports
+from supple.importers.nastran.supports import read_supports
 from supple.importers.node_table import NodeTable
 from supple.mesh import CellType, Mesh
 
@@ -110,7 +111,9 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
     sets = read_supports(reading) | {tie.name: tie.nodes for tie in connections}
     axes = None if np.array_equal(grids.axes, np.broadcast_to(np.eye(3), grids.axes.shape)) else grids.axes
     return NodeTable(
-        str(file.path), grids.ids, grids.positions, axes, sets, connections, analysis_set(reading)
+        *(str(file.path), grids.ids, grids.positions, axes, sets, connections),
+        retained=retained_freedoms(file, grids.ids),
+        modal=modal_freedoms(file, grids.ids),
     )
 
 

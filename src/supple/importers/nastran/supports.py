@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.retained_freedoms import retained_freedoms
 from supple.importers.plain_number import plain_number
 
-__all__ = ["SUPPORT_CARDS", "analysis_set", "read_matrices", "read_supports"]
+__all__ = ["SUPPORT_CARDS", "read_matrices", "read_supports"]
 
 IntArray = NDArray[np.int64]
 
@@ -39,30 +40,13 @@ def read_supports(reading: Reading) -> dict[str, IntArray]:
             if number in chosen:
                 for component in components:
                     held.setdefault((node, int(component) - 1), card.line)
-    for node, _ in _analysis_members(reading):
-        found.setdefault("aset", {})[node] = None
+    physical = retained_freedoms(reading.file, reading.grids.ids, modal=False)
+    if physical is not None:
+        grids = np.unique(physical[physical[:, 1] > 0, 0])
+        found["aset"] = dict.fromkeys(reading.grids.lookup(grids)[0].tolist())
     for (node, component), line in held.items():
         reading.held.add(reading.node_freedom(node, component), line)
     return {name: np.array(list(nodes), dtype=np.int64) for name, nodes in found.items() if nodes}
-
-
-def analysis_set(reading: Reading) -> IntArray | None:
-    """Freedoms of ASET as rows (grid id, component), in Nastran's order; None without such cards."""
-    rows = {
-        (int(reading.grids.ids[node]), int(component))
-        for node, components in _analysis_members(reading)
-        for component in components
-    }
-    return np.array(sorted(rows), dtype=np.int64) if rows else None
-
-
-def _analysis_members(reading: Reading) -> list[tuple[int, str]]:
-    """Node and components of every entry of the analysis set."""
-    return [
-        member
-        for card in reading.file.named("ASET", "ASET1")
-        for member in (_pairs(card, 0, 2, reading) if card.name == "ASET" else _listed(card, 0, 1, reading))
-    ]
 
 
 def _supported(card: BulkCard, reading: Reading) -> list[tuple[int, str]]:

@@ -21,9 +21,10 @@ class TimeFunction(UnboundedLaw):
 
     It must be smooth enough for its use: twice differentiable where it prescribes a motion.
 
-    The function is part of the compiled program, not of its data: another function object, even a lambda of
-    the same text, compiles anew, and the cases of a batch must share one object. Numbers that differ between
-    runs or cases belong into the other laws.
+    The function is part of the compiled program, not of its data: another function compiles anew, and the
+    cases of a batch must share one object. Numbers that differ between runs or cases belong into the other
+    laws. A later process finds the program again where the function takes all that it uses from its
+    arguments, plain numbers, functions like it, `jax.numpy` and `math`.
     """
 
     function: Callable[[Any], Any] = field(metadata={"static": True})

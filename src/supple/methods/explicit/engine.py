@@ -29,7 +29,7 @@ from supple.methods.explicit.march.interval import (
     nodes_limit,
     recorded,
 )
-from supple.methods.explicit.march.march_step import kinetic, with_forces
+from supple.methods.explicit.march.march_step import begun
 from supple.methods.explicit.march.model import Energies, MarchState
 from supple.methods.explicit.method import explicit_method
 from supple.methods.explicit.motions import NodalMotion
@@ -80,8 +80,7 @@ class ExplicitEngine:
         own = self._built
         if own.framed.change is not None:
             report_start(own.framed.change, self._run.validity)
-        state = with_forces(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
-        return state._replace(initial=kinetic(self._built.model, state) + state.energies.internal)
+        return begun(own.model, own.methods, own.start._replace(time=jnp.asarray(time)))
 
     def resumed(self, last: Solution) -> MarchState:
         """The state at the end of a recorded part, exact to the last bit."""
@@ -122,7 +121,7 @@ class ExplicitEngine:
             rows.append(
                 jax.tree.map(
                     lambda leaf: np.asarray(leaf)[None],
-                    recorded(own.model, own.methods, state, first=self._first_step()),
+                    recorded(own.model, own.methods, state, jnp.asarray(0), jnp.asarray(self._first_step())),
                 )
             )
         before = int(state.steps)
@@ -133,9 +132,9 @@ class ExplicitEngine:
                 own.methods,
                 state,
                 jnp.asarray(self._fixed or 0.0),
-                jnp.asarray(ahead),
+                jnp.asarray(np.pad(ahead, (0, _padded(len(ahead)) - len(ahead)), mode="edge")),
             )
-            after = jax.device_get(after)
+            after = jax.tree.map(lambda leaf: leaf[: len(ahead)], jax.device_get(after))
             bad = np.flatnonzero(after.trouble)
             if bad.size:
                 stopped = self._told(jax.tree.map(lambda leaf: leaf[bad[0]], after), float(last.initial))
@@ -189,7 +188,7 @@ class ExplicitEngine:
     def _check_step(self) -> None:
         step, own = self._fixed, self._built
         if own.model.blocks:
-            limit = float(nodes_limit(own.model, own.start))
+            limit = float(nodes_limit(own.model, own.start, 1.0))
         else:
             limit = min(float(each) for each in frame_limits(own.model, own.start))
         if step is None:
@@ -244,6 +243,11 @@ class ExplicitEngine:
                     f"nothing, for "
                     "the step is above what is stable; take a smaller safety"
                 )
+
+
+def _padded(n: int) -> int:
+    """Output times of a compiled march of n: few lengths, so that one program serves runs of many."""
+    return 1 << (n - 1).bit_length() if n <= 32 else -(-n // 32) * 32
 
 
 def _fixed_step(run: Run) -> float | None:

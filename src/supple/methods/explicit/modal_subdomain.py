@@ -273,10 +273,20 @@ def modal_subdomain(
         their lowest frequency; None: the modes are those at rest at any spin
     yield_stress : float    Pa, beyond which a run warns, for modes stay elastic; None: the lowest of the
         explicit parts of the same material
-    Raises ModelError when no mode is left; errors of the recipe.
+    Raises ModelError when no mode is left, of a body with modal coordinates or a damping matrix; errors of the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
     refuse_held(damping, f"modal sub-domain '{body.name}'")
+    if body.damping is not None:
+        raise ModelError(
+            f"modal sub-domain '{body.name}': a damping matrix is not read here; leave it out, and give "
+            "LinearRayleighDamping"
+        )
+    if body.n_modal:
+        raise ModelError(
+            f"modal sub-domain '{body.name}': a body condensed elsewhere does not say where its modal "
+            "coordinates have mass; join it to the explicit parts as a reduced body, or give its elements"
+        )
     frame = MeanAxisFrame()
     linear = rayleigh_ritz(body, frame, basis.build(body, frame))
     kept = linear.frequencies <= highest

@@ -24,7 +24,13 @@ from supple.machine import System
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.joined_engine import ITERATED, JoinedEngine
-from supple.methods.intrinsic.line_march import LineRule, MarchState, first_march_state, march_lines
+from supple.methods.intrinsic.line_march import (
+    LineRule,
+    MarchState,
+    Stepping,
+    first_march_state,
+    march_by,
+)
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem
 from supple.methods.intrinsic.machine_of_lines import MachineOfLines, machine_of_lines
@@ -107,14 +113,12 @@ class IntrinsicEngine:
         """To each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
         # A short leg repeats its end, where steps have no length.
-        reached = march_lines(
+        reached = march_by(
+            Stepping(self.rule, self.n_steps, self._run.tolerances.max_iterations),
             self.lines,
             state,
             full_leg(times, self._length),
-            rule=self.rule,
-            n_steps=self.n_steps,
-            tolerance=self.tolerance,
-            max_iterations=self._run.tolerances.max_iterations,
+            self.tolerance,
         )
         return self.leg(state, jax.device_get(reached), times, clock.perf_counter() - began)
 

@@ -11,7 +11,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from scipy.linalg import block_diag
 
-from supple.equations.build_model import row_scales, station_model
+from supple.equations.build_model import row_scales, station_model, system_length
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import ControlState, ControlStep
 from supple.equations.consistent_start import (
@@ -127,7 +127,7 @@ def _begun(
 
 def _check_closed(machine: JoinedMachine, gaps: np.ndarray) -> None:
     labels = [(joint.name, row) for joint in machine.system.joints for row in joint.rows]
-    relative = np.abs(gaps) / row_scales(machine.seen)
+    relative = np.abs(gaps) / row_scales(machine.seen, system_length(machine.system))
     if relative.max(initial=0.0) > OPEN:
         worst = int(np.argmax(relative))
         joint, row = labels[worst]
@@ -181,7 +181,7 @@ def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[Instant, 
         [np.asarray(block_diag(*own)) for own in zip(*by_body, strict=True)],
         rows,
         rates,
-        row_scales(machine.seen)[active],
+        row_scales(machine.seen, system_length(machine.system))[active],
         lambda: np.linalg.inv(compliance),
     )
     deforming = -soft @ np.linalg.solve(compliance, fit.left)

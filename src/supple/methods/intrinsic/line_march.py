@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
+from jax.tree_util import register_static
 
 from supple.integrate import GeneralizedAlpha, ResidualRungeKutta4, RungeKutta4
 from supple.methods.intrinsic.implicit_step import (
@@ -21,8 +23,9 @@ from supple.methods.intrinsic.line_slope import system_slope
 from supple.methods.intrinsic.line_system import LineSystem, States, system_rates
 from supple.methods.intrinsic.residual_modes import at_rest_rates, inverse_of_high, slaved
 from supple.methods.intrinsic.runge_kutta import runge_kutta_step
+from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["LineRule", "MarchState", "first_march_state", "march_lines"]
+__all__ = ["LineRule", "MarchState", "Stepping", "first_march_state", "march_by", "march_lines"]
 
 LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
 """Step rules that lines take; GeneralizedAlpha(1.0) keeps the energy."""
@@ -85,6 +88,34 @@ def march_lines(
         return (last, known), last
 
     return jax.lax.scan(to_output, (start, tangent), times)[1]
+
+
+@register_static
+@dataclass(frozen=True)
+class Stepping:
+    """What a march of lines is compiled for."""
+
+    rule: LineRule
+    n_steps: int
+    max_iterations: int
+
+
+def _march_by(
+    stepping: Stepping, system: LineSystem, start: MarchState, times: jax.Array, tolerance: Any
+) -> MarchState:
+    return march_lines(
+        system,
+        start,
+        times,
+        rule=stepping.rule,
+        n_steps=stepping.n_steps,
+        tolerance=tolerance,
+        max_iterations=stepping.max_iterations,
+    )
+
+
+march_by = KeptProgram(_march_by)
+"""`march_lines` by a program that later processes find."""
 
 
 Step = Callable[[MarchState, Any, Any], tuple[MarchState, Any]]

@@ -18,7 +18,7 @@ from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
 from supple.methods.explicit.march.build_ties import met_material, within
 from supple.methods.explicit.march.frame_step import tied_positions
-from supple.methods.explicit.march.march_step import with_forces
+from supple.methods.explicit.march.march_step import begun
 from supple.methods.explicit.march.model import (
     Energies,
     MarchModel,
@@ -121,7 +121,7 @@ def built(system: System, method: Explicit, time: float = 0.0) -> Built:
         if state.y.any() or system.joints:  # deformed, or moved by joints, at the start
             x[np.asarray(arrays.nodes)] = tied_positions(arrays, state).T
     start = _start(model, methods, x, v, framed, shells.start())
-    start = with_forces(model, methods, start._replace(time=jnp.asarray(time)))
+    start = begun(model, methods, start._replace(time=jnp.asarray(time)))
     first = len(made.blocks)
     spans = {name: slice(first + own.start, first + own.stop) for name, own in shells.spans.items()}
     return Built(model, methods, start, numbers, made.spans | spans, framed)

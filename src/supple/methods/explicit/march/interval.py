@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from supple.equations.compiler_options import STARTING
 from supple.methods.explicit.march.element_block import with_contact
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_step import kinetic, march_step
 from supple.methods.explicit.march.model import MarchModel, MarchState, Methods
 from supple.methods.explicit.spin_stiffness import spun_limit
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["Recorded", "chosen_steps", "frame_limits", "march_to", "nodes_limit", "recorded"]
 
@@ -49,11 +50,10 @@ class Recorded(NamedTuple):
     trouble: Array
 
 
-@partial(jax.jit, static_argnames="methods")
-def march_to(
+def _march_to(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, times: Array
 ) -> tuple[MarchState, Recorded]:
-    """Through output times (t,); the rows after one with trouble repeat it.
+    """Through output times (t,); the rows after one with trouble repeat it, and so do times already reached.
 
     fixed : step of the explicit nodes to keep, s; 0: what is stable
     """
@@ -61,7 +61,8 @@ def march_to(
     def one(carry: tuple[MarchState, Array], end: Array) -> tuple[tuple[MarchState, Array], Recorded]:
         state, trouble = carry
         new = _interval(model, methods, state, fixed, end)
-        new = jax.tree.map(lambda a, b: jnp.where(trouble > 0, a, b), state, new)
+        over = (trouble > 0) | (end <= state.time)
+        new = jax.tree.map(lambda a, b: jnp.where(over, a, b), state, new)
         row, trouble = _judged(model, methods, new, trouble)
         return (new, trouble), row
 
@@ -69,11 +70,11 @@ def march_to(
     return state, rows
 
 
-def chosen_steps(
+def _chosen_steps(
     model: MarchModel, methods: Methods, state: MarchState, fixed: Array, span: Array
 ) -> tuple[Array, Array, Array]:
     """Step of the explicit nodes, explicit steps in one of the frames, and number of these in a span."""
-    short = nodes_limit(model, state, methods.explicit.safety)
+    short = _nodes_limit(model, state, methods.explicit.safety)
     short = jnp.where(fixed > 0, fixed, short)
     if not model.frames:
         n = jnp.maximum(jnp.ceil(span / short * (1 - 1e-9)), 1)
@@ -87,7 +88,7 @@ def chosen_steps(
     return span / (n * ratio), ratio.astype(int), n.astype(int)
 
 
-def nodes_limit(model: MarchModel, state: MarchState, safety: float = 1.0) -> Array:
+def _nodes_limit(model: MarchModel, state: MarchState, safety: float) -> Array:
     """Step of the explicit nodes, s, at a part of the limit of their elements as they stand and move."""
     short = with_contact(jnp.asarray(jnp.inf), model.contact_rate)
     for block, own in zip(model.blocks, state.blocks, strict=True):
@@ -116,7 +117,7 @@ def _interval(model: MarchModel, methods: Methods, state: MarchState, fixed: Arr
     allowed = methods.explicit.interface_loss * (_size(state) + kinetic(model, state))
 
     def ratio_of(bound: Array) -> Array:
-        return chosen_steps(model, methods, state._replace(ratio_bound=bound), fixed, end - state.time)[1]
+        return _chosen_steps(model, methods, state._replace(ratio_bound=bound), fixed, end - state.time)[1]
 
     def lost(new: MarchState) -> Array:
         return jnp.abs(new.energies.interface - state.energies.interface)
@@ -160,7 +161,7 @@ def _marched(
     most: Array | float = float("inf"),
 ) -> MarchState:
     """On to an output time, or until more than `most` J has gone through the interface at a ratio above 1."""
-    h, ratio, n = chosen_steps(model, methods, state, fixed, end - state.time)
+    h, ratio, n = _chosen_steps(model, methods, state, fixed, end - state.time)
     before = state.energies.interface
 
     def going_on(carry: tuple[Array, MarchState]) -> Array:
@@ -177,7 +178,7 @@ def _marched(
 
 
 def _judged(model: MarchModel, methods: Methods, state: MarchState, trouble: Array) -> tuple[Recorded, Array]:
-    row = recorded(model, methods, state, trouble)
+    row = _recorded(model, methods, state, trouble, jnp.zeros(()))
     e = state.energies._replace(kinetic=row.energies[0])
     held = e.kinetic + e.internal + e.plastic + e.hourglass + e.contact + e.damping + e.interface
     # What round-off stores in a body at rest is no energy: relative strains of 1e-12 at the fastest rate.
@@ -217,19 +218,9 @@ def _noise_of_joints(model: MarchModel, state: MarchState) -> Array:
     return noise
 
 
-@partial(jax.jit, static_argnames="methods")
-def recorded(
-    model: MarchModel,
-    methods: Methods,
-    state: MarchState,
-    trouble: Array | int = 0,
-    first: Array | float = 0.0,
+def _recorded(
+    model: MarchModel, methods: Methods, state: MarchState, trouble: Array, first: Array
 ) -> Recorded:
-    """A state as it is kept.
-
-    Rates of frames at t_n, accelerations and multipliers are those of a trial of the step that follows.
-    first : length of the trial at the start, s; later it is that of the step before
-    """
     worst = [
         rule.recorded(block, state.x, state.turning.triads, own)
         for rule, block, own in zip(methods.blocks, model.blocks, state.blocks, strict=True)
@@ -265,5 +256,16 @@ def recorded(
         state.steps,
         state.before,
         jnp.where(state.before > 0, state.frame_before / state.before, 1.0),
-        jnp.asarray(trouble),
+        trouble,
     )
+
+
+march_to = KeptProgram(_march_to)
+nodes_limit = KeptProgram(_nodes_limit, STARTING)
+chosen_steps = KeptProgram(_chosen_steps, STARTING)
+recorded = KeptProgram(_recorded)
+"""A state as it is kept.
+
+Rates of frames at t_n, accelerations and multipliers are those of a trial of the step that follows.
+first : length of the trial at the start, s; later it is that of the step before
+"""

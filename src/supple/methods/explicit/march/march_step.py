@@ -11,6 +11,7 @@ from __future__ import annotations
 import jax.numpy as jnp
 from jax import Array, lax
 
+from supple.equations.compiler_options import STARTING
 from supple.equations.control_force import stepped
 from supple.methods.explicit.frame_invariants import kinetic_energy
 from supple.methods.explicit.march.element_block import Instant
@@ -19,8 +20,9 @@ from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
 from supple.methods.explicit.march.nodal_forces import nodal_forces
 from supple.methods.explicit.march.turning import turned
+from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["kinetic", "march_step", "with_forces"]
+__all__ = ["begun", "kinetic", "march_step"]
 
 
 def march_step(model: MarchModel, methods: Methods, state: MarchState, h: Array, ratio: Array) -> MarchState:
@@ -132,12 +134,15 @@ def _fall(model: MarchModel, number: int, gravity: Array) -> Array:
     return jnp.where(jnp.isinf(model.obstacle_mass[number]), 0.0, gravity)
 
 
-def with_forces(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
-    """A state at the start of a run with the forces there."""
+def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
+    """A state at the start of a run with the forces and the energy there."""
     at = Instant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
     out = nodal_forces(model, methods, state.time, at, state.blocks, state.obstacles)
     turning = state.turning._replace(moments=out.moments)
-    return state._replace(forces=out.forces, obstacle_forces=out.on_obstacles, turning=turning)
+    initial = kinetic(model, state) + state.energies.internal
+    return state._replace(
+        forces=out.forces, obstacle_forces=out.on_obstacles, turning=turning, initial=initial
+    )
 
 
 def kinetic(model: MarchModel, state: MarchState) -> Array:
@@ -152,3 +157,6 @@ def kinetic(model: MarchModel, state: MarchState) -> Array:
         mass = model.obstacle_mass[number]
         total = total + jnp.where(jnp.isinf(mass), 0.0, 0.5 * mass * at.velocity @ at.velocity)
     return total
+
+
+begun = KeptProgram(_begun, STARTING)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from jax import Array
+from jax.tree_util import register_static
 
 from supple.equations.configuration import ControlState
 from supple.equations.model import Model
@@ -91,6 +92,7 @@ class MarchModel(NamedTuple):
     driven: Array
 
 
+@register_static
 @dataclass(frozen=True)
 class Methods:
     """What the march is compiled for.

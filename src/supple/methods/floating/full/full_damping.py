@@ -48,16 +48,17 @@ def full_damping(full: FullBody) -> FullDamping:
     """The damping of a full body, as its option says; ModelError for one that does not fit it."""
     body, damping = full.body, full.damping
     none, no_columns = csc_array(body.mass.shape), np.empty((body.n, 0))
+    own = none if body.damping is None else body.damping
     if damping is None:
-        return FullDamping(full, none, no_columns, np.empty(0), 0.0)
+        return FullDamping(full, own, no_columns, np.empty(0), 0.0)
     held: Frame = full.frame if damping.held is None else NodalFixedFrame(damping.held)
     if isinstance(damping, ModalDamping):
         columns = damping.columns(body.stiffness, body.mass, held.constraint(body))
         if held != full.frame:
             columns = columns - _interface_motion(body, held).T @ (body.rigid_modes.T @ columns)
-        return FullDamping(full, none, columns, np.ones(columns.shape[1]), 0.0)
+        return FullDamping(full, own, columns, np.ones(columns.shape[1]), 0.0)
     time = 0.0 if body.is_linear else damping.retardation_time
-    constant = csc_array(damping.matrix(none if time else body.stiffness, body.mass))
+    constant = csc_array(damping.matrix(none if time else body.stiffness, body.mass) + own)
     if held == full.frame or not damping.alpha:
         return FullDamping(full, constant, no_columns, np.empty(0), time)
     columns = np.sqrt(damping.alpha) * _seen_from(body, held)

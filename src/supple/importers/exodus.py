@@ -1,0 +1,203 @@
+"""Exodus II meshes (.exo, .e, .ex2, .g): netCDF, classic or of HDF5.
+
+Source: L. A. Schoof, V. R. Yarberry, EXODUS II: a finite element data model, SAND92-2137, 1994.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.io import netcdf_file
+
+from supple.arguments import checked_arguments
+from supple.copied_hdf5 import open_copied
+from supple.errors import ImportFormatError
+from supple.importers.cell_blocks import CellBlock, file_mesh
+from supple.importers.file_mesh import UnusedNodes
+from supple.importers.text_file import file_content
+from supple.mesh import CellType, Mesh
+
+__all__ = ["EXODUS_SUFFIXES", "read_exodus"]
+
+IntArray = NDArray[np.int64]
+
+EXODUS_SUFFIXES = (".exo", ".e", ".ex2", ".g")
+"""Names of Exodus files end so."""
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+_NAMES = {
+    "BAR": "line", "BEAM": "line", "TRUSS": "line", "EDGE": "line", "TRI": "triangle", "TRIANGLE": "triangle",
+    "TRISHELL": "triangle", "QUAD": "quad", "SHELL": "quad", "TET": "tetra", "TETRA": "tetra",
+    "PYR": "pyramid", "PYRAMID": "pyramid", "WED": "wedge", "WEDGE": "wedge", "HEX": "hexahedron",
+}  # fmt: skip
+_SIZES = {
+    "line": {2: "line", 3: "line3"}, "triangle": {3: "triangle", 6: "triangle6"},
+    "quad": {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"},
+    "tetra": {4: "tetra", 10: "tetra10"}, "pyramid": {5: "pyramid", 13: "pyramid13", 14: "pyramid14"},
+    "wedge": {6: "wedge", 15: "wedge15", 18: "wedge18"},
+    "hexahedron": {8: "hexahedron", 20: "hexahedron20", 27: "hexahedron27"},
+}  # fmt: skip
+# Middle nodes: Exodus has those of the bottom, of the upright edges, of the top.
+_ORDERS = {
+    "hexahedron": (*range(12), *range(16, 20), *range(12, 16)),
+    "wedge": (*range(9), *range(12, 15), *range(9, 12)),
+}
+# Corners of the sides of solids; surfaces have two faces, then edges.
+_SIDES = {
+    "hexahedron": ((0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)),
+    "tetra": ((0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)),
+    "wedge": ((0, 1, 4, 3), (1, 2, 5, 4), (0, 3, 5, 2), (0, 2, 1), (3, 4, 5)),
+    "pyramid": ((0, 1, 4), (1, 2, 4), (2, 3, 4), (0, 4, 3), (0, 3, 2, 1)),
+    "triangle": ((0, 1, 2), (0, 1, 2), (0, 1), (1, 2), (2, 0)),
+    "quad": ((0, 1, 2, 3), (0, 1, 2, 3), (0, 1), (1, 2), (2, 3), (3, 0)),
+}
+
+
+@checked_arguments
+def read_exodus(
+    path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
+) -> Mesh:
+    """Mesh of an Exodus file: its cells of the highest dimension, its blocks as cell sets.
+
+    Node sets and side sets are node sets; those without a name are called nodeset_ID, sideset_ID, block_ID.
+
+    Parameters
+    ----------
+    only : str or None            a block: read its cells and nodes alone
+    unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses
+    Raises
+    ------
+    ImportFormatError   missing, cut or foreign file; element types that are not read; sets beyond the mesh
+    MeshError           what the file describes is no usable mesh
+    """
+    path = Path(path)
+    try:
+        parts = _parts(path)
+        return _file_mesh(path, parts).to_mesh(only=only, unused_nodes=unused_nodes)
+    except (KeyError, IndexError, OSError, TypeError, ValueError, OverflowError, AttributeError) as error:
+        raise ImportFormatError(
+            f"{path}: not readable as Exodus ({type(error).__name__}: {error}); is it cut short? Write it "
+            "anew"
+        ) from error
+
+
+def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
+    """Variables with their element types."""
+    content = file_content(path)
+    if content.startswith(_HDF5):
+        with open_copied(path, ("/",)) as file:
+            return {
+                name: (each[()], _text(each.attrs.get("elem_type", b"")))  # pyright: ignore
+                for name, each in file.items()
+                if hasattr(each, "shape")
+            }
+    if content[:3] != b"CDF":
+        raise ImportFormatError(f"{path}: neither netCDF nor HDF5; is this an Exodus file?")
+    with netcdf_file(str(path), "r", mmap=False) as file:
+        return {
+            name: (np.array(each.data), _text(getattr(each, "elem_type", b"")))
+            for name, each in file.variables.items()
+        }
+
+
+def _text(value: Any) -> str:
+    return value.decode("latin-1").strip("\0 ") if isinstance(value, bytes) else str(value).strip("\0 ")
+
+
+def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
+    nodes = _coordinates(parts)
+    blocks, shapes = [], []
+    first = 0
+    n_cells = sum(len(parts[name][0]) for name in _numbered(parts, "connect"))
+    ids = _values(parts, "elem_num_map", np.arange(1, n_cells + 1))
+    names = _names(parts, "eb", "block", len(_numbered(parts, "connect")))
+    for name, label in zip(_numbered(parts, "connect"), names, strict=True):
+        cells, given = parts[name]
+        cells = np.asarray(cells, dtype=np.int64) - 1
+        word = "".join(letter for letter in given.upper() if letter.isalpha())
+        shape = _NAMES.get(word, "")
+        kind = _SIZES.get(shape, {}).get(cells.shape[1])
+        own = ids[first : first + len(cells)]
+        shapes.append((kind and shape, cells))
+        first += len(cells)
+        if word in ("SPHERE", "NODE"):
+            continue
+        if kind is None:
+            raise ImportFormatError(
+                f"{path}: block '{label}' has {given or 'nameless'} elements of {cells.shape[1]} nodes, "
+                f"which are not read; supported are {', '.join(_NAMES)}"
+            )
+        if shape in _ORDERS:
+            order = [*_ORDERS[shape], *range(len(_ORDERS[shape]), cells.shape[1])][: cells.shape[1]]
+            cells = cells[:, order]
+            shapes[-1] = (shape, cells)
+        blocks.append(CellBlock(kind, cells, own, {label: np.ones(len(cells), dtype=bool)}))
+    sets = {}
+    known = _names(parts, "ns", "nodeset", len(_numbered(parts, "node_ns")))
+    for name, label in zip(_numbered(parts, "node_ns"), known, strict=True):
+        sets[label] = np.unique(np.asarray(parts[name][0], dtype=np.int64) - 1)
+    known = _names(parts, "ss", "sideset", len(_numbered(parts, "elem_ss")))
+    for name, label in zip(_numbered(parts, "elem_ss"), known, strict=True):
+        sides = np.asarray(parts[name.replace("elem_", "side_")][0], dtype=np.int64) - 1
+        sets[label] = _on_sides(shapes, np.asarray(parts[name][0], dtype=np.int64) - 1, sides)
+    for label, members in sets.items():
+        if members.size and not 0 <= members.min() <= members.max() < len(nodes):
+            raise ImportFormatError(f"{path}: set '{label}' names a node that the file lacks; write it anew")
+    node_ids = _values(parts, "node_num_map", np.arange(1, len(nodes) + 1))
+    return file_mesh(path, nodes, blocks, {k: v for k, v in sets.items() if v.size}, node_ids)
+
+
+def _coordinates(parts: Mapping[str, tuple[Any, str]]) -> NDArray[np.float64]:
+    if "coord" in parts:
+        rows = np.asarray(parts["coord"][0], dtype=np.float64)
+    else:
+        rows = np.array(
+            [parts[name][0] for name in ("coordx", "coordy", "coordz") if name in parts], dtype=float
+        )
+    flat = np.zeros((rows.shape[1], 3))
+    flat[:, : len(rows)] = rows.T
+    return flat
+
+
+def _numbered(parts: Mapping[str, Any], prefix: str) -> list[str]:
+    """Variables PREFIX1, PREFIX2, .. in their order."""
+    found = [name for name in parts if name.startswith(prefix) and name[len(prefix) :].isdigit()]
+    return sorted(found, key=lambda name: int(name[len(prefix) :]))
+
+
+def _values(parts: Mapping[str, tuple[Any, str]], name: str, else_: IntArray) -> IntArray:
+    found = np.asarray(parts[name][0], dtype=np.int64) if name in parts else else_
+    return found if len(np.unique(found)) == len(else_) else else_
+
+
+def _names(parts: Mapping[str, tuple[Any, str]], kind: str, word: str, n: int) -> list[str]:
+    """Names of blocks or sets, made of their ids where the file has none."""
+    ids = np.asarray(parts[f"{kind}_prop1"][0]).tolist() if f"{kind}_prop1" in parts else range(1, n + 1)
+    given = [""] * n
+    if f"{kind}_names" in parts:
+        given = [b"".join(np.asarray(row).tolist()).decode("latin-1") for row in parts[f"{kind}_names"][0]]
+    found = [
+        name.split("\0")[0].strip() or f"{word}_{number}" for name, number in zip(given, ids, strict=False)
+    ]
+    return [name if found.count(name) == 1 else f"{name}_{i + 1}" for i, name in enumerate(found)]
+
+
+def _on_sides(shapes: list[tuple[str | None, IntArray]], elements: IntArray, sides: IntArray) -> IntArray:
+    """Nodes of sides of elements, those between corners as well."""
+    found, first = [np.empty(0, dtype=np.int64)], 0
+    for shape, cells in shapes:
+        own = (elements >= first) & (elements < first + len(cells))
+        for number, corners in enumerate(_SIDES.get(shape or "", ())):
+            chosen = cells[elements[own & (sides == number)] - first]
+            places = [*corners]
+            kind = next((k for k in CellType if k.meshio_name == shape), None)
+            edges = kind.edges if kind is not None else tuple((i, (i + 1) % 4) for i in range(4))
+            n = kind.n_corners if kind is not None else 4
+            places += [n + i for i, edge in enumerate(edges) if set(edge) <= set(corners)]
+            found.append(chosen[:, [i for i in places if i < cells.shape[1]]].ravel())
+        first += len(cells)
+    return np.unique(np.concatenate(found))

@@ -1,0 +1,122 @@
+"""Recovery matrices (OTM): displacements of points inside a condensed model by the freedoms of its matrices.
+
+HDF5, beside the matrices of `hdf5_matrices`:
+
+/recovery/points       (P, 3) float     positions
+/recovery/ids          (P,) int         labels; 1 .. P where left out
+/recovery/matrix       (3 P, n) float   ux uy uz of each point, columns as /freedoms
+
+OUTPUT4: a matrix whose rows are those grids of the mesh file that the analysis set lacks, by their ids, three
+or six of each; columns are the analysis set.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ImportFormatError
+from supple.importers.matrices.hdf5_matrices import array_of, opened
+from supple.importers.matrices.matrix_file import HDF5_SUFFIXES
+from supple.importers.matrices.output4 import named_matrix
+from supple.importers.node_table import NodeTable
+from supple.importers.numbering import numbers_of
+
+__all__ = ["RecoveryMatrix", "read_recovery"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class RecoveryMatrix:
+    """ids (P,), points (P, 3); matrix (3 P, n), columns the freedoms (n, 2) node id and component."""
+
+    source: str
+    ids: IntArray
+    points: FloatArray
+    matrix: FloatArray
+    freedoms: IntArray
+
+
+def read_recovery(path: str | Path, nodes: NodeTable, *, name: str | None = None) -> RecoveryMatrix:
+    """The recovery matrix of an HDF5 or OUTPUT4 (.op4, .op2) file.
+
+    nodes : of the mesh file;  name : of the matrix, which OUTPUT4 needs
+
+    Raises
+    ------
+    ImportFormatError   files of another kind; a matrix of a size that the points and freedoms do not explain
+    """
+    path = Path(path)
+    if path.suffix.lower() in HDF5_SUFFIXES:
+        return _of_hdf5(path)
+    if name is None:
+        raise ImportFormatError(f"{path}: name the recovery matrix to take (recovery_name); HDF5 needs none")
+    return _of_output4(path, nodes, name)
+
+
+def _of_hdf5(path: Path) -> RecoveryMatrix:
+    with opened(path, ("freedoms", "recovery")) as file:
+        freedoms = array_of(file, path, "freedoms", np.int64)
+        points = array_of(file, path, "recovery/points", np.float64)
+        matrix = array_of(file, path, "recovery/matrix", np.float64)
+        known = "recovery/ids" in file
+        ids = array_of(file, path, "recovery/ids", np.int64) if known else np.arange(1, len(points) + 1)
+    wanted = 3 * len(points), len(freedoms)
+    if points.shape != (len(ids), 3) or matrix.shape != wanted:
+        raise ImportFormatError(
+            f"{path}: /recovery holds points {points.shape}, {len(ids)} ids and a matrix {matrix.shape}; "
+            f"write points (P, 3) and a matrix (3 P, {len(freedoms)}), ux uy uz of each point by /freedoms"
+        )
+    return RecoveryMatrix(f"{path}, /recovery", ids, points, matrix, freedoms)
+
+
+def _of_output4(path: Path, nodes: NodeTable, name: str) -> RecoveryMatrix:
+    source, matrix = named_matrix(path, name)
+    retained = nodes.retained
+    if retained is None or len(retained) != matrix.shape[1]:
+        n = 0 if retained is None else len(retained)
+        raise ImportFormatError(
+            f"{source}: {matrix.shape[1]} columns, but the analysis set of {nodes.source} has {n} freedoms; "
+            "add its ASET, BSET, QSET and SPOINT cards to the mesh file"
+        )
+    ids = np.setdiff1d(nodes.ids, retained[:, 0])
+    each = matrix.shape[0] // max(len(ids), 1)
+    if each not in (3, 6) or each * len(ids) != matrix.shape[0]:
+        raise ImportFormatError(
+            f"{source}: {matrix.shape[0]} rows, but {len(ids)} grids of {nodes.source} are not in the "
+            "analysis set; a recovery matrix has three or six rows for each of them, by their ids"
+        )
+    number, _ = numbers_of(nodes.ids, ids)
+    moved = matrix.toarray().reshape(len(ids), each, -1)[:, :3]
+    if nodes.axes is not None:
+        moved = nodes.axes[number] @ moved
+    flat = moved.reshape(3 * len(ids), -1)
+    return RecoveryMatrix(source, ids, nodes.positions[number], flat, retained)
+
+
+def in_order(recovery: RecoveryMatrix, freedoms: IntArray) -> RecoveryMatrix:
+    """The same with its columns in the order of some freedoms (m, 2); zero where it has none.
+
+    Raises
+    ------
+    ImportFormatError   columns that move points by freedoms that are not among these
+    """
+    place = {tuple(freedom): i for i, freedom in enumerate(freedoms.tolist())}
+    found = np.array(
+        [place.get(tuple(freedom), -1) for freedom in recovery.freedoms.tolist()], dtype=np.int64
+    )
+    lost = np.flatnonzero((found < 0) & recovery.matrix.any(axis=0))
+    if lost.size:
+        node, component = recovery.freedoms[lost[0]]
+        raise ImportFormatError(
+            f"{recovery.source}: a column of node {node} component {component}, which the matrices lack; "
+            "take all from the same run"
+        )
+    matrix = np.zeros((len(recovery.matrix), len(freedoms)))
+    matrix[:, found[found >= 0]] = recovery.matrix[:, found >= 0]
+    return replace(recovery, matrix=matrix, freedoms=freedoms)

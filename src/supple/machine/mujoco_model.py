@@ -1,0 +1,344 @@
+"""Machines from URDF and MJCF, which MuJoCo compiles: bodies, joints, limits, springs, dampers, ground.
+
+A joint's angle or slide counts from the configuration in which the file draws the machine (qpos0).
+Source: E. Todorov, T. Erez, Y. Tassa, MuJoCo: a physics engine for model-based control, IROS 2012; the fields
+of mjModel in MuJoCo's API reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.body import RigidBody
+from supple.errors import ImportFormatError, ModelError
+from supple.machine.ends import GROUND, At
+from supple.machine.forces.bushing import Bushing
+from supple.machine.forces.penalty import Penalty
+from supple.machine.forces.stops import AngleStop, SlideStop
+from supple.machine.forces.torsion_spring_damper import TorsionSpringDamper
+from supple.machine.joints.ball import Ball
+from supple.machine.joints.cylindrical import Cylindrical
+from supple.machine.joints.fixed import Fixed
+from supple.machine.joints.joint import Joint
+from supple.machine.joints.prismatic import Prismatic
+from supple.machine.joints.revolute import Revolute
+from supple.machine.joints.universal import Universal
+from supple.machine.system import Load, Placed, System
+
+__all__ = ["read_mujoco"]
+
+Array = NDArray[np.float64]
+
+_FREE, _BALL, _SLIDE, _HINGE = 0, 1, 2, 3
+_CONNECT, _WELD = 0, 1
+_PARALLEL = 1e-6
+_PLACE = 1e-6
+"""Of the machine's size: what an interface may be off the joint that it bears."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Bodies that are one, being welded: mass, centre and inertia in the axes of the first."""
+
+    name: str
+    position: Array
+    rotation: Array
+    mass: float
+    centre: Array
+    inertia: Array
+    points: dict[str, Array] = field(default_factory=dict)
+
+    def local(self, point: Array) -> Array:
+        """A point of space in its axes."""
+        return self.rotation.T @ (point - self.position)
+
+
+@checked_arguments
+def read_mujoco(
+    source: str | Path,
+    *,
+    bodies: Mapping[str, Any] | None = None,
+    leave_out: Collection[str] = (),
+) -> System:
+    """The machine of a URDF or MJCF file (.urdf, .xml), or of such a text.
+
+    Bodies are rigid, those welded together are one. Hinges, slides and balls are joints of the same name, on
+    interfaces of the same name; a slide and a hinge along one axis are cylindrical, two hinges across each
+    other universal, connect and weld close loops. Limits are stops, as stiff as MuJoCo holds them; stiffness
+    and damping of joints are springs and dampers. Shapes of bodies are not read: they touch nothing.
+
+    Parameters
+    ----------
+    bodies : by name, what stands in place of a rigid body, such as a ReducedBody: in the axes of the file's
+        body, with an interface by the name of each of its joints, at the place of the joint
+    leave_out : what the machine may lack of the file: "actuators", "tendons", "friction", "armature",
+        "equality", "limits" (of more than a turn)
+    Raises
+    ------
+    ImportFormatError   mujoco missing (install `supple[mujoco]`); a file that it refuses
+    ModelError          joints that are no joint of ours; what is not read and not to be left out; bodies that
+                        the file lacks, or whose interfaces do not fit its joints
+    """
+    model, data = _compiled(source)
+    reader = _Reader(model, data)
+    _check_left_out(reader, set(leave_out))
+    groups = reader.groups()
+    joints: list[Joint] = []
+    loads: list[Load] = []
+    for body in range(1, model.nbody):
+        own = list(range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]))
+        if own:
+            parent = model.body_weldid[model.body_parentid[body]]
+            reader.connect(groups, parent, body, own, joints, loads, limits="limits" not in leave_out)
+    reader.close_loops(groups, joints)
+    placed = [_placed(group, (bodies or {}).get(group.name)) for group in groups.values()]
+    unknown = sorted(set(bodies or {}) - {group.name for group in groups.values()})
+    if unknown:
+        known = ", ".join(f"'{group.name}'" for group in groups.values())
+        raise ModelError(f"{reader.name}: no body '{unknown[0]}' to replace; the machine has {known}")
+    return System(bodies=placed, joints=joints, loads=loads, gravity=np.array(model.opt.gravity))
+
+
+def _compiled(source: str | Path) -> tuple[Any, Any]:
+    try:
+        import mujoco  # pyright: ignore[reportMissingImports]
+    except ImportError as error:
+        raise ImportFormatError(
+            "URDF and MJCF files are read by the library mujoco; pip install 'supple[mujoco]', or build the "
+            "machine in Python"
+        ) from error
+    is_text = isinstance(source, str) and source.lstrip().startswith("<")
+    if not is_text and not Path(source).is_file():
+        raise ImportFormatError(f"{source}: no such file; check its name and folder")
+    try:
+        made = (
+            mujoco.MjModel.from_xml_string(source) if is_text else mujoco.MjModel.from_xml_path(str(source))
+        )
+    except ValueError as error:
+        raise ImportFormatError(f"{'the text' if is_text else source}: MuJoCo refuses it: {error}") from error
+    data = mujoco.MjData(made)
+    mujoco.mj_kinematics(made, data)
+    return made, data
+
+
+def _check_left_out(reader: _Reader, allowed: set[str]) -> None:
+    model = reader.model
+    others = int(np.sum((model.eq_type != _CONNECT) & (model.eq_type != _WELD)))
+    there = {
+        "actuators": (int(model.nu), "give the machine motors or controllers"),
+        "tendons": (int(model.ntendon), "write them as springs"),
+        "friction": (int(np.sum(model.dof_frictionloss > 0)), "add HingeFriction or SlideFriction"),
+        "armature": (int(np.sum(model.dof_armature > 0)), "add it to the inertia of the bodies"),
+        "equality": (others, "write it as gears or joints"),
+    }
+    missed = [(name, n, remedy) for name, (n, remedy) in there.items() if n and name not in allowed]
+    if missed:
+        listed = "; ".join(f"{name} ({n}): {remedy}" for name, n, remedy in missed)
+        names = ", ".join(f'"{name}"' for name, _, _ in missed)
+        raise ModelError(f"{reader.name}: not read, and part of the motion: {listed}; or leave_out=[{names}]")
+
+
+class _Reader:
+    """The compiled model, where the file draws it."""
+
+    def __init__(self, model: Any, data: Any) -> None:
+        self.model, self.data = model, data
+        self.name = bytes(model.names).split(b"\0")[0].decode() or "the machine"
+
+    def label(self, addresses: Any, number: int, else_: str) -> str:
+        """The name of an object, or another."""
+        found = bytes(self.model.names)[addresses[number] :].split(b"\0")[0].decode()
+        return found or else_
+
+    def groups(self) -> dict[int, _Group]:
+        """Welded bodies as one each, by the number of the first; none of the ground."""
+        model, data = self.model, self.data
+        result = {}
+        for first in np.unique(model.body_weldid[1:]).tolist():
+            if first == 0:
+                continue
+            members = np.flatnonzero(model.body_weldid == first)
+            masses, centres = model.body_mass[members], data.xipos[members]
+            turns = data.ximat[members].reshape(-1, 3, 3)
+            mass = float(masses.sum())
+            centre = masses @ centres / mass
+            arms = centres - centre
+            about = turns @ (model.body_inertia[members][:, :, None] * turns.swapaxes(1, 2))
+            steiner = masses[:, None, None] * (
+                np.einsum("ki,ki->k", arms, arms)[:, None, None] * np.eye(3)
+                - arms[:, :, None] * arms[:, None]
+            )
+            axes = data.xmat[first].reshape(3, 3)
+            place = np.array(data.xpos[first])
+            name = self.label(model.name_bodyadr, first, f"body_{first}")
+            inertia = axes.T @ (about + steiner).sum(axis=0) @ axes
+            result[first] = _Group(
+                name, place, np.array(axes), mass, axes.T @ (centre - place), 0.5 * (inertia + inertia.T)
+            )
+        return result
+
+    def end(self, groups: dict[int, _Group], body: int, name: str, point: Array) -> At:
+        """An interface of a body, made there."""
+        group = groups.get(int(self.model.body_weldid[body]))
+        if group is None:
+            return GROUND
+        group.points[name] = group.local(point)
+        return At(group.name, name)
+
+    def connect(
+        self,
+        groups: dict[int, _Group],
+        parent: int,
+        body: int,
+        own: Sequence[int],
+        joints: list[Joint],
+        loads: list[Load],
+        *,
+        limits: bool,
+    ) -> None:
+        """The joint between a body and its parent, and what acts in it."""
+        model, data = self.model, self.data
+        kinds = [int(model.jnt_type[j]) for j in own]
+        if kinds == [_FREE]:
+            return
+        name = self.label(model.name_jntadr, own[0], f"{self.label(model.name_bodyadr, body, 'body')}_joint")
+        anchors, axes = data.xanchor[own], data.xaxis[own]
+        ends = {
+            "first": self.end(groups, parent, name, anchors[0]),
+            "second": self.end(groups, body, name, anchors[0]),
+        }
+        axis = tuple(axes[0].tolist())
+        parallel = len(own) == 2 and np.linalg.norm(np.cross(axes[0], axes[1])) < _PARALLEL
+        across = len(own) == 2 and abs(axes[0] @ axes[1]) < _PARALLEL
+        together = len(own) == 2 and np.linalg.norm(np.cross(anchors[1] - anchors[0], axes[1])) < _PARALLEL
+        if kinds == [_HINGE]:
+            joints.append(Revolute(**ends, axis=axis, name=name))
+        elif kinds == [_SLIDE]:
+            joints.append(Prismatic(**ends, axis=axis, name=name))
+        elif kinds == [_BALL]:
+            joints.append(Ball(**ends, name=name))
+        elif sorted(kinds) == [_SLIDE, _HINGE] and parallel and together:
+            joints.append(Cylindrical(**ends, axis=axis, name=name))
+        elif kinds == [_HINGE, _HINGE] and across and np.allclose(anchors[0], anchors[1]):
+            joints.append(Universal(**ends, first_axis=axis, second_axis=tuple(axes[1].tolist()), name=name))
+        else:
+            words = {_FREE: "free", _BALL: "ball", _SLIDE: "slide", _HINGE: "hinge"}
+            raise ModelError(
+                f"{self.name}: body '{self.label(model.name_bodyadr, body, str(body))}' moves by "
+                f"{' and '.join(words[kind] for kind in kinds)}, which is no joint here; put a body of "
+                "small mass between them"
+            )
+        for j in own:
+            loads += self._in_joint(j, ends, isinstance(joints[-1], Universal), limits)
+
+    def _in_joint(self, j: int, ends: dict[str, At], is_universal: bool, limits: bool) -> list[Load]:
+        """Spring, damper and stop of a joint."""
+        model = self.model
+        kind, dof = int(model.jnt_type[j]), int(model.jnt_dofadr[j])
+        axis = tuple(self.data.xaxis[j].tolist())
+        k, c = (float(np.ravel(values)[0]) for values in (model.jnt_stiffness[j], model.dof_damping[dof]))
+        start = float(model.qpos0[model.jnt_qposadr[j]])
+        rest = float(model.qpos_spring[model.jnt_qposadr[j]]) - start
+        found: list[Load] = []
+        is_limited = bool(model.jnt_limited[j]) and limits
+        if (is_universal or kind == _BALL) and is_limited:
+            raise ModelError(
+                f"{self.name}: the limits of the balls and universal joints are not read; "
+                'leave_out=["limits"]'
+            )
+        if is_universal and (k or c):
+            raise ModelError(
+                f"{self.name}: springs and dampers in universal joints are not read; put a body of "
+                "small mass between the two hinges"
+            )
+        if kind == _BALL and (k or c):
+            found.append(
+                Bushing(
+                    first=ends["first"],
+                    second=ends["second"],
+                    stiffness=(0, 0, 0, k, k, k),
+                    damping=(0, 0, 0, c, c, c),
+                )
+            )
+        elif kind == _HINGE and (k or c):
+            found.append(TorsionSpringDamper(**ends, axis=axis, stiffness=k, damping=c, rest_angle=rest))
+        elif kind == _SLIDE and (k or c):
+            found.append(
+                Bushing(
+                    first=ends["first"],
+                    second=ends["second"],
+                    axis=axis,
+                    offset=(0.0, 0.0, rest),
+                    stiffness=(0, 0, k, 0, 0, 0),
+                    damping=(0, 0, c, 0, 0, 0),
+                )
+            )
+        if is_limited:
+            lower, upper = (float(value) - start for value in model.jnt_range[j])
+            if kind == _HINGE and not -np.pi < lower <= upper < np.pi:
+                raise ModelError(
+                    f"{self.name}: joint '{self.label(model.name_jntadr, j, str(j))}' is limited to "
+                    f"{lower:.4g} .. {upper:.4g} rad from where it is drawn; stops are within half a turn: "
+                    'leave_out=["limits"], or draw it elsewhere'
+                )
+            stop = AngleStop if kind == _HINGE else SlideStop
+            found.append(stop(**ends, axis=axis, lower=lower, upper=upper, penalty=self._penalty(j, dof)))
+        return found
+
+    def _penalty(self, j: int, dof: int) -> Penalty:
+        """Against its effective inertia as stiff as MuJoCo's reference spring: k = I / (tau zeta)^2."""
+        time, ratio = (float(value) for value in self.model.jnt_solref[j])
+        inertia = 1 / max(float(self.model.dof_invweight0[dof]), np.finfo(float).tiny)
+        rate = 1 / (time * ratio) ** 2 if time > 0 else -time  # negative: stiffness and damping themselves
+        return Penalty(stiffness=inertia * rate)
+
+    def close_loops(self, groups: dict[int, _Group], joints: list[Joint]) -> None:
+        """Joints of connect and weld."""
+        model, data = self.model, self.data
+        for number in range(model.neq):
+            kind = int(model.eq_type[number])
+            if kind not in (_CONNECT, _WELD) or not model.eq_active0[number]:
+                continue
+            bodies = [int(model.eq_obj1id[number]), int(model.eq_obj2id[number])]
+            if int(model.eq_objtype[number]) == 6:  # sites
+                sites, bodies = bodies, [int(model.site_bodyid[site]) for site in bodies]
+                points = [np.array(data.site_xpos[site]) for site in sites]
+            else:
+                local = model.eq_data[number]
+                at = (local[:3], local[3:6]) if kind == _CONNECT else (local[3:6], local[:3])
+                points = [
+                    data.xpos[body] + data.xmat[body].reshape(3, 3) @ place
+                    for body, place in zip(bodies, at, strict=True)
+                ]
+            name = self.label(model.name_eqadr, number, f"loop_{number + 1}")
+            ends = [self.end(groups, body, name, point) for body, point in zip(bodies, points, strict=True)]
+            first, second = ends if ends[1] != GROUND else ends[::-1]
+            joints.append((Ball if kind == _CONNECT else Fixed)(first=first, second=second, name=name))
+
+
+def _placed(group: _Group, other: Any) -> Placed:
+    """The rigid body, or what stands in its place."""
+    rigid = RigidBody(group.name, group.mass, group.centre, group.inertia, group.points)
+    form = rigid if other is None else other
+    if other is not None:
+        if other.name != group.name:
+            raise ModelError(
+                f"body '{other.name}' is to stand in place of '{group.name}': give it this name, which "
+                "joints use"
+            )
+        size = max(float(np.abs(list(group.points.values())).max(initial=0.0)), np.finfo(float).tiny)
+        for name, point in group.points.items():
+            off = float(np.linalg.norm(other.interface(name).position - point))
+            if off > _PLACE * size:
+                raise ModelError(
+                    f"body '{group.name}': its interface '{name}' lies {off:.3g} off the joint, which is at "
+                    f"{point.tolist()} in the axes of the file's body; move the mesh, or the interface"
+                )
+    return Placed(form, position=group.position, rotation=group.rotation)

@@ -1,0 +1,85 @@
+"""Beams by tables of 6 x 6 sections, as lines and as elements: coupled, bent far."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from supple.body import RigidInterface, flexible_body, section_beams
+from supple.importers import SectionTable
+from supple.machine import DeadForce, Fixed, System
+from supple.methods.intrinsic import CLAMPED, intrinsic_body, section_line
+from supple.simulation import equilibrium
+from supple_benchmarks.references.section_beam import SectionAt, bent_tip, clamped_frequencies
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["CASES"]
+
+LENGTH = 10.0
+BOX = np.array(
+    [
+        [88.56e3, 0, 0, 0, 0, 0],
+        [0, 38.78e3, 0, 0, 0, 0],
+        [0, 0, 1368.17e3, 0, 0, 0],
+        [0, 0, 0, 59.12e3, -0.37e3, 17.61e3],
+        [0, 0, 0, -0.37e3, 141.47e3, -0.351e3],
+        [0, 0, 0, 17.61e3, -0.351e3, 16.96e3],
+    ]
+)
+"""A composite box whose bending twists it, lb and lb in^2, x and y across the beam: [Wang2017]."""
+BOX_MASS = np.diag([8.538e-2] * 3 + [0.40972e-2, 1.0336e-2, 1.4433e-2])
+"""Its inertia, lb s^2 / in^2 and lb s^2."""
+EQUATIONS = "equations of the beam with the same sections, integrated along it"
+
+
+def _box_beam() -> SectionTable:
+    """Ten inches of the box along z."""
+    one = np.ones((2, 1, 1))
+    return SectionTable([[0, 0, 0], [0, 0, LENGTH]], one * np.eye(3), one * BOX, one * BOX_MASS)  # pyright: ignore[reportArgumentType]
+
+
+def _coupled() -> Sequence[Comparison]:
+    flexibility = np.linalg.inv(BOX)
+    line = section_line("beam", _box_beam(), 3)
+    load = np.append(np.zeros(6), [0, 1.0, 0, 0, 0, 0])
+    twist = np.linalg.solve(line.stiffness[6:, 6:], load)[-1]
+    # The moment of a force along y is -(L - s) about x.
+    by_hand = float(-flexibility[5, 3] * LENGTH**2 / 2)
+    return [Comparison("twist of the tip by a force across it, rad/lb", twist, by_hand, "closed form", 1e-9)]
+
+
+def _vibrating() -> Sequence[Comparison]:
+    exact = clamped_frequencies(
+        lambda _s: SectionAt(np.eye(3), BOX, BOX_MASS), np.linspace(0, LENGTH, 21), np.linspace(10, 200, 39)
+    )[:3]
+    line = intrinsic_body(section_line("beam", _box_beam(), 31), CLAMPED).modes.frequencies
+    chain = flexible_body("beam", section_beams(_box_beam(), 30), [RigidInterface("root", "root")])
+    beams = np.sqrt(chain.lowest_modes(3, chain.interface("root").motion.toarray()).values)
+    return [
+        Comparison(f"frequency {k + 1} of {what}, rad/s", float(found[k]), float(exact[k]), EQUATIONS, 5e-3)
+        for what, found in (("a line of 31 stations", line), ("30 beams", beams))
+        for k in range(3)
+    ]
+
+
+def _bent_far() -> Sequence[Comparison]:
+    push = (0, 150.0, 0)
+    body = intrinsic_body(section_line("beam", _box_beam(), 21), CLAMPED)
+    clamp, load = Fixed(first="ground", second="beam.root"), DeadForce(at="beam.tip", force=push)
+    rest = equilibrium(System([body], [clamp], [load])).solution.bodies["beam"]
+    found = body.places(rest)[1][0, -1] - [0, 0, LENGTH]
+    exact = bent_tip(BOX, LENGTH, push)[:3]
+    source = f"{EQUATIONS}, exact; sections and load of [Wang2017]"
+    size = float(np.linalg.norm(exact))
+    return [
+        Comparison(f"tip along {axis} under 150 lb, in", float(a), float(b), source, 2e-4, size)
+        for axis, a, b in zip("xyz", found, exact, strict=True)
+    ]
+
+
+CASES: tuple[ValidationCase, ...] = (
+    ValidationCase("section table: a box that twists as it bends", _coupled),
+    ValidationCase("section table: frequencies of the box", _vibrating),
+    ValidationCase("section table: the box bent far", _bent_far),
+)

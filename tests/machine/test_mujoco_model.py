@@ -1,0 +1,261 @@
+"""Machines of URDF and MJCF against the same built by hand, and against MuJoCo's own integration."""
+
+from __future__ import annotations
+
+import builtins
+
+import numpy as np
+import pytest
+from fixtures.beam_bodies import beam_body
+
+from supple.body import NodalFixedFrame, RigidBody
+from supple.errors import ImportFormatError, ModelError
+from supple.integrate import FixedStep, Run
+from supple.machine import (
+    At,
+    Ball,
+    Cylindrical,
+    Fixed,
+    Placed,
+    Prismatic,
+    Revolute,
+    SlideStop,
+    System,
+    TorsionSpringDamper,
+    Universal,
+    read_mujoco,
+)
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
+from supple.simulation import simulate
+
+PENDULUM = """
+<mujoco model="pendulum"><compiler angle="radian"/><option gravity="0 0 -9.81"/>
+<worldbody>
+  <body name="upper" pos="0.1 0 1" euler="0 0.4 0">
+    <joint name="hip" type="hinge" axis="0 1 0" damping="0.2"/>
+    <inertial pos="0 0 -0.5" mass="2" fullinertia="0.2 0.22 0.05 0 0.01 0"/>
+    <body name="lower" pos="0 0 -1" euler="0 0.5 0">
+      <joint name="knee" type="hinge" axis="0 1 0" stiffness="3" springref="0.3"/>
+      <inertial pos="0.05 0 -0.4" mass="1" diaginertia="0.1 0.1 0.02"/>
+      <body name="foot" pos="0 0 -0.8">
+        <inertial pos="0.1 0 0" mass="0.5" diaginertia="0.01 0.02 0.03"/>
+      </body>
+    </body>
+  </body>
+</worldbody></mujoco>
+"""
+CART = """
+<mujoco model="cart"><compiler angle="radian"/>
+<worldbody>
+  <body name="cart" pos="0 0 0.5">
+    <joint name="rail" type="slide" axis="1 0 0" damping="0.5" stiffness="20"/>
+    <inertial pos="0 0 0" mass="3" diaginertia="0.1 0.1 0.1"/>
+    <body name="bob" euler="0 0.8 0">
+      <joint name="pin" type="hinge" axis="0 1 0"/>
+      <inertial pos="0 0 -1" mass="1" diaginertia="0.01 0.01 0.01"/>
+    </body>
+  </body>
+</worldbody></mujoco>
+"""
+RUN = Run(1.0, 0.02, step=FixedStep(0.002))
+
+
+@pytest.fixture(autouse=True)
+def mujoco():
+    return pytest.importorskip("mujoco")
+
+
+def integrated(mujoco, text, times):
+    """Positions (t, bodies, 3) of the frames of all bodies by MuJoCo's Runge-Kutta of fourth order."""
+    model = mujoco.MjModel.from_xml_string(text)
+    model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, 1e-4
+    data = mujoco.MjData(model)
+    found = []
+    for time in times:
+        while data.time < time - 1e-9:
+            mujoco.mj_step(model, data)
+        mujoco.mj_kinematics(model, data)
+        found.append(np.array(data.xpos[1:]))
+    return np.array(found)
+
+
+@pytest.mark.parametrize(("text", "names"), [(PENDULUM, ["upper", "lower"]), (CART, ["cart", "bob"])])
+def test_motion_is_that_of_mujoco(mujoco, text, names):
+    system = read_mujoco(text)
+    motion = simulate(system, RUN)
+    exact = integrated(mujoco, text, motion.times)
+    for number, name in enumerate(names):
+        found = motion.bodies[name].position
+        moved = np.abs(exact[:, number] - exact[0, number]).max()
+        if moved > 0:
+            assert np.abs(found - exact[:, number]).max() < 2e-4 * max(moved, 0.1)
+    assert {type(joint) for joint in system.joints} <= {Revolute, Prismatic}
+
+
+def test_a_double_pendulum_is_that_built_by_hand():
+    """Welded bodies are one: mass, centre and inertia by Steiner; joints and springs as in the file."""
+    system = read_mujoco(PENDULUM)
+    upper, lower = (placed.body for placed in system.bodies)
+    assert (upper.name, lower.name) == ("upper", "lower")
+    assert lower.mass == pytest.approx(1.5)
+    foot, own = np.array([0.1, 0, -0.8]), np.array([0.05, 0, -0.4])
+    centre = (own + 0.5 * foot) / 1.5
+    np.testing.assert_allclose(lower.centre, centre, atol=1e-12)
+    inertia = np.diag([0.1, 0.1, 0.02]) + np.diag([0.01, 0.02, 0.03])
+    for mass, point in ((1.0, own), (0.5, foot)):
+        d = point - centre
+        inertia += mass * (d @ d * np.eye(3) - np.outer(d, d))
+    np.testing.assert_allclose(lower.inertia, inertia, atol=1e-12)
+    np.testing.assert_allclose(upper.inertia, [[0.2, 0, 0.01], [0, 0.22, 0], [0.01, 0, 0.05]], atol=1e-12)
+
+    hip = Placed(
+        RigidBody("upper", 2.0, (0, 0, -0.5), upper.inertia, {"hip": (0, 0, 0), "knee": (0, 0, -1)}),
+        position=(0.1, 0, 1),
+        rotation=(0, 0.4, 0),
+    )
+    turn = hip.rotation
+    knee = Placed(
+        RigidBody("lower", 1.5, centre, inertia, {"knee": (0, 0, 0)}),
+        position=hip.position + turn @ (0, 0, -1),
+        rotation=(0, 0.9, 0),
+    )
+    by_hand = System(
+        bodies=[hip, knee],
+        joints=[
+            Revolute(first="ground", second="upper.hip", axis=(0, 1, 0)),
+            Revolute(first="upper.knee", second="lower.knee", axis=(0, 1, 0)),
+        ],
+        loads=[
+            TorsionSpringDamper(first="ground", second="upper.hip", axis=(0, 1, 0), damping=0.2),
+            TorsionSpringDamper(
+                first="upper.knee", second="lower.knee", axis=(0, 1, 0), stiffness=3.0, rest_angle=0.3
+            ),
+        ],
+        gravity=(0, 0, -9.81),
+    )
+    one, other = (simulate(each, RUN).bodies["lower"].position for each in (system, by_hand))
+    np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+def with_joints(joints, *, more="", inside=""):
+    return f"""<mujoco><compiler angle="radian"/><worldbody><body name="b" pos="0 0 1">{joints}
+    <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>{inside}</body></worldbody>{more}</mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("joints", "kinds"),
+    [
+        ('<joint type="ball" name="j"/>', [Ball]),
+        ('<freejoint name="j"/>', []),
+        ('<joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 0 1"/>', [Cylindrical]),
+        ('<joint type="hinge" axis="1 0 0"/><joint type="hinge" axis="0 1 0"/>', [Universal]),
+    ],
+)
+def test_kinds_of_joints(joints, kinds):
+    system = read_mujoco(with_joints(joints))
+    assert [type(joint) for joint in system.joints] == kinds
+
+
+def test_limits_are_stops():
+    """A slide that falls on its stop rests on it: depth = m g / k."""
+    text = with_joints(
+        '<joint name="j" type="slide" axis="0 0 1" limited="true" range="-0.01 1" damping="40"/>'
+    )
+    (*_, stop) = read_mujoco(text).loads
+    assert isinstance(stop, SlideStop)
+    assert (stop.lower, stop.upper) == (-0.01, 1.0)
+    assert stop.penalty.stiffness == pytest.approx(1 / 0.02**2)  # of one kilogram
+    motion = simulate(read_mujoco(text), Run(2.0, 0.5, step=FixedStep(0.002)))
+    assert motion.bodies["b"].position[-1, 2] == pytest.approx(1 - 0.01 - 9.81 * 0.02**2, abs=1e-5)
+
+
+def test_loops_are_closed():
+    inside = """<body name="c" pos="1 0 0"><joint name="k" axis="0 1 0"/>
+    <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>"""
+    for word, kind in (("connect", Ball), ("weld", Fixed)):
+        anchor = 'anchor="1 0 0"' if word == "connect" else ""
+        more = f'<equality><{word} name="end" body1="c" {anchor}/></equality>'
+        system = read_mujoco(with_joints('<joint name="j" axis="0 1 0"/>', more=more, inside=inside))
+        last = system.joints[-1]
+        assert isinstance(last, kind)
+        assert (str(last.first), last.second) == ("ground", At("c", "end"))
+    system = read_mujoco(
+        with_joints(
+            '<joint name="j" axis="0 1 0"/>',
+            more=more.replace("weld", "connect").replace('body1="c"', 'body1="c" anchor="1 0 0"'),
+            inside=inside,
+        )
+    )
+    np.testing.assert_allclose(system.bodies[1].body.points["end"], [1, 0, 0])
+
+
+def test_urdf(tmp_path):
+    (tmp_path / "arm.urdf").write_text(
+        """<robot name="arm"><link name="base"/>
+        <link name="boom"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+          <inertia ixx="0.1" iyy="0.2" izz="0.2" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="swing" type="revolute"><parent link="base"/><child link="boom"/><origin xyz="0 0 0.3"/>
+          <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="0" velocity="0"/></joint></robot>"""
+    )
+    system = read_mujoco(tmp_path / "arm.urdf")
+    (boom,) = (placed.body for placed in system.bodies)
+    assert (boom.name, boom.mass) == ("boom", 2.0)
+    np.testing.assert_allclose(boom.centre, [0.5, 0, 0])
+    assert [joint.name for joint in system.joints] == ["swing"]
+    assert len(system.loads) == 1
+
+
+def test_flexible_bodies_stand_in_place_of_rigid_ones():
+    """The interfaces of a beam are the joints of the file; a misplaced one is refused."""
+    text = """<mujoco><worldbody><body name="beams" pos="0 0 1"><joint name="root" axis="0 1 0"/>
+    <inertial pos="2 0 0" mass="324" diaginertia="1 400 400"/>
+    <body name="load" pos="PLACE 0 0"><joint name="tip" axis="0 1 0"/>
+    <inertial pos="0 0 -1" mass="5" diaginertia="1 1 1"/></body></body></worldbody></mujoco>"""
+    beam = reduce(
+        beam_body("root", "tip").linearized(), NodalFixedFrame("root"), CraigBampton(2),
+        derivatives=NoDerivatives(), loads=NoLoads,
+    )  # fmt: skip
+    system = read_mujoco(text.replace("PLACE", "4"), bodies={"beams": beam})
+    assert system.bodies[0].body is beam
+    np.testing.assert_allclose(system.bodies[0].position, [0, 0, 1])
+    with pytest.raises(ModelError, match=r"its interface 'tip' lies 0\.5 off the joint"):
+        read_mujoco(text.replace("PLACE", "3.5"), bodies={"beams": beam})
+    with pytest.raises(ModelError, match=r"no body 'wing' to replace; the machine has 'beams', 'load'"):
+        read_mujoco(text.replace("PLACE", "4"), bodies={"wing": beam})
+    with pytest.raises(ModelError, match="is to stand in place of 'load': give it this name"):
+        read_mujoco(text.replace("PLACE", "4"), bodies={"load": beam})
+
+
+def test_what_is_not_read():
+    motor = '<actuator><motor joint="j"/></actuator>'
+    text = with_joints('<joint name="j" axis="0 1 0" armature="0.1" frictionloss="1"/>', more=motor)
+    with pytest.raises(ModelError, match=r"actuators \(1\).*friction \(1\).*armature \(1\).*leave_out="):
+        read_mujoco(text)
+    assert len(read_mujoco(text, leave_out=["actuators", "friction", "armature"]).joints) == 1
+    with pytest.raises(ModelError, match="moves by slide and slide, which is no joint here"):
+        read_mujoco(with_joints('<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'))
+    with pytest.raises(ModelError, match="stops are within half a turn"):
+        read_mujoco(with_joints('<joint name="j" limited="true" range="-4 4"/>'))
+    assert not read_mujoco(with_joints('<joint limited="true" range="-4 4"/>'), leave_out=["limits"]).loads
+    two = '<joint axis="1 0 0" {}/><joint axis="0 1 0"/>'
+    with pytest.raises(ModelError, match="dampers in universal joints are not read"):
+        read_mujoco(with_joints(two.format('damping="1"')))
+    with pytest.raises(ModelError, match="limits of the balls and universal joints are not read"):
+        read_mujoco(with_joints('<joint type="ball" limited="true" range="0 1"/>'))
+    with pytest.raises(ImportFormatError, match="MuJoCo refuses it"):
+        read_mujoco("<mujoco><worldbody><body><joint/></body></worldbody></mujoco>")
+    with pytest.raises(ImportFormatError, match="no such file"):
+        read_mujoco("missing.xml")
+
+
+def test_without_the_library(monkeypatch):
+    real = builtins.__import__
+
+    def missing(name, *rest):
+        if name == "mujoco":
+            raise ImportError(name)
+        return real(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", missing)
+    with pytest.raises(ImportFormatError, match=r"pip install 'supple\[mujoco\]'"):
+        read_mujoco(CART)
