@@ -13,7 +13,7 @@ from supple.importers.deck import (
     SolidProperty,
     WallProperty,
 )
-from supple.mesh import CellType, block
+from supple.mesh import CellType, Mesh, block
 
 MATERIAL = "MAT1,5,2.1+11,,.3,7850.\n"
 STEEL = IsotropicMaterial(2.1e11, 0.3, 7850.0)
@@ -76,6 +76,35 @@ def test_tetrahedra_and_hexahedra(deck, bulk, kind):
     (made,) = read.properties.values()
     assert isinstance(made, SolidProperty)
     assert made.material == STEEL
+
+
+TETRA = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)
+TETRA_SIDES = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)]
+CUBE = np.array([(*xy, z) for z in (0, 1) for xy in ((0, 0), (1, 0), (1, 1), (0, 1))], dtype=float)
+CUBE_SIDES = [*((i, (i + 1) % 4) for i in range(4)), *((i, i + 4) for i in range(4))]
+CUBE_SIDES += [(4 + i, 4 + (i + 1) % 4) for i in range(4)]
+
+
+@pytest.mark.parametrize(
+    ("name", "corners", "sides"),
+    [
+        ("CTETRA", TETRA, TETRA_SIDES),
+        ("CPYRAM", PYRAMID, PYRAMID_SIDES),
+        ("CPENTA", PRISM, PRISM_SIDES),
+        ("CHEXA", CUBE, CUBE_SIDES),
+    ],
+)
+def test_solids_of_either_sense_are_turned_outwards(deck, name, corners, sides):
+    """Nastran takes both; in a mirror, a solid is of the other one."""
+    points = np.vstack([corners, [corners[list(side)].mean(axis=0) for side in sides]])
+    text = card(name, 1, 3, range(1, len(points) + 1)) + "PSOLID,3,5\n" + MATERIAL
+    for own in (points, points * [1, 1, -1]):
+        read = deck(grids(own) + text)
+        (found,) = read.elements
+        Mesh(read.nodes, {found.kind: found.nodes})  # which refuses inverted cells
+        ends, n = np.array(found.kind.edges), found.kind.n_corners
+        middles = read.nodes[found.nodes[0, n:]]
+        np.testing.assert_allclose(middles, read.nodes[found.nodes[0, ends]].mean(axis=1), atol=1e-6)
 
 
 def test_a_missing_middle_node_stands_midway_and_follows_its_corners(deck):
@@ -297,6 +326,7 @@ def test_directions_of_a_material(deck):
         ("MAT3,6,1.\nPSHELL,9,6,.1,6\n", "its material 6 is a MAT3, which is not read"),
         ("MAT9,6,1.\nPSHELL,9,6,.1,6\n", "its material 6 is a MAT9, which such elements do not take"),
         ("MAT1,6\nPSHELL,9,6,.1,6\n", "its material 6 has no stiffness"),
+        ("MAT1,6,1.,,.7\nPSHELL,9,6,.1,6\n", "Poisson's ratio of its material 6 is 0.7"),
         ("PSHELL,9,5,.1,-1\n", "plane strain"),
         ("PSHELL,9,5\n", "its property has no thickness"),
         ("PSHELL,9\n", "its property names no material"),
@@ -324,6 +354,7 @@ def test_materials_of_one_isotropic_set(deck):
         (",1.,.3", IsotropicMaterial(pytest.approx(2.6), 0.3, 0.0)),
         ("2.6,2.,.3", IsotropicMaterial(2.6, 0.3, 0.0, 2.0)),
         ("2.6,.5", IsotropicMaterial(2.6, 0.0, 0.0, 0.5)),
+        ("2.6,.5,1.6", IsotropicMaterial(2.6, 0.0, 0.0, 0.5)),
         ("2.6", IsotropicMaterial(2.6, 0.0, 0.0)),
     ]:
         read = deck(grids(PRISM[[0, 1, 2, 3]]) + f"CTETRA,1,3,1,2,3,4\nPSOLID,3,5\nMAT1,5,{words}\n")

@@ -66,7 +66,9 @@ def test_cards_that_would_change_the_body(deck, name):
 
 
 def test_cards_given_twice_alike_are_one(deck):
-    read = deck(SQUARE + "GRID,10,,0.,0.,0.\nCTRIA3,1,7,10,20,30\nPSHELL,7,5,0.1,5\n")
+    read = deck(
+        SQUARE + "GRID,10,,0,0.,0.0\nCTRIA3,1,7,10,20,30,,,\nPSHELL,7,5,.1,5\nMAT1,5,2.1E11,,.3,7850\n"
+    )
     assert len(read.node_ids) == 4
     assert sum(len(found.nodes) for found in read.elements) == 2
 
@@ -116,6 +118,12 @@ def test_supports_in_local_axes(deck):
 def test_analysis_set(deck):
     read = deck(SQUARE + "ASET1,123,10,THRU,25\nASET,40,3\n")
     assert sorted(read.node_ids[read.node_sets["aset"]]) == [10, 20, 40]
+
+
+def test_a_wrong_analysis_set_is_noted(deck):
+    read = deck(SQUARE + "ASET1,123,99\n")
+    assert "aset" not in read.node_sets
+    assert any("analysis set is not read: " in note and "names 99" in note for note in read.notes)
 
 
 # --- matrices
@@ -173,6 +181,12 @@ def test_parts_are_decks_of_their_own(deck):
     assert inner.properties["pshell_7"].material.youngs_modulus == 7e10
     assert inner.properties["pshell_7"].material.density == 7850 / 2
     assert read.properties["pshell_7"].material.youngs_modulus == 2.1e11
+
+
+def test_parts_that_are_no_models_are_left_out(deck):
+    read = deck("BEGIN BULK\n" + SQUARE + "BEGIN SUPER=4\nMAT1,5,1.\nBEGIN AUXMODEL=2\nGRID,1\nENDDATA\n")
+    assert not read.superelements
+    assert [(each.card, each.line) for each in read.left_out] == [("BEGIN SUPER", 11), ("BEGIN AUXMODEL", 13)]
 
 
 def test_a_partition_is_one_body(deck):

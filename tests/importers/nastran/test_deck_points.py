@@ -73,6 +73,12 @@ def test_scalar_elements_of_all_forms(deck, spring, field):
     np.testing.assert_allclose(K, expected, atol=1e-12)
 
 
+def test_grids_that_scalar_elements_name_stay_grids(deck):
+    read = deck(GRIDS + "CELAS4,1,3.,2\n")
+    assert not read.scalar_points.size
+    assert read.springs[0].freedoms.tolist() == [6]
+
+
 # --- bushings
 
 

@@ -80,7 +80,7 @@ def test_supports_and_the_analysis_set_are_node_sets(read):
     text += "SPC1,1,123456,10,20\nSPC,2,30,21,0.,40,12,0.\nSPC1,1,123456,30,THRU,45\n"
     text += "ASET1,123,10,THRU,20\nASET,40,4\n"
     sets = {name: members.tolist() for name, members in read(text).node_sets.items()}
-    assert sets == {"spc_3": [3], "spc2_12": [2, 3], "spc1_123456": [0, 1, 2, 3], "aset": [3, 0, 1]}
+    assert sets == {"spc_3": [3], "spc2_12": [2, 3], "spc1_123456": [0, 1, 2, 3], "aset": [0, 1, 3]}
 
 
 def test_the_freedoms_of_an_analysis_set_are_sorted_as_nastran_does(tmp_path):

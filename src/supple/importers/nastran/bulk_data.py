@@ -87,6 +87,10 @@ class BulkCard(NamedTuple):
         """Whether the fields from `start` to before `stop` are all blank."""
         return not any(self.fields[start:stop])
 
+    def same_as(self, other: BulkCard) -> bool:
+        """Whether another card says the same: 1. and 1.0 are one number, blank fields at the end are none."""
+        return self.name == other.name and _content(self.fields) == _content(other.fields)
+
     def _field(self, place: int) -> int:
         """Nastran's number of the field on its own row: 2 to 9."""
         return place % 8 + 2
@@ -118,6 +122,18 @@ class BulkFile:
     def named(self, *names: str) -> list[BulkCard]:
         """All cards of these names, those of the first name first."""
         return [card for name in names for card in self.by_name.get(name, [])]
+
+
+def _content(fields: tuple[str, ...]) -> list[str | float]:
+    values: list[str | float] = []
+    for word in fields:
+        try:
+            values.append(bulk_real(word))
+        except ValueError:
+            values.append(word.upper())
+    while values and values[-1] == "":
+        values.pop()
+    return values
 
 
 def integers(cards: Sequence[BulkCard], place: int, what: str, default: int | None = None) -> IntArray:

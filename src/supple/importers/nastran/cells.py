@@ -117,7 +117,7 @@ def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
     for card in cards:
         number = card.integer(0, f"the {what} id")
         first = found.setdefault(number, card)
-        if first is not card and first[:2] != card[:2]:
+        if first is not card and not card.same_as(first):
             raise card.error(
                 f"{what} {number} is defined a second time and differs from that of line {first.line}; "
                 "renumber or remove it"
@@ -218,10 +218,41 @@ def _solid_cells(
         nodes = grids_named(chosen, reading, 2, solid.corners)
         if wanted:
             nodes = np.concatenate([nodes, middles.of(chosen, solid, nodes)], axis=1)[:, list(solid.order)]
+        nodes = _turned_outwards(kind, nodes, reading)
         ids, lines = integers(chosen, 0, "the element id"), np.array([card.line for card in chosen])
         axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
         found.append(DeckElements(name, kind, nodes, ids, lines, of, axes))
     return found
+
+
+# Corners of a cell seen in a mirror: two of a tetrahedron change places, a pyramid's base turns the other
+# way, wedges and hexahedra swap bottom and top.
+_MIRRORED = {
+    4: (0, 2, 1, 3),
+    5: (0, 3, 2, 1, 4),
+    6: (3, 4, 5, 0, 1, 2),
+    8: (4, 5, 6, 7, 0, 1, 2, 3),
+}
+
+
+def _turned_outwards(kind: CellType, nodes: IntArray, reading: Reading) -> IntArray:
+    """Cells whose base turns about the way to their top; Nastran takes either sense of its solids."""
+    n = kind.n_corners
+    x = reading.positions(nodes[:, :n])
+    base = 3 if n in (4, 6) else 4
+    across = (x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]) if base == 3 else (x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
+    up = x[:, base:].mean(axis=1) - x[:, :base].mean(axis=1)
+    inverted = np.einsum("ci,ci->c", np.cross(*across), up) < 0
+    if not inverted.any():
+        return nodes
+    corner = _MIRRORED[n]
+    order = list(corner)
+    if nodes.shape[1] > n:
+        edge = {frozenset(ends): n + i for i, ends in enumerate(kind.edges)}
+        order += [edge[frozenset((corner[a], corner[b]))] for a, b in kind.edges]
+    turned = nodes.copy()
+    turned[inverted] = nodes[inverted][:, order]
+    return turned
 
 
 def _material_axes(

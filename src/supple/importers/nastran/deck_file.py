@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.deck import Deck, DeckElements, RigidTie, WeightedMean
+from supple.importers.deck import Deck, DeckElements, LeftOut, RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, read_bulk_data
 from supple.importers.nastran.case_control import read_case_control
 from supple.importers.nastran.cells import (
@@ -61,6 +61,17 @@ _MEANINGS = {
     "BGSET": "glue between surfaces: the parts it joins are not connected",
     "BGADD": "a choice of glued surfaces",
     "GENEL": "an element by its matrix",
+    "CBEAM3": "curved beams of three grids",
+    "CTRIAX": "axisymmetric solids",
+    "CTRIAX6": "axisymmetric solids",
+    "CQUADX": "axisymmetric solids",
+    "CTRAX3": "axisymmetric solids",
+    "CTRAX6": "axisymmetric solids",
+    "CQUADX4": "axisymmetric solids",
+    "CQUADX8": "axisymmetric solids",
+    "CCONEAX": "axisymmetric shells",
+    "CRAC2D": "elements at the tip of a crack",
+    "CRAC3D": "elements at the tip of a crack",
     "RSPLINE": "an interpolation between grids",
     "RSSCON": "a joint of shell and solid",
     "PBRSECT": "a section by its outline: its beams are left out, too",
@@ -104,10 +115,14 @@ def read_nastran_deck(path: str | Path) -> Deck:
     file = read_bulk_data(path)
     deck = _deck(file, file)
     parts: dict[str, Deck] = {}
+    absent: list[LeftOut] = []
     for (kind, name), part in file.parts.items():
-        if kind == "SUPER":
+        if kind == "SUPER" and part.named("GRID"):
             parts[f"super_{name}"] = _deck(part, file)
-    return replace(deck, superelements=parts) if parts else deck
+        else:
+            line = part.cards[0].line if part.cards else 0
+            absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"the part {name}, which is no model by grids"))
+    return replace(deck, superelements=parts, left_out=(*deck.left_out, *absent)) if file.parts else deck
 
 
 def _deck(file: BulkFile, whole: BulkFile) -> Deck:
@@ -187,9 +202,6 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
         reading.note(
             "The parts that SESET and SEELT make are a way to solve; they are read as one body, the whole."
         )
-    for kind, name in file.parts:
-        if kind != "SUPER":
-            reading.note(f"The part BEGIN {kind} = {name} is not read.")
     for name, cards in file.by_name.items():
         if name not in _READ and not has_no_effect(name):
             meaning = _MEANINGS.get(name, "a card that is not known here")
@@ -206,7 +218,7 @@ def _elements_once(file: BulkFile) -> BulkFile:
         first = found.setdefault(card.fields[0], card)
         if first is card:
             continue
-        if (first.name, first.fields) != (card.name, card.fields):
+        if not card.same_as(first):
             raise card.error(
                 f"element {card.word(0)} is defined a second time and differs from the {first.name} of line "
                 f"{first.line}; renumber or remove it"
@@ -241,8 +253,9 @@ def _scalar_points(file: BulkFile) -> IntArray:
             ids |= dict.fromkeys(range(first, last + 1))
         else:
             ids |= {card.integer(i, "a point"): None for i in range(len(card.fields)) if card.word(i)}
+    grids = {card.word(0) for card in file.named("GRID")}
     for card in file.named(*(f"{kind}{form}" for kind in ("CELAS", "CDAMP", "CMASS") for form in "34")):
-        ids |= {card.integer(i, "a scalar point", 0): None for i in (2, 3)}
+        ids |= {card.integer(i, "a scalar point", 0): None for i in (2, 3) if card.word(i) not in grids}
     ids.pop(0, None)
     return np.array(list(ids), dtype=np.int64)
 

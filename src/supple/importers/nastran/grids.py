@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
-from supple.importers.nastran.bulk_data import BulkCard, BulkFile, bulk_real, integers, reals
+from supple.importers.nastran.bulk_data import BulkCard, BulkFile, integers, reals
 from supple.importers.nastran.coordinate_system import (
     BASIC,
     Coordinates,
@@ -108,25 +108,12 @@ def _once(cards: list[BulkCard]) -> list[BulkCard]:
     found: dict[int, BulkCard] = {}
     for card, number in zip(cards, ids.tolist(), strict=True):
         first = found.setdefault(number, card)
-        if first is not card and _content(first) != _content(card):
+        if first is not card and not card.same_as(first):
             raise card.error(
                 f"grid {number} is defined a second time and differs from that of line {first.line}; "
                 "renumber or remove it"
             )
     return list(found.values())
-
-
-def _content(card: BulkCard) -> list[str | float]:
-    """The fields by value, without the blank ones at the end."""
-    values: list[str | float] = []
-    for word in card.fields:
-        try:
-            values.append(bulk_real(word))
-        except ValueError:
-            values.append(word.upper())
-    while values and values[-1] == "":
-        values.pop()
-    return values
 
 
 def _resolve(

@@ -44,7 +44,7 @@ class Materials:
         for card in reading.file.named(*MATERIAL_CARDS):
             number = card.integer(0, "the material id")
             first = self._cards.setdefault(number, card)
-            if first is not card and first[:2] != card[:2]:
+            if first is not card and not card.same_as(first):
                 raise card.error(
                     f"material {number} is defined a second time and differs from that of line {first.line}; "
                     "renumber or remove it"
@@ -105,14 +105,14 @@ class Materials:
         E, G, nu = (card.real(1 + i, what, 0.0) for i, what in enumerate(("E", "G", "NU")))
         has_E, has_G, has_nu = E > 0, G > 0, bool(card.word(3))
         shear: float | None = None
-        if nu <= -1:
-            return IsotropicMaterial(E, nu, 0.0)  # which `isotropic` refuses
-        if has_G and has_nu and not has_E:
-            E = 2 * G * (1 + nu)
-        elif has_G and has_E and not has_nu:
+        if has_G and has_E and not has_nu:
             nu = E / (2 * G) - 1
-            if not -1 < nu < 0.5:
-                nu, shear = 0.0, G
+        if has_G and has_E and not -1 < nu <= 0.5:
+            nu, shear = 0.0, G  # of beams, which have no use for it
+        elif nu <= -1:
+            return IsotropicMaterial(E, nu, 0.0)  # which `isotropic` leaves out
+        elif has_G and has_nu and not has_E:
+            E = 2 * G * (1 + nu)
         elif has_G and (not has_E or abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY):
             shear = G
         elif has_E and not has_nu:

@@ -33,7 +33,7 @@ def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidT
         number = card.integer(0, "the element id")
         first = taken.setdefault(number, card)
         if first is not card:
-            if first[:2] != card[:2]:
+            if not card.same_as(first):
                 raise card.error(f"element {number} is defined a second time; renumber or remove it")
             continue
         match card.name:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.errors import ImportFormatError
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading
@@ -40,7 +41,11 @@ def read_supports(reading: Reading) -> dict[str, IntArray]:
             if number in chosen:
                 for component in components:
                     held.setdefault((node, int(component) - 1), card.line)
-    physical = retained_freedoms(reading.file, reading.grids.ids, modal=False)
+    try:
+        physical = retained_freedoms(reading.file, reading.grids.ids, modal=False)
+    except ImportFormatError as error:  # a set changes no body
+        reading.note(f"The analysis set is not read: {error}")
+        physical = None
     if physical is not None:
         grids = np.unique(physical[physical[:, 1] > 0, 0])
         found["aset"] = dict.fromkeys(reading.grids.lookup(grids)[0].tolist())
