@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,7 @@ class Coordinates:
 
     whole : csc (n_nodal, n0)   u of coordinates q0: in threes of free nodes, then of rigid pieces; modal ones
     rest : csc (n0, n)          q0 of q, the identity where nothing but rigid pieces ties nodes
-    rigid_modes : (n, 6)
+    rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
     freedoms : (n,) the nodal freedom that each is, for messages; modal ones count on
     sets : the rigid pieces
     n_modal : coordinates of q0 that no node has
@@ -55,6 +56,8 @@ class Coordinates:
     whole: sparse.csc_array = field(repr=False)
     rest: sparse.csc_array | None = field(repr=False)
     rigid_modes: FloatArray = field(repr=False)
+    stiffness: sparse.csc_array = field(repr=False)
+    mass: sparse.csc_array = field(repr=False)
     freedoms: IntArray = field(repr=False)
     sets: tuple[RigidSet, ...] = field(repr=False)
     n_modal: int = 0
@@ -189,7 +192,8 @@ def coordinates(
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
     if bare.any():
-        state = state.after(_follow_statically(body, state.K, bare))
+        tied = _follow_statically(body, state.K, bare)
+        state = state.after(tied, _condensed(state.K, tied), state.M[tied.kept][:, tied.kept])
     try:
         motions = massless_motions(state.M, tolerance) if len(state.kept) else np.zeros((0, 0))
         if motions.shape[1]:
@@ -200,7 +204,7 @@ def coordinates(
             "everywhere?"
         ) from None
     return Coordinates(
-        *(whole, state.rest, state.R, freedoms[state.kept], sets, n_modal),
+        *(whole, state.rest, state.R, state.K, state.M, freedoms[state.kept], sets, n_modal),
         bare=freedoms[np.setdiff1d(before, state.kept)],
         n_fixed=still.indptr.size - 1,
     )
@@ -216,13 +220,13 @@ class _State:
     kept: IntArray
     rest: sparse.csc_array | None
 
-    def after(self, tied: StaticallyTied) -> _State:
-        """When some of them follow the others."""
+    def after(self, tied: StaticallyTied, K: Any = None, M: Any = None) -> _State:
+        """When some of them follow the others; K and M where they are known."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
-        return _State(
-            congruent(T, self.K), congruent(T, self.M), self.R[tied.kept], self.kept[tied.kept], rest
-        )
+        K = congruent(T, self.K) if K is None else sparse.csc_array(K)
+        M = congruent(T, self.M) if M is None else sparse.csc_array(M)
+        return _State(K, M, self.R[tied.kept], self.kept[tied.kept], rest)
 
 
 def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
@@ -323,3 +327,9 @@ def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.
     places = np.concatenate([kept, eliminated[i]]), np.concatenate([np.arange(len(kept)), reached[j]])
     values = np.concatenate([np.ones(len(kept)), solved[i, j]])
     return StaticallyTied(kept, sparse.csc_array((values, places), shape=(len(bare), len(kept))))
+
+
+def _condensed(stiffness: sparse.csc_array, tied: StaticallyTied) -> sparse.csc_array:
+    """K_kk + K_ke T_ek of freedoms in equilibrium: less work than T^T K T, and the same."""
+    product = sparse.csc_array(stiffness[tied.kept] @ tied.expansion)
+    return sparse.csc_array(0.5 * (product + product.T))

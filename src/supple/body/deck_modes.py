@@ -82,7 +82,7 @@ def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray
     if not len(made.freedoms):
         return np.zeros(0)
     wanted = min(n if held else n + 6 + MORE_MODES, len(made.freedoms))
-    values = lowest_modes(made.of(model.stiffness), made.of(model.mass), wanted).values
+    values = lowest_modes(made.stiffness, made.mass, wanted).values
     if not held and len(values):
         values = values[values > ZERO_MODE * values[-1]]
     return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi)

@@ -78,7 +78,7 @@ def free_body(
         n_modal=n_modal,
         tolerance=rigid_tolerance,
     )
-    M, K = made.of(M_nodal), made.of(K_nodal)
+    M, K = made.mass, made.stiffness
     # Before freedoms follow others: forces that have cancelled do not show their size.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
     check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)

@@ -150,7 +150,7 @@ def check_model(
     positive = all(f.verdict is not Verdict.REFUSED for f in findings[:-2])
     if n_frequencies == 0 or not positive or made is None:
         return check
-    modes, n_zero, frequencies = _modes(K, M, R, n_frequencies, labels, dofs_per_node, made)
+    modes, n_zero, frequencies = _modes(M, R, n_frequencies, labels, dofs_per_node, made)
     return ModelCheck((*findings, *modes), properties, energy, n_zero, frequencies)
 
 
@@ -487,7 +487,6 @@ def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[F
 
 
 def _modes(
-    K: sparse.csc_array,
     M: sparse.csc_array,
     R: FloatArray,
     n_frequencies: int,
@@ -495,10 +494,9 @@ def _modes(
     dofs_per_node: int,
     made: Coordinates,
 ) -> tuple[list[Finding], int | None, tuple[float, ...]]:
-    stiffness, mass = made.of(K), made.of(M)
     wanted = min(6 + n_frequencies, len(made.freedoms))
     try:
-        pairs = lowest_modes(stiffness, mass, wanted)
+        pairs = lowest_modes(made.stiffness, made.mass, wanted)
     except (ModelError, AccuracyError) as error:
         remedy = (
             "strain energy cannot be negative; export the elastic stiffness, without loads or geometric terms"

@@ -27,6 +27,7 @@ TOPICS = (
     "condensed_models",
     "elements_at_rest",
     "sections_and_cells",
+    "decks",
     "flexible_motion",
     "machine_elements",
 )
