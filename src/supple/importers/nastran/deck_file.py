@@ -180,6 +180,9 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         left_out=reading.left_out,
         notes=tuple(reading.notes),
         scalar_points=reading.scalar_points,
+        lumps_lines=not any(
+            card.word(0) == "COUPMASS" and not card.word(1).startswith("-") for card in file.named("PARAM")
+        ),
     )
 
 
