@@ -518,7 +518,7 @@ def test_a_section_beside_a_tie_is_refused():
 
 
 def test_a_deck_that_lumps_its_beams_vibrates_as_masses_on_springs():
-    """One element from a support: omega^2 = (E A / L) / (m L / 2) along it; the consistent mass has m L / 3."""
+    """One element from a support: omega^2 = (E A / L) / (m L / 2); the consistent mass has m L / 3."""
     clamped = terms(*({c: 1.0} for c in (*range(6), 7, 8, 9, 10, 11)))
     given = deck(along_x(1.0, 1), beam(np.arange(2)), held=(clamped,))
     unit = np.sqrt(STEEL.youngs_modulus / STEEL.density) / (2 * np.pi)
