@@ -29,6 +29,8 @@ from supple.body import (
 )
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import LabelledMatrix, NodeTable
+from supple.linearization import linearize, machine_modes
+from supple.machine import GROUND, At, Fixed, Spin, System
 from supple.methods.floating.full.full_damping import full_damping
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
 
@@ -194,6 +196,18 @@ def test_a_sound_model_passes_every_gate(beam, labels, ours):
     assert [f for f in check.findings if f.verdict is not Verdict.OK] == []
     assert check.mass.mass == pytest.approx(ours.mass)
     assert check.n_zero_modes == 6
+    assert "nothing but the boundary is drawn" in {f.what: f.seen for f in check.findings}["points inside"]
+
+
+def test_points_inside_are_checked(beam, labels):
+    points, T, ids = inside(beam)
+    matrices = replace(matrices_of(beam, labels), recovery=Recovery(points, ids, T))
+    assert {f.what: f.seen for f in check_nodal_matrices(matrices).findings}["points inside"].startswith(
+        "9, "
+    )
+    found = refused(replace(matrices, recovery=Recovery(points, ids, 2 * T)))["points inside"]
+    assert "misses rigid motion by" in found.seen
+    assert "absolute displacements" in found.remedy
 
 
 def test_rotations_without_mass_pass_every_gate():
@@ -333,6 +347,29 @@ def test_recovered_points_are_nodes(form, tmp_path, beam, labels, ours):
         np.testing.assert_allclose(np.abs(one), np.abs(other), atol=1e-6 * np.abs(other).max())
 
 
+def test_recovered_points_tell_how_modal_coordinates_turn(beam, ours):
+    """Centrifugal and Coriolis terms of a spin at a third of the lowest frequency, with and without them."""
+    points, T, ids = inside(beam)
+    given = (beam.grids, beam.stiffness, beam.mass)
+    options = {"dofs_per_node": 6, "interfaces": ENDS}
+    bodies = [
+        as_reduced(superelement("beams", *given, **options, recovery=recovery))
+        for recovery in (None, Recovery(points, ids, T), Recovery(points[:3], ids[:3], T[:9]))
+    ]
+
+    def frequencies(body):
+        machine = System([body], [Fixed(first=GROUND, second=At("beams", "root"))])
+        return machine_modes(
+            linearize(machine, spin=Spin(axis=(0, 0, 1), rate=10.0), fulls=()), 4
+        ).frequencies
+
+    exact = frequencies(ours)
+    without, with_points, with_few = (np.abs(frequencies(body) / exact - 1).max() for body in bodies)
+    assert with_points < 3e-5
+    assert 1e-3 < without < 5e-3
+    assert with_few == pytest.approx(without)  # whose masses are not those of the body
+
+
 def test_a_recovery_matrix_that_misses_rigid_motion(beam):
     points, T, ids = inside(beam)
     relative = T.copy()
@@ -352,7 +389,7 @@ def test_a_recovery_matrix_that_misses_rigid_motion(beam):
 
 
 def test_a_damping_matrix_is_that_of_the_body(tmp_path, beam, labels):
-    """beta K as a file is Rayleigh damping with beta, reduced and in full; drag on rigid motion is refused."""
+    """beta K as a file is Rayleigh's damping by beta, reduced and in full; drag is refused."""
     beta = 0.01
     (tmp_path / "arm.bdf").write_text("\n".join(cards_of_grids(beam)))
     write_dmig(tmp_path / "arm.pch", labels, KAAX=beam.stiffness, MAAX=beam.mass, BAAX=beta * beam.stiffness)

@@ -523,5 +523,5 @@ def test_a_deck_that_lumps_its_beams_vibrates_as_masses_on_springs():
     given = deck(along_x(1.0, 1), beam(np.arange(2)), held=(clamped,))
     unit = np.sqrt(STEEL.youngs_modulus / STEEL.density) / (2 * np.pi)
     for lumps, factor in ((True, 2.0), (False, 3.0)):
-        found = deck_frequencies(replace(given, lumps_lines=lumps), 1, held=True)
+        found = deck_frequencies(replace(given, lumped_mass=lumps), 1, held=True)
         assert found[0] == pytest.approx(np.sqrt(factor) * unit)

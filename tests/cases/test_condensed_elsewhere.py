@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from fixtures.beam_bodies import beam_body
 from fixtures.condensed_beam import condensed_beam, inside, write_condensed_hdf5
+from scipy.io import mmwrite
 from typer.testing import CliRunner
 
 from supple.body import AveragingInterface, FullBody, NodalFixedFrame, Recovery, RigidInterface, superelement
@@ -131,6 +132,31 @@ def test_a_case_runs_is_checked_and_has_modes(tmp_path, beam, ours):
         assert result.exit_code == 0, result.output
         if command[0] == "check":
             assert "modal coordinates" in result.output
+
+
+def test_matrix_market_files_have_modal_rows_behind_those_of_the_nodes(tmp_path, beam):
+    points, T, _ = inside(beam)
+    given = {
+        "K": beam.stiffness,
+        "M": beam.mass,
+        "C": 0.01 * beam.stiffness,
+        "x": beam.grids,
+        "T": T,
+        "p": points,
+    }
+    for name, matrix in given.items():
+        mmwrite(tmp_path / f"{name}.mtx", matrix, precision=17)
+    files = 'stiffness = "K.mtx", mass = "M.mtx", damping = "C.mtx", nodes = "x.mtx", recovery = "T.mtx"'
+    text = CASE.replace('mesh = "arm.h5"\n', "").replace(
+        'matrices = { stiffness = "arm.h5", mass = "arm.h5", recovery = "arm.h5" }',
+        f'superelement = {{ {files}, points = "p.mtx", dofs_per_node = 6 }}',
+    )
+    (tmp_path / "arm.toml").write_text(text.replace("[20]", "[0]").replace("[10]", "[1]"))
+    case = read_case(tmp_path / "arm.toml")
+    assert case.sources["arm"].check(3).is_accepted
+    body = case.flexible["arm"]
+    assert (body.n_modal, len(body.nodes)) == (MODES, 2 + len(points))
+    assert abs(body.damping - 0.01 * body.stiffness).max() < 1e-12 * abs(body.stiffness).max()
 
 
 def test_recovered_points_can_be_averaged_but_not_tied(tmp_path, beam):

@@ -3,7 +3,19 @@
 import numpy as np
 import pytest
 
-from supple.fem import HomogeneousSection, lumped_mass, shell_model, solid_model
+from supple.body import rigid_mass_properties
+from supple.fem import (
+    CellMass,
+    HomogeneousSection,
+    Isotropic,
+    RodSection,
+    Section,
+    consistent_mass,
+    finite_element_model,
+    lumped_mass,
+    shell_model,
+    solid_model,
+)
 from supple.mesh import CellType, Mesh, block, box_beam, plate
 
 SOLIDS = (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
@@ -80,3 +92,39 @@ def test_mass_is_positive_definite_and_lumping_keeps_the_total(build, material, 
     assert lumped.min() > 0
     R = rigid_modes(model)[:, :3]
     np.testing.assert_allclose(R.T @ (lumped[:, None] * R), R.T @ model.mass @ R, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize("rule", [CellMass.lumped, consistent_mass])
+def test_rods_vibrate_by_the_mass_of_their_model(rule):
+    """omega = 2 c/h sin(k h/2) of beads; sqrt(6 (1 - cos k h) / (2 + cos k h)) c/h of linear functions."""
+    n, length, c = 8, 2.0, np.sqrt(3.0 / 2.0)
+    mesh = Mesh(
+        np.linspace(0, length, n + 1)[:, None] * [1.0, 0, 0],
+        {CellType.LINE2: np.column_stack([np.arange(n), np.arange(1, n + 1)])},
+    )
+    rod = Section(CellType.LINE2, np.arange(n), RodSection(Isotropic(3.0, 0.3, 2.0), 0.1))
+    model = finite_element_model(mesh, (rod,), mass_of=rule)
+    along = 3 * np.arange(1, n)
+    K, M = (matrix.toarray()[np.ix_(along, along)] for matrix in (model.stiffness, model.mass))
+    omega = np.sqrt(1 / np.linalg.eigvals(np.linalg.solve(K, M)).real.max())
+    phase, h = np.pi / n, length / n
+    beads = 2 * np.sin(phase / 2)
+    linear = np.sqrt(6 * (1 - np.cos(phase)) / (2 + np.cos(phase)))
+    assert omega == pytest.approx(c / h * (beads if rule is CellMass.lumped else linear), rel=1e-9)
+
+
+def test_a_lumped_mass_beside_its_nodes_stays_where_it_is():
+    wall = HomogeneousSection(Isotropic(1.0, 0.3, 7.0), 0.01, offset=0.05)
+    mesh = plate(1.0, 0.5, 4, 2)
+    section = Section(CellType.TRIANGLE3, np.arange(mesh.n_cells), wall)
+    model = finite_element_model(mesh, (section,), mass_of=CellMass.lumped)
+    centre = rigid_mass_properties(model.mass, mesh.nodes, 6).centre
+    np.testing.assert_allclose(centre - mesh.nodes.mean(axis=0), [0, 0, 0.05], atol=1e-12)
+
+
+def test_a_lumped_mass_of_no_density_is_none():
+    wall = HomogeneousSection(Isotropic(1.0, 0.3, 0.0), 0.01)
+    mesh = plate(1.0, 0.5, 2, 1)
+    section = Section(CellType.TRIANGLE3, np.arange(mesh.n_cells), wall)
+    mass = finite_element_model(mesh, (section,), mass_of=CellMass.lumped).mass
+    assert (mass.data == 0).all()

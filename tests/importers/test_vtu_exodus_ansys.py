@@ -137,6 +137,7 @@ POINTS = '<DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 
         (vtu(POINTS, ASCII_CELLS.replace("0 1 2 3", "0 1 2 9")), "tetra cells name node 9"),
         (vtu(POINTS, ASCII_CELLS.replace(">4<", ">5<")), "1 cell types, 1 offsets, 4 nodes of cells"),
         (vtu(POINTS.replace("1 0 0", "1 x 0"), ASCII_CELLS), "the points are broken"),
+        (vtu(POINTS.replace("1 0 0", "1 0", 1), ASCII_CELLS), "11 coordinates of points"),
         (vtu("", ASCII_CELLS), "the points are missing"),
         (vtu(POINTS, ASCII_CELLS).replace("<VTK", "<!DOCTYPE x><VTK", 1), "declares entities"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import multiprocessing as mp
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from scipy.io import netcdf_file
 from scipy.sparse import csc_array
 
 import supple as sp
@@ -17,12 +19,14 @@ from supple.errors import SuppleError
 from supple.importers import (
     MatrixRole,
     read_deck,
+    read_exodus,
     read_labelled_matrix,
     read_matrix,
     read_nodes,
     read_polar,
     read_rotor,
     read_stations,
+    read_vtu,
     read_windio_blade,
 )
 from supple.importers.time_table import read_time_table
@@ -329,6 +333,18 @@ _TWO_INP = (
     + _STEEL_INP
 )
 
+_VTU = """\
+<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian">
+<UnstructuredGrid><Piece NumberOfPoints="4" NumberOfCells="1"><Points>
+<DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>
+<Cells><DataArray type="Int32" Name="connectivity" format="binary">EAAAAAAAAAABAAAAAgAAAAMAAAA=</DataArray>
+<DataArray type="Int32" Name="offsets" format="ascii">4</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">10</DataArray></Cells>
+<PointData><DataArray type="Int8" Name="root" format="ascii">1 0 0 1</DataArray></PointData>
+</Piece></UnstructuredGrid></VTKFile>
+"""
+
 
 def _meshes() -> Iterator[Kind]:
     def abaqus(path: Path) -> None:
@@ -357,6 +373,23 @@ def _meshes() -> Iterator[Kind]:
     folder = REPOSITORY / "tests" / "importers" / "gmsh_square"
     squares = tuple(Seed("mesh.msh", path.read_bytes()) for path in sorted(folder.glob("*.msh")))
     yield Kind("Gmsh", sp.read_gmsh, squares)
+    yield Kind("VTU", read_vtu, (Seed("mesh.vtu", _VTU.encode()),))
+    with netcdf_file(packed := io.BytesIO(), "w") as file:
+        file.createDimension("three", 3)
+        file.createDimension("nodes", 4)
+        file.createDimension("one", 1)
+        for name, code, dimensions, values in (
+            ("coord", "d", ("three", "nodes"), np.eye(4)[1:]),
+            ("connect1", "i", ("one", "nodes"), [[1, 2, 3, 4]]),
+            ("eb_prop1", "i", ("one",), [7]),
+            ("ns_prop1", "i", ("one",), [3]),
+            ("node_ns1", "i", ("one",), [2]),
+        ):
+            file.createVariable(name, code, dimensions)[:] = values
+        file.variables["connect1"].elem_type = "TETRA"
+        file.flush()
+        exodus = packed.getvalue()
+    yield Kind("Exodus", read_exodus, (Seed("mesh.exo", exodus),))
 
 
 def _matrices(folder: Path) -> Iterator[Kind]:
@@ -364,7 +397,7 @@ def _matrices(folder: Path) -> Iterator[Kind]:
 
     def both(path: Path) -> None:
         table = read_nodes(folder / nodes.name)
-        for role in MatrixRole:
+        for role in (MatrixRole.STIFFNESS, MatrixRole.MASS):
             read_labelled_matrix(path, role, table)
 
     def one(path: Path) -> None:

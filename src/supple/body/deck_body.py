@@ -21,6 +21,7 @@ from supple.fem import (
     Anisotropic,
     Attached,
     BeamSection,
+    CellMass,
     Constraints,
     FiniteElementModel,
     HomogeneousSection,
@@ -30,6 +31,7 @@ from supple.fem import (
     RodSection,
     Section,
     ShellKinematics,
+    consistent_mass,
     finite_element_model,
     linear_strains,
 )
@@ -123,7 +125,14 @@ def deck_model(
         ),
         constraints=_constraints(deck, d, (*deck.constraints, *deck.held) if held else deck.constraints),
     )
-    return finite_element_model(mesh, sections, kinematics=kinematics, attached=attached, dofs_per_node=d)
+    return finite_element_model(
+        mesh,
+        sections,
+        kinematics=kinematics,
+        attached=attached,
+        dofs_per_node=d,
+        mass_of=CellMass.lumped if deck.lumped_mass else consistent_mass,
+    )
 
 
 def deck_connections(deck: Deck) -> tuple[Connection, ...]:

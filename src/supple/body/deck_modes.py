@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from supple.algebra import lowest_modes
 from supple.body.coordinates import coordinates, rigid_sets
@@ -17,9 +15,8 @@ from supple.body.deck_parts import deck_parts, with_scalar_points, without_scala
 from supple.body.free_body import RIGID_TOLERANCE
 from supple.body.mass_properties import MassProperties, rigid_mass_properties
 from supple.body.model_check import ZERO_MODE
-from supple.errors import ModelError, SuppleWarning
-from supple.fem import Attached, FiniteElementModel, cell_masses
-from supple.fem.mass import mass_matrix
+from supple.errors import SuppleWarning
+from supple.fem import FiniteElementModel
 from supple.importers.deck import Deck
 
 __all__ = ["deck_frequencies", "deck_mass", "deck_models", "mass_of_models"]
@@ -62,8 +59,7 @@ def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
     """The n lowest natural frequencies of all parts, cycles per unit of time, ascending.
 
     Of a free deck those of elastic modes; at its own supports all, also of motions that these leave free.
-    Parts without mass have none. Where the deck lumps the mass of beams, so do these, at its supports: they
-    are the numbers of its own program; those of a body, whose mass is consistent, are closer to the truth.
+    Parts without mass have none.
 
     Raises
     ------
@@ -72,27 +68,8 @@ def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
     found = [np.zeros(0)]
     for model in deck_models(deck, held=held).values():
         if model.mass.nnz and model.mass.diagonal().max() > 0:
-            lumped = _lumped(model) if held and deck.lumps_lines else model
-            try:
-                found.append(_frequencies(lumped, n, held=held))
-            except ModelError:  # a freedom that lumping leaves with neither mass nor stiffness
-                if lumped is model:
-                    raise
-                found.append(_frequencies(model, n, held=held))
+            found.append(_frequencies(model, n, held=held))
     return np.sort(np.concatenate(found))[:n]
-
-
-def _lumped(model: FiniteElementModel) -> FiniteElementModel:
-    """With the mass of beams and rods that lie between their nodes in halves at these, without inertia."""
-    lines = tuple(each for each in model.sections if each.cell_type.dimension == 1 and each.offsets is None)
-    if not lines:
-        return model
-    d = model.dofs_per_node
-    own = mass_matrix(cell_masses(replace(model, sections=lines, attached=Attached())), model.mesh.n_nodes, d)
-    diagonal = np.zeros(model.n_dofs)
-    for axis in range(3):
-        diagonal[axis::d] = own[axis::d][:, axis::d].sum(axis=1)
-    return replace(model, mass=sparse.csc_array(model.mass - own + sparse.diags_array(diagonal)))
 
 
 def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray:

@@ -43,7 +43,7 @@ class FlexibleBody:
         and rigid pieces, as q0 = rest @ q, and their mass (n0, n0); None where q0 = q
     damping       : csc (n, n), N s/m, what its files say; None without. Options of a reduction add to it
     n_modal : modal coordinates among q, of a model that was condensed elsewhere: no node has them, they carry
-        mass that `nodal_mass` lacks, and no part of it turns with the frame
+        mass that `nodal_mass` lacks, and only masses of recovered points among `threes` turn with the frame
     """
 
     name: str

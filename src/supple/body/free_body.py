@@ -95,6 +95,10 @@ def free_body(
     if recovery is not None:
         recovery.check(name, nodes, dofs_per_node, n_nodal + n_modal)
         T = sparse.csc_array(sparse.vstack([T, recovery.rows(dofs_per_node) @ of_all]))
+        masses = recovery.masses(M_nodal.toarray(), nodes, dofs_per_node) if n_modal else None
+        if masses is not None:
+            points = sparse.csc_array(recovery.matrix) @ of_all
+            threes = _with_points(_threes(made, _of_nodes(masses[0])), points, masses[1])
         own_mass, rotation_operator = _widened(own_mass, rotation_operator, len(every) * dofs_per_node)
     body = FlexibleBody(
         name=name,
@@ -129,13 +133,34 @@ def free_body(
 def _threes(
     made: Coordinates, nodal_mass: sparse.csc_array
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
-    """Coordinates in threes of the body's, and their mass; modal coordinates turn with nothing."""
+    """Coordinates in threes of the body's, and their mass: of nodes, so that modal ones turn with nothing."""
     rest = made.threes
     if rest is None:
         return None
     n_threes, n_nodal = rest.indptr.size - 1, nodal_mass.indptr.size - 1
     whole = sparse.csc_array(made.whole[:n_nodal, :n_threes])
     return sparse.csc_array(rest), congruent(whole, nodal_mass)
+
+
+def _of_nodes(masses: NDArray[np.float64]) -> sparse.csc_array:
+    """Masses and moments of inertia (N, 1 or 2) on the freedoms of the nodes."""
+    return sparse.csc_array(sparse.diags_array(np.repeat(masses, 3)))
+
+
+def _with_points(
+    of_nodes: tuple[sparse.csc_array, sparse.csc_array] | None,
+    points: sparse.csc_array,
+    masses: NDArray[np.float64],
+) -> tuple[sparse.csc_array, sparse.csc_array] | None:
+    """Coordinates in threes with displacements (3 P, n) of points behind them, and their masses."""
+    if of_nodes is None:
+        return None
+    rest, mass = of_nodes
+    own = sparse.diags_array(np.repeat(masses, 3))
+    return (
+        sparse.csc_array(sparse.vstack([rest, points])),
+        sparse.csc_array(sparse.block_diag([mass, own])),
+    )
 
 
 def _widened(

@@ -21,7 +21,7 @@ from supple.body.labelled_superelement import NodalMatrices
 from supple.body.mass_properties import MassProperties, mesh_mass_properties, rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import AccuracyError, ModelError
-from supple.fem import Attached, FiniteElementModel
+from supple.fem import Attached, FiniteElementModel, consistent_mass
 from supple.mesh import Mesh
 
 __all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", "check_nodal_matrices"]
@@ -156,6 +156,11 @@ def check_model(
 
 def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
     """`check_model` of finite elements, their mass against that of the mesh, and how their cells meet."""
+    expected = mesh_mass_properties(model)
+    if model.mass_of is not consistent_mass:
+        # Mass at the nodes has an inertia of its own, which the size of the cells tells.
+        found = rigid_mass_properties(model.mass, model.mesh.nodes, model.dofs_per_node)
+        expected = replace(expected, inertia=found.inertia)
     check = check_model(
         model.mesh.nodes,
         model.stiffness,
@@ -163,7 +168,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
         dofs_per_node=model.dofs_per_node,
         n_frequencies=n_frequencies,
         node_ids=model.mesh.node_ids,
-        mesh_mass=mesh_mass_properties(model),
+        mesh_mass=expected,
         attached=model.attached,
     )
     return replace(check, findings=(*check.findings, _cells_twice(model.mesh), *_middle_nodes(model.mesh)))
@@ -173,7 +178,7 @@ def check_nodal_matrices(
     matrices: NodalMatrices, *, n_frequencies: int = 6, rigid_tolerance: float | None = None
 ) -> ModelCheck:
     """`check_model` of the matrices of another program, naming its nodes, as exact as their digits are."""
-    return check_model(
+    check = check_model(
         matrices.nodes,
         matrices.stiffness,
         matrices.mass,
@@ -182,6 +187,26 @@ def check_nodal_matrices(
         node_ids=matrices.node_ids,
         rigid_tolerance=matrices.rigid_tolerance if rigid_tolerance is None else rigid_tolerance,
     )
+    return replace(check, findings=(*check.findings, *_points_inside(matrices)))
+
+
+def _points_inside(matrices: NodalMatrices) -> Iterator[Finding]:
+    """What is known of a condensed model between its boundary grids."""
+    what = "points inside"
+    if matrices.recovery is None:
+        if len(matrices.modal):
+            yield Finding(
+                what, "none: nothing but the boundary is drawn and sensed; a recovery matrix gives them"
+            )
+        return
+    n = matrices.stiffness.indptr.size - 1
+    try:
+        matrices.recovery.check("model", matrices.nodes, matrices.dofs_per_node, n)
+    except ModelError as error:
+        seen, _, remedy = str(error).removeprefix("body 'model': ").partition("; ")
+        yield Finding(what, seen, Verdict.REFUSED, remedy)
+        return
+    yield Finding(what, f"{len(matrices.recovery.points)}, which move rigidly with the boundary")
 
 
 def _cells_twice(mesh: Mesh) -> Finding:

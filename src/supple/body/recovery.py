@@ -1,6 +1,11 @@
 """Recovery: points inside a condensed model, whose displacements follow its freedoms by a matrix.
 
-u_points = T [u_boundary; eta],      T R = R_points
+    u_points = T [u_boundary; eta],      T R = R_points
+
+Masses on these points and on the nodes tell what the matrices do not: which way modal coordinates move the
+mass. They are those, none negative, whose sum is nearest the mass matrix, in the scale of its diagonal:
+
+    M  ~  sum_a m_a T_a^T T_a + sum_a J_a Theta_a^T Theta_a,      m_a, J_a >= 0
 """
 
 from __future__ import annotations
@@ -10,7 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.optimize import nnls
 
+from supple.body.mass_properties import rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
 from supple.errors import ModelError
 
@@ -20,6 +27,8 @@ FloatArray = NDArray[np.float64]
 
 # Of a rigid motion, against the size of the body: rounding of matrices printed with few digits.
 _MOVES_RIGIDLY = 1e-4
+_MOST_MASSES = 1500
+_LARGEST_MISS = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +65,40 @@ class Recovery:
                 "columns in the order of the matrices, boundary freedoms and modal coordinates alike, in "
                 "basic axes"
             )
+
+    def masses(
+        self, mass: FloatArray, nodes: FloatArray, dofs_per_node: int
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """Masses (N, 1 or 2) of the nodes, of translations and rotations, and of the points (P,).
+
+        None where they miss the body's mass, or its centre, by more than 5 %, as those of points in a part
+        of it do, or where the points are too many.
+        """
+        n, n_nodes, parts = len(mass), len(nodes), dofs_per_node // 3
+        if n_nodes * parts + len(self.points) > _MOST_MASSES:
+            return None
+        diagonal = np.diag(mass)
+        scale = np.divide(1.0, np.sqrt(np.maximum(diagonal, 0.0)), out=np.zeros(n), where=diagonal > 0)
+        scaled = scale[:, None] * mass * scale
+        own = np.eye(n)[: n_nodes * dofs_per_node]
+        shapes = np.concatenate([own, self.matrix]).reshape(-1, 3, n) * scale
+        flat = shapes.reshape(-1, n)
+        products = ((flat @ flat.T) ** 2).reshape(len(shapes), 3, len(shapes), 3).sum(axis=(1, 3))
+        wanted = np.einsum("aij,aij->a", shapes, shapes @ scaled)
+        values, vectors = np.linalg.eigh(products)
+        kept = values > 1e-12 * values[-1]
+        root = np.sqrt(values[kept])
+        found = nnls(root[:, None] * vectors[:, kept].T, (vectors[:, kept].T @ wanted) / root)[0]
+        of_nodes, of_points = found[: n_nodes * parts].reshape(n_nodes, parts), found[n_nodes * parts :]
+        whole = rigid_mass_properties(mass, nodes, dofs_per_node)
+        arms = np.concatenate([nodes, self.points]) - whole.centre
+        weights = np.concatenate([of_nodes[:, 0], of_points])
+        radius = np.sqrt(np.trace(whole.inertia) / whole.mass)
+        if abs(weights.sum() - whole.mass) > _LARGEST_MISS * whole.mass:
+            return None
+        if np.linalg.norm(weights @ arms) > _LARGEST_MISS * whole.mass * radius:
+            return None
+        return of_nodes, of_points
 
     def rows(self, dofs_per_node: int) -> sparse.csc_array:
         """The matrix (P * dofs_per_node, n), zero for rotations."""

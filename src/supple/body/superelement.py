@@ -37,7 +37,7 @@ def superelement(
     Rows beyond those of the nodes are modal coordinates of a model that was condensed elsewhere
     (Craig-Bampton): rigid motions do not move them, K R = 0 of the others. Matrices do not say which way a
     modal coordinate moves, so its motion does not turn with the body's frame, nor change its inertia: spins
-    are to stay well below its frequency.
+    are to stay well below its frequency. Points of a recovery all over the body tell it (`Recovery`).
 
     Parameters
     ----------

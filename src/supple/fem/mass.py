@@ -12,7 +12,7 @@ from supple.algebra.cross import cross_matrices
 from supple.algebra.narrow_indices import narrow_indices
 from supple.fem.shell_section import ShellSection
 
-__all__ = ["CellMass"]
+__all__ = ["CellMass", "consistent_mass"]
 
 FloatArray = NDArray[np.float64]
 
@@ -40,11 +40,16 @@ class CellMass:
 
         Source: E. Hinton, T. Rock, O. C. Zienkiewicz, "A note on mass lumping", Earthq. Eng. Struct. Dyn. 4
         (1976) 245-249. Unlike row sums it stays positive on quadratic cells. Of what is coupled each node
-        keeps the row sums of its rotations.
+        keeps its row sums: rotary inertia, and the place of a mass beside it.
         """
         rotary = None if self.rotary is None else _scaled_diagonal(self.rotary)
-        coupled = None if self.coupled is None else _rotations_alone(self.coupled)
+        coupled = None if self.coupled is None else _at_nodes(self.coupled)
         return CellMass(self.nodes, _scaled_diagonal(self.translational), rotary, coupled)
+
+
+def consistent_mass(mass: CellMass) -> CellMass:
+    """The mass of cells as their shape functions have it; `CellMass.lumped` is the other choice."""
+    return mass
 
 
 def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSection) -> CellMass:
@@ -101,15 +106,18 @@ def _between_nodes(parts: list[tuple[NDArray[np.int64], FloatArray]], n_nodes: i
 
 def _scaled_diagonal(mass: FloatArray) -> FloatArray:
     diagonal = np.einsum("ekk->ek", mass)
-    scaled = diagonal * (mass.sum(axis=(1, 2)) / diagonal.sum(axis=1))[:, None]
+    total, own = mass.sum(axis=(1, 2)), diagonal.sum(axis=1)
+    # Cells without density have neither.
+    scaled = diagonal * np.divide(total, own, out=np.zeros_like(total), where=own != 0)[:, None]
     return scaled[:, :, None] * np.eye(mass.shape[1])
 
 
-def _rotations_alone(coupled: FloatArray) -> FloatArray:
-    """Row sums of the rotations (3, 3) of each node, in matrices (E, 6 k, 6 k)."""
+def _at_nodes(coupled: FloatArray) -> FloatArray:
+    """Row sums (6, 6) of each node, made symmetric, in matrices (E, 6 k, 6 k)."""
     k = coupled.shape[1] // 6
-    sums = coupled.reshape(-1, k, 6, k, 6)[:, :, 3:, :, 3:].sum(axis=3)
+    sums = coupled.reshape(-1, k, 6, k, 6).sum(axis=3)
+    sums = 0.5 * (sums + sums.swapaxes(2, 3))
     alone = np.zeros((len(coupled), k, 6, k, 6))
     each = np.arange(k)
-    alone[:, each, 3:, each, 3:] = sums.swapaxes(0, 1)
+    alone[:, each, :, each] = sums.swapaxes(0, 1)
     return alone.reshape(coupled.shape)

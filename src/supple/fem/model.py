@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import chain
@@ -17,7 +17,7 @@ from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
 from supple.fem.beam_section import LineSection, RodSection
-from supple.fem.mass import CellMass, mass_matrix, shell_mass
+from supple.fem.mass import CellMass, consistent_mass, mass_matrix, shell_mass
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
 from supple.fem.quadratic_strain import QuadraticStrain, stiffness
@@ -39,6 +39,8 @@ __all__ = [
     "solid_model",
 ]
 
+MassRule = Callable[[CellMass], CellMass]
+
 CELLS_AT_ONCE = 4096
 """Whose stiffness is made and summed at one time: some 100 MB of quadratic solids."""
 
@@ -57,6 +59,7 @@ class FiniteElementModel:
     rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
     kinematics : ShellKinematics            of shells; solids and beams have one kind only
     attached : Attached                     springs, masses and ties of nodes, beside the elements
+    mass_of : MassRule                      of cells: consistent_mass, or CellMass.lumped
     """
 
     mesh: Mesh
@@ -67,6 +70,7 @@ class FiniteElementModel:
     rotation_limit: float
     kinematics: ShellKinematics = GREEN_LAGRANGE
     attached: Attached = field(default_factory=Attached)
+    mass_of: MassRule = consistent_mass
 
     @property
     def n_dofs(self) -> int:
@@ -147,6 +151,7 @@ def finite_element_model(
     kinematics: ShellKinematics = GREEN_LAGRANGE,
     attached: Attached | None = None,
     dofs_per_node: int | None = None,
+    mass_of: MassRule = consistent_mass,
 ) -> FiniteElementModel:
     """Model of a mesh of solids, shells and beams together, and of what stands beside them.
 
@@ -156,6 +161,7 @@ def finite_element_model(
     kinematics : of shells
     attached : in the freedoms of nodes that have `dofs_per_node`
     dofs_per_node : 3 or 6; when omitted 3 where there are solids alone
+    mass_of : what the mass matrix has of each cell: consistent_mass, or CellMass.lumped
 
     Raises
     ------
@@ -165,9 +171,8 @@ def finite_element_model(
         (_check_solid if section.cell_type.dimension == 3 else partial(_check_shell, mesh))(section)
     turns = any(section.turns_nodes() for section in given)
     limit = kinematics.rotation_limit if turns else float("inf")
-    return _model(
-        mesh, dofs_per_node or (6 if turns else 3), given, limit, kinematics, attached or Attached()
-    )
+    d = dofs_per_node or (6 if turns else 3)
+    return _model(mesh, d, given, limit, kinematics, attached or Attached(), mass_of)
 
 
 def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementModel:
@@ -179,7 +184,11 @@ def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementMod
     given = tuple(_in_part(section, part) for section in model.sections)
     given = tuple(section for section in given if len(section.cells))
     return finite_element_model(
-        part.mesh, given, kinematics=model.kinematics, dofs_per_node=model.dofs_per_node
+        part.mesh,
+        given,
+        kinematics=model.kinematics,
+        dofs_per_node=model.dofs_per_node,
+        mass_of=model.mass_of,
     )
 
 
@@ -293,6 +302,7 @@ def _model(
     rotation_limit: float,
     kinematics: ShellKinematics,
     attached: Attached,
+    mass_of: MassRule = consistent_mass,
 ) -> FiniteElementModel:
     d = dofs_per_node
     cells = [section.nodes(mesh) for section in given]
@@ -301,7 +311,8 @@ def _model(
     )
     elements = (_block(mesh, portion, kinematics, d) for portion in _portions(given))
     matrices = (full_cells(stiffness(block), block.dofs, d) for block in chain(elements, attached.springs))
-    mass = mass_matrix(_cell_masses(mesh, given), mesh.n_nodes, d)
+    masses = tuple(mass_of(mass) for mass in _cell_masses(mesh, given))
+    mass = mass_matrix(masses, mesh.n_nodes, d)
     return FiniteElementModel(
         mesh=mesh,
         dofs_per_node=d,
@@ -311,6 +322,7 @@ def _model(
         rotation_limit=rotation_limit,
         kinematics=kinematics,
         attached=attached,
+        mass_of=mass_of,
     )
 
 

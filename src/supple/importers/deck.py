@@ -256,7 +256,7 @@ class Deck:
     superelements : {name: deck} of parts that are bodies of their own
     scalar_points : (S,) ids of points that are one freedom and have no place; point j counts as node N + j,
                     of which terms and matrices name component 0
-    lumps_lines : whether its program puts the mass of beams and rods at their nodes, without inertia
+    lumped_mass : whether the program lumps the mass of elements at their nodes
     """
 
     path: Path
@@ -282,4 +282,4 @@ class Deck:
     notes: tuple[str, ...] = ()
     superelements: Mapping[str, Deck] = field(default_factory=dict)
     scalar_points: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    lumps_lines: bool = False
+    lumped_mass: bool = False

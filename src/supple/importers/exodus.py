@@ -5,6 +5,7 @@ Source: L. A. Schoof, V. R. Yarberry, EXODUS II: a finite element data model, SA
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -97,7 +98,8 @@ def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
             }
     if content[:3] != b"CDF":
         raise ImportFormatError(f"{path}: neither netCDF nor HDF5; is this an Exodus file?")
-    with netcdf_file(str(path), "r", mmap=False) as file:
+    # Of bytes in memory no more are read than there are, whatever a damaged file claims.
+    with netcdf_file(io.BytesIO(content), "r", mmap=False) as file:
         return {
             name: (np.array(each.data), _text(getattr(each, "elem_type", b"")))
             for name, each in file.variables.items()

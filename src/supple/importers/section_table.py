@@ -139,7 +139,8 @@ def check_sections(where: Sequence[str], stiffness: FloatArray, inertia: FloatAr
         if low.any():
             k, i = np.argwhere(low)[0]
             raise ModelError(
-                f"{where[k]}: {name} {i + 1}{i + 1} is {diagonal[k, i]:.4g}; it must be positive"
+                f"{where[k]}: {name} {i + 1}{i + 1} is {diagonal[k, i]:.4g}; it must be positive: a beam "
+                "needs its stiffness and its mass"
             )
         scale = np.sqrt(np.einsum("ni,nj->nij", diagonal, diagonal))
         off = np.abs(matrices - matrices.swapaxes(1, 2)) > ASYMMETRY * scale

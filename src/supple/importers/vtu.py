@@ -82,7 +82,10 @@ def read_vtu(
     file, root = _opened(path)
     points, blocks, node_sets, start, first_id = [], [], {}, 0, 1
     for piece in root.iter("Piece"):
-        x = _array(file, piece.find("Points/DataArray"), "the points").reshape(-1, 3).astype(np.float64)
+        x = _array(file, piece.find("Points/DataArray"), "the points").astype(np.float64)
+        if x.size % 3:
+            raise file.error(f"{x.size} coordinates of points, which are not three each")
+        x = x.reshape(-1, 3)
         if not np.isfinite(x).all():
             raise file.error("a point with a coordinate that is no number")
         found = _blocks(file, piece, start, first_id)

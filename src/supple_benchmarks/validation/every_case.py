@@ -24,6 +24,7 @@ TOPICS = (
     "rigid_rotation",
     "beams_at_rest",
     "vibrations",
+    "condensed_models",
     "elements_at_rest",
     "sections_and_cells",
     "decks",

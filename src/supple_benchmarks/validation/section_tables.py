@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from supple.body import RigidInterface, flexible_body, section_beams
-from supple.importers import SectionTable
+from supple.importers import SectionTable, twisted_axes
 from supple.machine import DeadForce, Fixed, System
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, section_line
 from supple.simulation import equilibrium
@@ -63,17 +64,37 @@ def _vibrating() -> Sequence[Comparison]:
     ]
 
 
-def _bent_far() -> Sequence[Comparison]:
-    push = (0, 150.0, 0)
-    body = intrinsic_body(section_line("beam", _box_beam(), 21), CLAMPED)
+def _tip(table: SectionTable, n_stations: int, push: tuple[float, float, float]) -> NDArray[np.float64]:
+    """Displacement (3,) of the tip of a clamped line under a dead force there."""
+    body = intrinsic_body(section_line("beam", table, n_stations), CLAMPED)
     clamp, load = Fixed(first="ground", second="beam.root"), DeadForce(at="beam.tip", force=push)
     rest = equilibrium(System([body], [clamp], [load])).solution.bodies["beam"]
-    found = body.places(rest)[1][0, -1] - [0, 0, LENGTH]
-    exact = bent_tip(BOX, LENGTH, push)[:3]
+    return body.places(rest)[1][0, -1] - table.positions[-1]
+
+
+def _bent_far() -> Sequence[Comparison]:
+    push = (0.0, 150.0, 0.0)
     source = f"{EQUATIONS}, exact; sections and load of [Wang2017]"
+    return _beside(_tip(_box_beam(), 21, push), bent_tip(BOX, LENGTH, push)[:3], "150 lb, in", source, 2e-4)
+
+
+def _twisted() -> Sequence[Comparison]:
+    places = np.linspace(0, 10.0, 81)[:, None] * [0, 0, 1]
+    axes = twisted_axes(np.tile([0, 0, 1.0], (81, 1)), np.linspace(0, np.pi / 2, 81))
+    stiffness = np.diag([8.2604167e9, 8.2604167e9, 2.5e10, 0.520833e9, 0.130208333e9, 0.141872656e9])
+    one = np.ones((81, 1, 1))
+    table = SectionTable(places, axes, one * stiffness, one * np.diag([1, 1, 1, 0.5, 0.5, 1]))
+    source = "BeamDyn, OpenFAST's regression test bd_static_twisted_with_k1 (r-test, 2022)"
+    exact = np.array([1.71810805, -3.59245231, -1.14114462])
+    return _beside(_tip(table, 41, (0.0, -4e6, 0.0)), exact, "4 MN, twisted by 90 degrees, m", source, 1e-3)
+
+
+def _beside(
+    found: NDArray[np.float64], exact: NDArray[np.float64], under: str, source: str, allowed: float
+) -> Sequence[Comparison]:
     size = float(np.linalg.norm(exact))
     return [
-        Comparison(f"tip along {axis} under 150 lb, in", float(a), float(b), source, 2e-4, size)
+        Comparison(f"tip along {axis} under {under}", float(a), float(b), source, allowed, size)
         for axis, a, b in zip("xyz", found, exact, strict=True)
     ]
 
@@ -82,4 +103,5 @@ CASES: tuple[ValidationCase, ...] = (
     ValidationCase("section table: a box that twists as it bends", _coupled),
     ValidationCase("section table: frequencies of the box", _vibrating),
     ValidationCase("section table: the box bent far", _bent_far),
+    ValidationCase("section table: a twisted beam bent far", _twisted),
 )

@@ -30,6 +30,7 @@ def written(path, model, program):
             solid_model(block(2.0, 1.0, 1.0, 2, 1, 1, kind), STEEL)
             for kind in (CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20)
         ),
+        # The shells of both programs shear.
         shell_model(strip(1.0, 0.1, 4, 2), HomogeneousSection(STEEL, 0.01, shear_factor=5 / 6)),
     ],
     ids=["TETRA4", "TETRA10", "HEXA8", "HEXA20", "TRIANGLE3"],

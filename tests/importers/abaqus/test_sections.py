@@ -53,7 +53,7 @@ def rod_of_three(name):
 
 
 def test_reduced_integration_softens_coarse_cells_and_leaves_no_mechanism(deck):
-    """Beside the same bar refined to 6 x 2 x 2; its eight points alone leave four motions without energy."""
+    """Beside the same bar refined to 6 x 2 x 2; eight points alone leave four motions without energy."""
     mesh = block(0.3, 0.1, 0.1, 6, 2, 2, CellType.HEXA20)
     text = node_rows(mesh.nodes) + element_rows("C3D20", mesh.cells[CellType.HEXA20])
     fine = deck(text + STEEL + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n")
@@ -90,6 +90,21 @@ def test_a_quadrilateral_with_a_repeated_node_is_a_triangle(deck):
     text = node_rows(TRIANGLE6[:3]) + element_rows("S4", [[0, 1, 2, 2]]) + STEEL
     made = deck(text + "*SHELL SECTION, ELSET=all, MATERIAL=steel\n0.01\n")
     assert len(made.elements[0].nodes) == 1
+
+
+@pytest.mark.parametrize(
+    ("row", "kind", "volume"),
+    [
+        ([0, 1, 2, 2, 4, 5, 6, 6], CellType.WEDGE6, 4.0), ([0, 1, 2, 3, 4, 4, 7, 7], CellType.WEDGE6, 4.0),
+        ([0, 1, 2, 3, 4, 4, 4, 4], CellType.PYRAMID5, 8 / 3),
+        ([0, 1, 2, 2, 4, 4, 4, 4], CellType.TETRA4, 4 / 3),
+    ],
+)  # fmt: skip
+def test_hexahedra_with_repeated_nodes_are_simpler_cells(deck, row, kind, volume):
+    text = node_rows(reference_nodes(CellType.HEXA8)) + element_rows("C3D8", [row]) + STEEL
+    made = deck(text + "*SOLID SECTION, ELSET=all, MATERIAL=steel\n")
+    assert [each.kind for each in made.elements] == [kind]
+    assert total(made).mass == pytest.approx(7850 * volume)
 
 
 @pytest.mark.parametrize("name", ["T3D2", "T3D3"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import sys
 
 import numpy as np
@@ -55,6 +56,44 @@ def test_the_digits_of_a_text_file_tell_its_resolution(tmp_path, written):
     assert read_output4(path, MatrixRole.STIFFNESS, NODES).resolution == pytest.approx(5e-10)
     exact = written({"KGG": ROOT + ROOT.T})
     assert read_output4(exact, MatrixRole.STIFFNESS, NODES).resolution < 1e-15
+
+
+def output2(**matrices):
+    """A file of matrices as Nastran writes OUTPUT2: records between two copies of their length."""
+
+    def record(content):
+        return struct.pack("<i", len(content)) + content + struct.pack("<i", len(content))
+
+    def key(*values):
+        return b"".join(record(struct.pack("<i", value)) for value in values)
+
+    parts = [key(3), record(bytes(12)), key(7), record(b"NASTRAN FORT TAPE ID CODE - ")]
+    parts += [key(2), record(b"XXXXXXXX"), key(-1, 0)]
+    for name, matrix in matrices.items():
+        rows, columns = matrix.shape
+        trailer = struct.pack("<7i", 101, columns, rows, 6, 2, 2 * rows, 10000)
+        label = name.ljust(8).encode()
+        parts += [key(2), record(label), key(-1, 7), record(trailer), key(-2, 1, 0, 2)]
+        parts += [record(label), key(-3, 1)]
+        for column in matrix.T:
+            content = struct.pack("<i", 1) + column.astype("<f8").tobytes()
+            parts += [key(1, len(content) // 4), record(content), key(-4, 1)]
+        parts.append(key(0, 0))
+    return b"".join([*parts, key(0)])
+
+
+def test_output2_has_the_same_map(tmp_path):
+    pytest.importorskip("pyyeti.nastran.op2")
+    path = tmp_path / "arm.op2"
+    K, M = ROOT + ROOT.T, ROOT @ ROOT.T
+    path.write_bytes(output2(KAA=K, MAA=M))
+    for role, matrix in ((MatrixRole.STIFFNESS, K), (MatrixRole.MASS, M)):
+        made = read_output4(path, role, NODES)
+        np.testing.assert_allclose(made.matrix.toarray(), matrix, rtol=1e-15)
+        np.testing.assert_array_equal(made.freedoms[[0, 5, 6]], [[10, 1], [10, 6], [20, 1]])
+    path.write_bytes(output2(KAA=K)[:-700])
+    with pytest.raises(ImportFormatError, match="not readable as OUTPUT2"):
+        read_output4(path, MatrixRole.STIFFNESS, NODES)
 
 
 def test_a_size_that_fits_no_set(written):

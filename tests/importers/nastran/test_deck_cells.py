@@ -383,6 +383,14 @@ def test_what_is_wrong_with_cells(deck, text, message):
         deck(SQUARE + MATERIAL + text + extra)
 
 
+@pytest.mark.parametrize(
+    ("parameter", "lumped"), [("", True), ("PARAM,COUPMASS,1\n", False), ("PARAM,COUPMASS,-1\n", True)]
+)
+def test_mass_is_lumped_unless_coupmass_asks_for_that_of_shape_functions(deck, parameter, lumped):
+    read = deck(SQUARE + MATERIAL + parameter + "CQUAD4,7,9,1,2,3,4\nPSHELL,9,5,.1,5,,5\n")
+    assert read.lumped_mass is lumped
+
+
 @pytest.mark.parametrize("text", ["PCOMP,9,1.+300\n,5,.1\n", "PSHELL,9,5,1.+200,5,2.\n"])
 def test_values_beyond_numbers_leave_elements_out(deck, text):
     (left,) = deck(SQUARE + MATERIAL + "CQUAD4,7,9,1,2,3,4\n" + text).left_out

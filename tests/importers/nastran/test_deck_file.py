@@ -205,6 +205,7 @@ def test_a_partition_is_one_body(deck):
         (SQUARE + "PARAM,WTMASS,0.\n", "line 9: PARAM: WTMASS is 0; it must be positive"),
         (SQUARE + "PARAM,WTMASS,1.\nPARAM,WTMASS,.5\n", "line 10: PARAM: WTMASS is 0.5, and 1 above"),
         (SQUARE + "SPC1,1,127,10\n", "line 9: SPC1: components '127' are not some of 123456"),
+        (SQUARE + "SPC1,1,1,THRU,20\n", "line 9: SPC1: a grid .* is 'THRU', not a whole number"),
         (SQUARE + "SPOINT,1,THRU,9999999\n", "line 9: SPOINT: 1 THRU 9999999 are over a million points"),
         (SQUARE + "DMIG,K,0,6,1\nDMIG,K,99,1,,99,1,4.\n", None),
         (

@@ -176,6 +176,13 @@ def test_a_bent_pipe_is_a_tube(deck):
 # --- what is left out, what is wrong
 
 
+WARPING = "PBEAM,4,5,1.,1.,1.,0.,1.\n,.1\n,1.,1.,,,,,2.\n"
+
+
+def test_warping_acts_through_its_scalar_points(deck):
+    assert not deck(GRIDS + MATERIAL + "CBEAM,1,4,1,2,1.,0.,0.\n" + WARPING).left_out
+
+
 @pytest.mark.parametrize(
     ("text", "card", "meaning"),
     [
@@ -185,7 +192,7 @@ def test_a_bent_pipe_is_a_tube(deck):
         ("CROD,1,4,1,2\nPROD,4,6,1.\n", "CROD", "its material 6 is not defined"),
         ("CONROD,1,1,2,6,1.\n", "CONROD", "its material 6 is not defined"),
         ("CBEND,1,4,1,2,1.,0.,0.,3\nPBEND,4,5,1.,1.,1.,1.\n", "CBEND", "their arc"),
-        ("CBEAM,1,4,1,2,1.,0.,0.\nPBEAM,4,5,1.,1.,1.,0.,1.\n,.1\n,1.,1.,,,,,2.\n", "PBEAM", "warping"),
+        (f"CBEAM,1,4,1,2,1.,0.,0.\n,,,,,,,,\n,77,78\n{WARPING}", "CBEAM", "its warping"),
     ],
 )
 def test_beams_that_are_left_out(deck, text, card, meaning):

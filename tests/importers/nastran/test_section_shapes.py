@@ -180,7 +180,12 @@ def test_shear_centres():
 
 @pytest.mark.parametrize(
     ("shape", "sizes"),
-    [("I", (1.0, 1.0, 1.0, 0.1, 0.6, 0.6)), ("BOX", (1.0, 1.0, 0.6, 0.1)), ("T", (1.0, 0.1, 0.2, 0.1))],
+    [
+        ("BAR", (0.0, 1.0)),
+        ("I", (1.0, 1.0, 1.0, 0.1, 0.6, 0.6)),
+        ("BOX", (1.0, 1.0, 0.6, 0.1)),
+        ("T", (1.0, 0.1, 0.2, 0.1)),
+    ],
 )
 def test_sizes_that_do_not_fit(shape, sizes):
     assert SHAPES[shape].values(*sizes) is None

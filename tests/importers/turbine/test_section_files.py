@@ -10,7 +10,9 @@ from supple.errors import ImportFormatError, ModelError
 from supple.importers import files_read_with, read_section_table
 from supple.importers.section_table import UPPER
 from supple.importers.turbine.fine_grid import fine_grid
+from supple.machine import DeadForce, Fixed, System
 from supple.methods.intrinsic import CLAMPED, intrinsic_body, section_line
+from supple.simulation import equilibrium
 
 GRID = np.linspace(0, 1, 11)
 Z = 30 * GRID
@@ -264,3 +266,49 @@ def test_a_grid_is_made_fine_where_it_is_coarse():
     assert np.diff(fine).max() <= 0.01 + 1e-12
     assert {0, 0.01, 0.5, 1.0} <= set(fine)
     assert len(fine) == 101
+
+
+def beamdyn(tmp_path, points, stiffness):
+    """Files of a uniform beam through key points (x, y, z, twist)."""
+    head, tail = PRIMARY.split("(deg)\n")
+    tail = tail[tail.index("-----") :]
+    n = len(points)
+    head = head.replace("11                     kp", f"{n} kp").replace("1 11  ", f"1 {n} ")
+    rows = "".join(" ".join(f"{x:.9e}" for x in row) + "\n" for row in points)
+    (tmp_path / "primary.dat").write_text(f"{head}(deg)\n{rows}{tail}")
+    mass = np.diag([1.0, 1, 1, 0.5, 0.5, 1])
+    stations = "".join(station(eta, np.diag(stiffness), mass) for eta in (0, 1))
+    (tmp_path / "blade.dat").write_text(BLADE[: BLADE.index(" 0.00000")].replace("11  ", "2 ") + stations)
+    return read_section_table(tmp_path / "primary.dat")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("points", "stiffness", "force", "tip", "digits"),
+    [
+        pytest.param(
+            [(0, 0, z, 9 * z) for z in range(11)],
+            [8.2604167e9, 8.2604167e9, 2.5e10, 0.520833e9, 0.130208333e9, 0.141872656e9],
+            (0, -4e6, 0),
+            (1.71810805, -3.59245231, -1.14114462),
+            1e-8,
+            id="twisted",
+        ),
+        pytest.param(
+            [(0, 0, 0, 0), (7.61205, 0, 38.2683, 0), (29.2893, 0, 70.7107, 0)],
+            [41.6667e5, 41.6667e5, 1e7, 8.333e5, 8.333e5, 8.333e5],
+            (0, 600, 0),
+            (-13.46, 53.35, -23.58),
+            5e-3,
+            id="curved",
+        ),
+    ],
+)
+def test_beamdyn_itself(tmp_path, points, stiffness, force, tip, digits):
+    """Tips of OpenFAST's regression tests bd_static_twisted_with_k1, bd_curved_beam (r-test)."""
+    table = beamdyn(tmp_path, points, stiffness)
+    body = intrinsic_body(section_line("beam", table, 41), CLAMPED)
+    clamp, load = Fixed(first="ground", second="beam.root"), DeadForce(at="beam.tip", force=force)
+    places = body.places(equilibrium(System([body], [clamp], [load])).solution.bodies["beam"])[1]
+    found = places[0, -1] - table.positions[-1]
+    assert found == pytest.approx(np.array(tip), abs=digits + 1e-3 * np.linalg.norm(tip))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum, auto
 
@@ -101,11 +102,60 @@ def element_type(name: str) -> ElementType:
 
 def cells_of(
     kind: ElementType, nodes: IntArray, positions: FloatArray
-) -> tuple[CellType, IntArray, IntArray]:
-    """Cells (C, k) of elements (E, n), and (C,) the element behind each.
+) -> Iterator[tuple[CellType, IntArray, IntArray]]:
+    """Cells (C, k) of elements (E, n) by their kind, and (C,) the element behind each.
 
-    Surfaces become triangles, a quadratic beam two lines. Cells that a repeated node makes flat are left out.
+    Surfaces become triangles, a quadratic beam two lines. Cells that a repeated node makes flat are left out;
+    hexahedra become wedges, pyramids and tetrahedra by it.
     """
+    if kind.family is Family.SOLID and kind.n_nodes == 8:
+        ordered = np.sort(nodes, axis=1)
+        whole = (np.diff(ordered, axis=1) != 0).all(axis=1)
+        if whole.any() or not len(nodes):
+            yield CellType.HEXA8, nodes[whole], np.flatnonzero(whole)
+        simpler: dict[CellType, list[tuple[IntArray, int]]] = {}
+        for element in np.flatnonzero(~whole).tolist():
+            made = _collapsed_hexahedron(nodes[element], positions)
+            if made is not None:
+                simpler.setdefault(made[0], []).append((made[1], element))
+        for cell, found in simpler.items():
+            yield cell, np.array([row for row, _ in found]), np.array([element for _, element in found])
+        return
+    yield _cells_of_one_kind(kind, nodes, positions)
+
+
+def _collapsed_hexahedron(row: IntArray, positions: FloatArray) -> tuple[CellType, IntArray] | None:
+    """The cell that a hexahedron with repeated nodes is; None where it has no volume."""
+    distinct = list(dict.fromkeys(row.tolist()))
+    faces = [list(dict.fromkeys(row[list(face)].tolist())) for face in _FACES[8]]
+    if len(distinct) == 6:
+        triangles = [face for face in faces if len(face) == 3]
+        pairs = [(a, b) for a in triangles for b in triangles if not set(a) & set(b)]
+        if not pairs:
+            return None
+        bottom, top = pairs[0]
+        edges = {frozenset((int(row[i]), int(row[j]))) for i, j in CellType.HEXA8.edges}
+        top = [b for a in bottom for b in top if frozenset((a, b)) in edges]
+        if len(top) != 3:
+            return None
+        nodes, turned, kind = [*bottom, *top], [0, 2, 1, 3, 5, 4], CellType.WEDGE6
+    elif len(distinct) == 5 and any(len(face) == 4 for face in faces):
+        base = next(face for face in faces if len(face) == 4)
+        nodes, turned = [*base, *(set(distinct) - set(base))], [0, 3, 2, 1, 4]
+        kind = CellType.PYRAMID5
+    elif len(distinct) == 4:
+        nodes, turned, kind = distinct, [0, 2, 1, 3], CellType.TETRA4
+    else:
+        return None
+    x = positions[nodes]
+    height = np.cross(x[1] - x[0], x[2] - x[0]) @ (x[-1] - x[0])
+    made = np.array(nodes)
+    return (kind, made if height > 0 else made[turned]) if height else None
+
+
+def _cells_of_one_kind(
+    kind: ElementType, nodes: IntArray, positions: FloatArray
+) -> tuple[CellType, IntArray, IntArray]:
     if kind.family is Family.SOLID:
         cell = CellType[_CELLS[kind.n_nodes]]
         return cell, nodes[:, : cell.n_nodes], np.arange(len(nodes))

@@ -66,13 +66,13 @@ def read_abaqus(
     for block in model.elements:
         if block.type.family in _CARRIERS:
             continue
-        kind, made, owner = cells_of(block.type, block.nodes, model.positions)
-        cells.setdefault(kind, []).append(made)
-        owners.setdefault(kind, []).append(block.first + owner)
-        origins.setdefault(kind, []).extend(
-            CellOrigin(file.lines[line][0], file.lines[line][1], element)
-            for element, line in zip(block.ids[owner].tolist(), block.lines[owner].tolist(), strict=True)
-        )
+        for kind, made, owner in cells_of(block.type, block.nodes, model.positions):
+            cells.setdefault(kind, []).append(made)
+            owners.setdefault(kind, []).append(block.first + owner)
+            origins.setdefault(kind, []).extend(
+                CellOrigin(file.lines[line][0], file.lines[line][1], element)
+                for element, line in zip(block.ids[owner].tolist(), block.lines[owner].tolist(), strict=True)
+            )
     owner_of = {kind: np.concatenate(parts) for kind, parts in owners.items()}
     ids = public_ids(model)
     cell_sets = {

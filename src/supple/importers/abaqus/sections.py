@@ -26,6 +26,7 @@ from supple.importers.deck import (
     SolidProperty,
 )
 from supple.importers.keyword_file import fields, numbers
+from supple.mesh import CellType
 
 __all__ = ["read_elements"]
 
@@ -168,9 +169,19 @@ class _Builder:
 
     def add(self, key: str, section: Section, block: ElementBlock, places: IntArray) -> None:
         """Cells of the elements at some places of a block."""
+        for kind, cells, owners in cells_of(block.type, block.nodes[places], self._model.positions):
+            self._add(key, section, block, kind, cells, places[owners])
+
+    def _add(
+        self,
+        key: str,
+        section: Section,
+        block: ElementBlock,
+        kind: CellType,
+        cells: IntArray,
+        element: IntArray,
+    ) -> None:
         positions = self._model.positions
-        kind, cells, owners = cells_of(block.type, block.nodes[places], positions)
-        element = places[owners]
         corners = positions[cells]
         match section:
             case SectionOfShells():
@@ -192,7 +203,7 @@ class _Builder:
                         f"*ELEMENT, TYPE={block.type.name}",
                         int(block.lines[0]),
                         "trusses of a material that is not isotropic are missing",
-                        len(places),
+                        len(element),
                     )
             case SectionOfSolids():
                 axes = None
@@ -207,7 +218,7 @@ class _Builder:
         key: str,
         made: Property,
         block: ElementBlock,
-        kind,
+        kind: CellType,
         cells: IntArray,
         element: IntArray,
         *,

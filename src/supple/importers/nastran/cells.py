@@ -148,7 +148,7 @@ class Properties:
             return "", f"their property {number} is not one that is read"
         try:
             made = make(card)
-        except (OverflowError, np.linalg.LinAlgError):
+        except (ArithmeticError, np.linalg.LinAlgError):
             made = "its values are too large or too small to work with"
         if isinstance(made, str):
             return "", f"{card.name} {number}: {made}"

@@ -180,9 +180,7 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         left_out=reading.left_out,
         notes=tuple(reading.notes),
         scalar_points=reading.scalar_points,
-        lumps_lines=not any(
-            card.word(0) == "COUPMASS" and not card.word(1).startswith("-") for card in file.named("PARAM")
-        ),
+        lumped_mass=reading.lumped_mass,
     )
 
 
@@ -198,6 +196,10 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
         parameters.get("WTMASS", 1.0) * parameters.get("CM1", 1.0),
         parameters.get("CK1", 1.0),
         parameters.get("CB1", 1.0),
+    )
+    reading.lumped_mass = not any(
+        card.word(0) == "COUPMASS" and card.integer(1, "COUPMASS", -1) > 0
+        for card in [*whole.named("PARAM"), *file.named("PARAM")]
     )
     if not whole.ended:
         reading.note("No ENDDATA ends the file; check that it is whole.")

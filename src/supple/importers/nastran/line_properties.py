@@ -12,7 +12,7 @@ from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.reading import Reading
 from supple.importers.nastran.section_shapes import SHAPES, SectionValues
 
-__all__ = ["BEAM_PROPERTY_CARDS", "ROD_PROPERTY_CARDS", "read_beam", "read_rod", "rod"]
+__all__ = ["BEAM_PROPERTY_CARDS", "ROD_PROPERTY_CARDS", "has_warping", "read_beam", "read_rod", "rod"]
 
 BEAM_PROPERTY_CARDS = ("PBAR", "PBARL", "PBEAM", "PBEAML", "PBEND")
 ROD_PROPERTY_CARDS = ("PROD", "PTUBE")
@@ -111,9 +111,6 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         return [first], [first if second is None else second]
 
     (nsi_a,), (nsi_b,) = pair(4)
-    cw_a, cw_b = last[6], last[7]
-    if cw_a or cw_b:
-        reading.leave_out(card, "the warping stiffness CW is not read: the beam is softer in torsion")
     offsets = []
     for place in (8, 12):
         a = (last[place] or 0.0, last[place + 1] or 0.0)
@@ -129,6 +126,14 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
 
 def _number(card: BulkCard, word: str, default: float) -> float:
     return card._replace(fields=(word,)).real(0, "a value of a station", default)
+
+
+def has_warping(card: BulkCard) -> bool:
+    """Whether a property gives a stiffness against warping, CW."""
+    if card.name != "PBEAM":
+        return False
+    _, rest = _rows_of_beam(card)
+    return any(_number(card, word, 0.0) for word in rest[6:8])
 
 
 def _values(

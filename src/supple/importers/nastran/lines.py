@@ -15,6 +15,7 @@ from supple.importers.nastran.cells import Properties, by_id, grids_named
 from supple.importers.nastran.line_properties import (
     BEAM_PROPERTY_CARDS,
     ROD_PROPERTY_CARDS,
+    has_warping,
     read_beam,
     read_rod,
     rod,
@@ -129,6 +130,8 @@ def read_beams(
         if why:
             reading.leave_out(card, f"elements left out: {why}")
             continue
+        if not card.is_blank(16, 18) and has_warping(properties.cards[number]):
+            reading.leave_out(card, "its warping (SA, SB, CW) is not read: the beam is softer in torsion")
         direction, offsets = _orientation(card, ends, reading)
         released = np.zeros(12, dtype=bool)
         for end, place in enumerate((8, 9)):

@@ -69,6 +69,7 @@ class Reading:
     scalar_points : (S,) ids of points that are one freedom
     mass_factor, stiffness_factor, damping_factor : what the PARAMs multiply
     added_nodes : places of nodes that no grid of the file is: on an arc, amid an edge
+    lumped_mass : Nastran's default; PARAM,COUPMASS above 0 asks for the mass of shape functions
     """
 
     file: BulkFile
@@ -86,6 +87,7 @@ class Reading:
     held: Rows = field(default_factory=Rows)
     masses: list[NodalMatrix] = field(default_factory=list)
     notes: dict[str, None] = field(default_factory=dict)
+    lumped_mass: bool = True
     _left: dict[tuple[str, str], list[int]] = field(default_factory=dict)
 
     def leave_out(self, card: BulkCard, meaning: str) -> None:

@@ -90,8 +90,10 @@ def _tube2(outer: float, thickness: float) -> SectionValues:
     return _tube(outer, max(outer - thickness, 0.0))
 
 
-def _bar(width: float, height: float) -> SectionValues:
+def _bar(width: float, height: float) -> SectionValues | None:
     """J by its series [Timoshenko & Goodier, Theory of Elasticity, 3rd ed., eq. (170)]."""
+    if min(width, height) <= 0:
+        return None
     long, short = max(width, height), min(width, height)
     odd = range(1, 20, 2)
     series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in odd)

@@ -84,7 +84,7 @@ def _listed(card: BulkCard, components: int, start: int, reading: Reading) -> li
     place = start
     while place < len(card.fields):
         word = card.word(place)
-        if word == "THRU":
+        if word == "THRU" and ids:
             last = card.integer(place + 1, "the last grid")
             between = reading.grids.ids
             first = ids.pop()

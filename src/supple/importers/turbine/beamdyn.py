@@ -14,7 +14,7 @@ from supple.errors import ImportFormatError
 from supple.importers.plain_number import plain_integer, plain_number
 from supple.importers.section_table import SectionTable, check_sections, twisted_axes
 from supple.importers.text_file import file_lines
-from supple.importers.turbine.fine_grid import fine_grid
+from supple.importers.turbine.fine_grid import fine_grid, matrices_at
 
 __all__ = ["read_beamdyn_sections"]
 
@@ -46,10 +46,6 @@ def read_beamdyn_sections(path: str | Path) -> SectionTable:
     grid = fine_grid(eta)
     z = np.interp(grid * lengths[0][-1], *lengths)
 
-    def between(matrices: FloatArray) -> FloatArray:
-        flat = matrices.reshape(len(eta), 36)
-        return np.column_stack([np.interp(grid, eta, column) for column in flat.T]).reshape(-1, 6, 6)
-
     member = np.clip(np.searchsorted([each.x[0] for each in curve], z, side="right") - 1, 0, len(curve) - 1)
     points, tangents, twist = np.empty((len(z), 3)), np.ones((len(z), 3)), np.empty(len(z))
     for k, own in enumerate(curve):
@@ -57,9 +53,8 @@ def read_beamdyn_sections(path: str | Path) -> SectionTable:
         points[at] = np.column_stack([own(z[at]), z[at]])
         tangents[at, :2] = own(z[at], 1)
         twist[at] = turn[k](z[at])
-    return SectionTable(
-        points, twisted_axes(tangents, np.radians(twist)), between(stiffness), between(inertia)
-    )
+    axes = twisted_axes(tangents, np.radians(twist))
+    return SectionTable(points, axes, matrices_at(grid, eta, stiffness), matrices_at(grid, eta, inertia))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Positions along a blade, as fine as straight pieces need that stand for its curve."""
+"""Positions along a blade, as fine as straight pieces need that stand for its curve, and matrices there."""
 
 from __future__ import annotations
 
@@ -16,3 +16,9 @@ def fine_grid(grid: FloatArray) -> FloatArray:
     parts = np.ceil(np.diff(grid) / (grid[-1] - grid[0]) * PIECES - 1e-9).astype(int)
     steps = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(grid[:-1], grid[1:], parts, strict=True)]
     return np.append(np.concatenate(steps), grid[-1])
+
+
+def matrices_at(fine: FloatArray, grid: FloatArray, matrices: FloatArray) -> FloatArray:
+    """Matrices (k, 6, 6), linear between those (n, 6, 6) of a grid (n,)."""
+    flat = matrices.reshape(len(grid), 36)
+    return np.column_stack([np.interp(fine, grid, column) for column in flat.T]).reshape(-1, 6, 6)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.section_table import UPPER, SectionTable, check_sections, section_matrix, twisted_axes
-from supple.importers.turbine.fine_grid import fine_grid
+from supple.importers.turbine.fine_grid import fine_grid, matrices_at
 from supple.importers.turbine.windio_file import WindioFile
 
 __all__ = ["read_windio_sections"]
@@ -50,7 +50,7 @@ def read_windio_sections(path: str | Path) -> SectionTable:
         known = _first(file, "stiff_matrix"), _first(file, "inertia_matrix")
     (grid, stiffness), (own, inertia) = known
     union = np.union1d(grid, own)
-    stiffness, inertia = _between(union, grid, stiffness), _between(union, own, inertia)
+    stiffness, inertia = matrices_at(union, grid, stiffness), matrices_at(union, own, inertia)
     check_sections([f"{path}: blade, section at {place:.4g}" for place in union], stiffness, inertia)
     fine = fine_grid(union)
     curves = [file.distribution(*axis, name) for name in "xyz"] + [file.distribution(*twist)]
@@ -64,13 +64,7 @@ def read_windio_sections(path: str | Path) -> SectionTable:
     tangents = np.column_stack([curve(fine, 1) for curve in curves[:3]])
     turn = curves[3](fine)
     axes = twisted_axes(tangents, np.radians(turn) if second else turn)
-    return SectionTable(points, axes, _between(fine, union, stiffness), _between(fine, union, inertia))
-
-
-def _between(at: FloatArray, grid: FloatArray, matrices: FloatArray) -> FloatArray:
-    """Matrices (k, 6, 6), linear between those given."""
-    flat = matrices.reshape(len(grid), 36)
-    return np.column_stack([np.interp(at, grid, column) for column in flat.T]).reshape(-1, 6, 6)
+    return SectionTable(points, axes, matrices_at(fine, union, stiffness), matrices_at(fine, union, inertia))
 
 
 def _grid(file: WindioFile, *keys: str) -> FloatArray:
@@ -127,7 +121,7 @@ def _second(file: WindioFile) -> tuple[tuple[FloatArray, FloatArray], tuple[Floa
     entries |= {"44": edge, "45": -cross, "55": flap, "66": polar}
     none = np.zeros(grids[1].size)
     inertia = section_matrix(np.column_stack([entries.get(pair, none) for pair in PAIRS]))
-    bending = _between(grids[1], grids[0], stiffness)
+    bending = matrices_at(grids[1], grids[0], stiffness)
     if ((bending[:, 3, 3] - bending[:, 4, 4]) * (edge - flap) < 0).mean() > 0.5:
         raise ImportFormatError(
             f"{file.path}: K44 and K55 of {'.'.join(SECOND)} are the one greater where i_edge and i_flap are "

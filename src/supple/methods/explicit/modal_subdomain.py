@@ -273,7 +273,8 @@ def modal_subdomain(
         their lowest frequency; None: the modes are those at rest at any spin
     yield_stress : float    Pa, beyond which a run warns, for modes stay elastic; None: the lowest of the
         explicit parts of the same material
-    Raises ModelError when no mode is left, of a body with modal coordinates or a damping matrix; errors of the recipe.
+    Raises ModelError when no mode is left, of a body with modal coordinates or a damping matrix; errors of
+        the recipe.
     Source: [Radioss]; docs/theory/explicit.md for the orthogonality.
     """
     refuse_held(damping, f"modal sub-domain '{body.name}'")

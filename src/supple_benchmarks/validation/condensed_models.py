@@ -1,0 +1,65 @@
+"""A beam condensed in plain NumPy, and read as matrices of its boundary and its modal coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import linalg
+
+from supple.body import NodalFixedFrame, RigidInterface, check_model, superelement
+from supple.fem import BeamSection, Isotropic, shell_model
+from supple.linearization import linearize, machine_modes
+from supple.machine import GROUND, At, Fixed, System
+from supple.reduction import CompleteBasis, NoDerivatives, NoLoads, reduce
+from supple_benchmarks.validation.beam_chain import line_mesh
+from supple_benchmarks.validation.validation_case import Comparison, ValidationCase
+
+__all__ = ["CASES"]
+
+STEEL = Isotropic(2.1e11, 0.0, 7800.0)
+LENGTH, WIDTH, HEIGHT = 1.0, 0.01, 0.03
+BENDING_ROOTS = (1.8751040687, 4.6940911330, 7.8547574382)
+"""b L of a cantilever: cos(b L) cosh(b L) = -1"""
+RAYLEIGH = "Euler-Bernoulli beam: Lord Rayleigh, Theory of Sound, chapter VIII"
+
+
+def condensed_cantilever() -> Sequence[Comparison]:
+    """Two grids and fourteen modal coordinates: mass, centre, and the frequencies of the clamped beam."""
+    nodes = np.linspace(0, LENGTH, 33)[:, None] * np.eye(3)[0]
+    I1, I2 = WIDTH**3 * HEIGHT / 12, HEIGHT**3 * WIDTH / 12
+    section = BeamSection(STEEL, WIDTH * HEIGHT, I2, I1, I1 + I2, orientation=(0.0, 1.0, 0.0))
+    model = shell_model(line_mesh(nodes), section)
+    K, M = model.stiffness.toarray(), model.mass.toarray()
+    b = np.concatenate([np.arange(6), np.arange(len(K) - 6, len(K))])
+    i = np.setdiff1d(np.arange(len(K)), b)
+    static = -np.linalg.solve(K[np.ix_(i, i)], K[np.ix_(i, b)])
+    _, modes = linalg.eigh(K[np.ix_(i, i)], M[np.ix_(i, i)], subset_by_index=(0, 13))
+    T = np.zeros((len(K), 12 + modes.shape[1]))
+    T[b, np.arange(12)], T[i, :12], T[i, 12:] = 1.0, static, modes
+    grids, stiffness, mass = nodes[[0, -1]], T.T @ K @ T, T.T @ M @ T
+
+    properties = check_model(grids, stiffness, mass, dofs_per_node=6, n_frequencies=0).mass
+    ends = [RigidInterface("root", [0]), RigidInterface("tip", [1])]
+    body = superelement("beam", grids, stiffness, mass, dofs_per_node=6, interfaces=ends)
+    frame = NodalFixedFrame("root")
+    small = reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives(), loads=NoLoads)
+    machine = System([small], [Fixed(name="wall", first=GROUND, second=At("beam", "root"))])
+    found = machine_modes(linearize(machine), 5).frequencies
+    area = WIDTH * HEIGHT
+    exact = sorted(
+        (root / LENGTH) ** 2 * np.sqrt(STEEL.youngs_modulus * second / (STEEL.density * area))
+        for root in BENDING_ROOTS
+        for second in (I1, I2)
+    )[:5]
+    return [
+        Comparison("mass", properties.mass, STEEL.density * area * LENGTH, "density times volume", 1e-9),
+        Comparison("centre", float(properties.centre[0]), LENGTH / 2, "half the length", 1e-9),
+        *(
+            Comparison(f"bending {number}, rad/s", float(one), float(other), RAYLEIGH, 5e-3)
+            for number, (one, other) in enumerate(zip(found, exact, strict=True), start=1)
+        ),
+    ]
+
+
+CASES: tuple[ValidationCase, ...] = (ValidationCase("condensed elsewhere: cantilever", condensed_cantilever),)
