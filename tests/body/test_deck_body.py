@@ -515,3 +515,13 @@ def test_a_section_beside_a_tie_is_refused():
     plane = CuttingPlane((0.5, 0.0, 0.0), (1.0, 0.0, 0.0))
     with pytest.raises(ModelError, match="lies beside the rigid tie 'rbe2_7'"):
         section_loads(full, body.model, SimpleNamespace(coordinates=np.zeros((1, body.n))), plane)
+
+
+def test_a_deck_that_lumps_its_beams_vibrates_as_masses_on_springs():
+    """One element from a support: omega^2 = (E A / L) / (m L / 2); the consistent mass has m L / 3."""
+    clamped = terms(*({c: 1.0} for c in (*range(6), 7, 8, 9, 10, 11)))
+    given = deck(along_x(1.0, 1), beam(np.arange(2)), held=(clamped,))
+    unit = np.sqrt(STEEL.youngs_modulus / STEEL.density) / (2 * np.pi)
+    for lumps, factor in ((True, 2.0), (False, 3.0)):
+        found = deck_frequencies(replace(given, lumped_mass=lumps), 1, held=True)
+        assert found[0] == pytest.approx(np.sqrt(factor) * unit)

@@ -65,18 +65,6 @@ def check_nodes(body: str, nodes: NDArray[np.float64], node_ids: NDArray[np.int6
         )
 
 
-def check_positive_mass(body: str, nodal_mass: sparse.csc_array, dofs_per_node: int) -> None:
-    """Every freedom carries mass."""
-    diagonal = nodal_mass.diagonal()
-    if np.any(diagonal <= 0):
-        worst = int(np.argmin(diagonal))
-        raise ModelError(
-            f"body '{body}': {_freedom(worst, dofs_per_node)} has the mass {diagonal[worst]:.3e} (and "
-            f"{int(np.sum(diagonal <= 0))} freedoms in all have none or less); every freedom must carry mass "
-            "and every rotation rotary inertia"
-        )
-
-
 def check_moves_rigidly(
     body: str,
     what: str,
