@@ -55,6 +55,15 @@ def test_the_example_of_the_mesh_page_is_a_valid_case(tmp_path):
     assert read_case(tmp_path / "wing.toml").tables.body[0].name == "wing"
 
 
+def test_the_case_of_the_page_on_bulk_data_is_valid(tmp_path):
+    page = (ROOT / "docs" / "how-to" / "from_bulk_data.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    for name in ("satellite.bdf", "angle.csv"):
+        (tmp_path / name).touch()
+    (tmp_path / "docked.toml").write_text(text, encoding="utf-8")
+    assert [body.name for body in read_case(tmp_path / "docked.toml").tables.body] == ["first", "second"]
+
+
 def test_the_examples_of_the_import_page_are_valid_cases(tmp_path):
     page = (ROOT / "docs" / "how-to" / "imported_models.md").read_text(encoding="utf-8")
     rest = '\ntitle = "arm"\n[simulation]\nduration = 1.0\noutput_step = 0.1\nstep = 0.1\n'
