@@ -340,10 +340,28 @@ def test_a_node_without_cells_stays_in_the_mesh():
     assert "rbe2_7" in mesh.node_sets
 
 
+def test_a_dashpot_damps_the_motion_between_its_ends():
+    """Two masses m on a light bar of stiffness k, with a dashpot c: damping ratio  c / (m omega), 2 k / m."""
+    nodes, m, c = along_x(1.0, 2), 1e4, 2e5
+    masses = (point_mass(0, m, (1.0, 1.0, 1.0)), point_mass(2, m, (1.0, 1.0, 1.0)))
+    between = terms({0: 1.0, 12: -1.0}, values=[c])
+    body = deck_body("bar", deck(nodes, beam(np.arange(3)), masses=masses, dashpots=(between,)), [])
+    omega = np.sqrt(2 * STEEL.youngs_modulus * SQUARE.area / m)
+    M, C, K = (matrix.toarray() for matrix in (body.mass, body.damping, body.stiffness))
+    n = len(M)
+    first_order = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    ratio = c / (m * omega)
+    axial = omega * (-ratio + 1j * np.sqrt(1 - ratio**2))
+    assert np.abs(np.linalg.eigvals(first_order) - axial).min() < 2e-3 * omega
+    across = replace(between, freedoms=np.array([1, 13]))
+    with pytest.raises(ModelError, match=r"line 100: a spring or dashpot .* resists rigid motion"):
+        deck_body("bar", deck(nodes, beam(np.arange(3)), masses=masses, dashpots=(across,)), [])
+
+
 def test_springs_to_ground_and_springs_across_are_named():
     nodes = along_x(1.0, 2)
     ground = deck(nodes, beam(np.arange(3)), springs=(terms({0: 1.0}, values=[1e3]),))
-    with pytest.warns(SuppleWarning, match="1 springs to ground, first on line 100, are supports"):
+    with pytest.warns(SuppleWarning, match="1 springs or dashpots to ground, first on line 100"):
         deck_model(ground)
     across = deck(nodes, beam(np.arange(3)), springs=(terms({1: 1.0, 13: -1.0}, values=[1e3]),))
     with pytest.raises(ModelError, match=r"line 100: a spring .* resists rigid motion"):

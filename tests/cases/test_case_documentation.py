@@ -58,8 +58,10 @@ def test_the_example_of_the_mesh_page_is_a_valid_case(tmp_path):
 def test_the_case_of_the_page_on_bulk_data_is_valid(tmp_path):
     page = (ROOT / "docs" / "how-to" / "from_bulk_data.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
-    for name in ("satellite.bdf", "angle.csv"):
-        (tmp_path / name).touch()
+    (tmp_path / "satellite.bdf").touch()
+    times = np.linspace(0, 40, 41)
+    angles = 0.15 * (1 - np.cos(np.pi * np.minimum(times, 20) / 20))
+    np.savetxt(tmp_path / "angle.csv", np.column_stack([times, angles]), delimiter=",")
     (tmp_path / "docked.toml").write_text(text, encoding="utf-8")
     assert [body.name for body in read_case(tmp_path / "docked.toml").tables.body] == ["first", "second"]
 

@@ -107,18 +107,19 @@ def deck_model(
     MeshError    inverted or degenerate cells
     Warns
     -----
-    SuppleWarning   springs to ground that are left out; dashpots, which a body leaves to its damping
+    SuppleWarning   springs and dashpots to ground, which are left out
     """
     mesh = deck_mesh(deck)
-    springs = deck.springs
+    springs, dashpots = deck.springs, deck.dashpots
     if not held:
         _warn_of_what_is_left(deck)
-        springs = [_free(deck, terms) for terms in deck.springs]
+        springs, dashpots = ([_free(deck, terms) for terms in given] for given in (springs, dashpots))
     sections = _sections(deck)
     d = 6 if _turns(deck) or any(section.turns_nodes() for section in sections) else 3
     attached = Attached(
         springs=linear_strains([*_spring_terms(springs, d), *_matrix_terms(deck.stiffnesses, d)], d),
-        mass=_mass(deck, d),
+        mass=_nodal_matrix(deck.masses, deck.inertias, len(deck.node_ids), d),
+        damping=_nodal_matrix(deck.dampings, dashpots, len(deck.node_ids), d),
         rigid=tuple(
             RigidPiece(tie.name, np.unique(np.append(tie.nodes, tie.reference)), deck.nodes[tie.reference])
             for tie in deck.rigid
@@ -368,27 +369,29 @@ def _matrix_terms(
         yield _at(freedoms, d), vectors.T[counts], stiffness[counts]
 
 
-def _mass(deck: Deck, d: int) -> sparse.csc_array | None:
+def _nodal_matrix(
+    matrices: Sequence[NodalMatrix], scalars: Sequence[ScalarTerms], n_nodes: int, d: int
+) -> sparse.csc_array | None:
+    """Sum (n, n) of matrices between freedoms and of scalar terms; None where there is none."""
     rows, columns, values = [], [], []
-    for matrix in deck.masses:
+    for matrix in matrices:
         freedoms, own = _rows(matrix)
         at = _at(freedoms, d)
         rows.append(np.repeat(at, len(at)))
         columns.append(np.tile(at, len(at)))
         values.append(own.ravel())
-    for terms in deck.inertias:
+    for terms in scalars:
         if not len(terms.rows):
             continue
-        B = _matrix(terms, len(deck.node_ids), d)
+        B = _matrix(terms, n_nodes, d)
         added = sparse.coo_array(B.T @ sparse.diags_array(terms.values) @ B)
         rows.append(added.coords[0])
         columns.append(added.coords[1])
         values.append(added.data)
-    if not any(len(each) for each in values):
+    if not any(np.any(each) for each in values):
         return None
-    n = len(deck.node_ids) * d
     places = np.concatenate(rows), np.concatenate(columns)
-    return sparse.csc_array(sparse.coo_array((np.concatenate(values), places), shape=(n, n)))
+    return sparse.csc_array(sparse.coo_array((np.concatenate(values), places), shape=(n_nodes * d,) * 2))
 
 
 def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
@@ -485,25 +488,19 @@ def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
     bad = bad[terms.values[bad] != 0]
     if bad.size:
         raise ModelError(
-            f"{deck.path}, line {terms.lines[bad[0]]}: a spring (one of {bad.size}) resists rigid motion of "
-            "its body: its ends lie apart, and it acts across them. Let it act along the line between its "
-            "nodes, or let both lie in one place"
+            f"{deck.path}, line {terms.lines[bad[0]]}: a spring or dashpot (one of {bad.size}) resists "
+            "rigid motion of its body: its ends lie apart, and it acts across them. Let it act along the "
+            "line between its nodes, or let both lie in one place"
         )
     return own
 
 
 def _warn_of_what_is_left(deck: Deck) -> None:
-    ground = [int(line) for terms in deck.springs for line in terms.lines[_ground(terms)]]
+    ground = [int(line) for terms in (*deck.springs, *deck.dashpots) for line in terms.lines[_ground(terms)]]
     if ground:
         warnings.warn(
-            f"{deck.path}: {len(ground)} springs to ground, first on line {min(ground)}, are supports: a "
-            "free body leaves them to joints and springs of the machine",
-            SuppleWarning,
-            stacklevel=4,
-        )
-    if deck.dashpots or deck.dampings:
-        warnings.warn(
-            f"{deck.path}: its dashpots are left out: a body is damped as the case says (damping)",
+            f"{deck.path}: {len(ground)} springs or dashpots to ground, first on line "
+            f"{min(ground)}, are supports: a free body leaves them to joints and springs of the machine",
             SuppleWarning,
             stacklevel=4,
         )

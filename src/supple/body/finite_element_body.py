@@ -57,6 +57,7 @@ def flexible_body(
         model.stiffness,
         model.mass,
         dofs_per_node=model.dofs_per_node,
+        nodal_damping=model.attached.damping,
         interfaces=tuple(
             replace(given, nodes=model.mesh.nodes_of(given.nodes)) if isinstance(given.nodes, str) else given
             for given in interfaces
