@@ -91,6 +91,7 @@ def pendulum(*, full, rate=None):
     )
 
 
+@pytest.mark.slow
 def test_it_rests_and_vibrates_as_with_a_reduced_body_in_the_place_of_the_full_one():
     """Two engines: the sparse one, and that of lines among floating bodies."""
     mixed, other = (pendulum(full=full) for full in (True, False))
@@ -233,6 +234,7 @@ def servo_machine(body):
     return System([body], [hinge], controllers=[own], gravity=[0, 0, -G])
 
 
+@pytest.mark.slow
 def test_a_controlled_line_rests_as_a_rigid_rod():
     """Controllers of intrinsic bodies at rest and in modes, and adaptive steps of joined ones."""
     body = line("beam", EA=1e6, EI=1e5, GJ=1e5)
@@ -270,6 +272,7 @@ def test_adaptive_steps_of_joined_lines_meet_fixed_ones():
     assert adaptive.statistics.largest_error <= 1e-6
 
 
+@pytest.mark.slow
 def test_a_machine_with_a_line_is_assembled():
     """A gap at the elbow is closed by the least rigid motion."""
     hinge = Revolute(first="ground", second="a.root", axis=(0, 1, 0), name="hinge")

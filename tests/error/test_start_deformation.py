@@ -19,7 +19,11 @@ START = ReductionStart(SelfCorrection(relative=1e-3, instants=5), CraigBampton(1
 
 
 @pytest.mark.parametrize(
-    "frame", [NodalFixedFrame("root"), MeanAxisFrame()], ids=["nodal-fixed", "mean-axis"]
+    "frame",
+    [
+        pytest.param(NodalFixedFrame("root"), id="nodal-fixed", marks=pytest.mark.slow),
+        pytest.param(MeanAxisFrame(), id="mean-axis"),
+    ],
 )
 def test_a_machine_that_rests_in_full_rests_on_its_bases(frame):
     """A strip that sags by 6 % of its length stays so, though a mode and a derivative do not hold its sag."""

@@ -97,10 +97,8 @@ def linearized_at(equation, row):
     )
 
 
-@pytest.mark.parametrize(
-    "frame",
-    [pytest.param(NODAL, marks=pytest.mark.slow, id="nodal-fixed"), pytest.param(MEAN, id="mean-axis")],
-)
+@pytest.mark.parametrize("frame", [pytest.param(NODAL, id="nodal-fixed"), pytest.param(MEAN, id="mean-axis")])
+@pytest.mark.slow
 def test_a_complete_basis_has_no_error(frame):
     """But for that of Newton's iteration, which the residual holds as well."""
     system, run = spinning(frame)

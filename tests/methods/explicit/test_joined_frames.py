@@ -115,6 +115,7 @@ def test_a_rigid_pendulum_has_the_period_of_the_closed_form():
     assert np.linalg.norm(force[-1, :3]) == pytest.approx(2.5 * 2.0 * 9.81, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_two_modal_parts_swing_as_two_reduced_ones():
     run = Run(1.0, 0.01)
     expected = tip(double(reduced), simulate(double(reduced), Run(1.0, 0.01, FixedStep(2e-4))))
@@ -131,7 +132,7 @@ def test_two_modal_parts_swing_as_two_reduced_ones():
 @pytest.mark.parametrize(
     "joint",
     [
-        Ball(name="knee", first="one.b", second="rod.a"),
+        pytest.param(Ball(name="knee", first="one.b", second="rod.a"), marks=pytest.mark.slow),
         pytest.param(Fixed(name="knee", first="one.b", second="rod.a"), marks=pytest.mark.slow),
         pytest.param(
             Cylindrical(name="knee", first="one.b", second="rod.a", axis=ACROSS), marks=pytest.mark.slow
@@ -254,6 +255,7 @@ def test_bushings_torques_and_the_base_act_as_on_reduced_bodies():
     assert opened(found) < 1e-9
 
 
+@pytest.mark.slow
 def test_sensors_read_frames_as_they_read_floating_bodies():
     def machine(make):
         return System(

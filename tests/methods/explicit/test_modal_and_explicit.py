@@ -141,6 +141,7 @@ def test_the_balance_is_closed_while_a_ball_hits_a_spinning_modal_part():
     assert 1e-9 * total[0] < np.abs(e[:, 6]).max() < 1e-3 * total[0]  # interface, with the turn
 
 
+@pytest.mark.slow
 def test_a_force_that_follows_the_frame_turns_with_it():
     body = modal_half()
     force = FollowerForce(first=At("modal", "tip"), force=(0.0, 0.1, 0.0))

@@ -130,9 +130,8 @@ def test_a_step_that_is_too_long_is_warned_of(rod):
 
 
 @pytest.mark.filterwarnings("ignore:body '.*' is held in the shape:supple.errors.ValidityWarning")
-@pytest.mark.parametrize(
-    "form", ["full", *(pytest.param(form, marks=pytest.mark.slow) for form in ("reduced", "intrinsic"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("form", ["full", "reduced", "intrinsic"])
 def test_a_body_of_any_form_is_moved_as_a_rigid_one_of_its_mass(rod, blade, form):
     """A coupler of another form in a crank mechanism: motion and forces of a rigid body like it."""
     if form == "full":

@@ -61,7 +61,8 @@ def joined(system):
     return joined_start(joined_machine(system, 0.0), 0.0)
 
 
-@pytest.mark.parametrize("is_bent", [pytest.param(False, marks=pytest.mark.slow), True])
+@pytest.mark.slow
+@pytest.mark.parametrize("is_bent", [False, True])
 def test_a_turned_beam_does_not_deform(is_bent):
     """On the clamped modes, and joined to its drive as a body with a free root."""
     coordinates = bent() if is_bent else np.zeros(beam().n_coordinates)

@@ -90,6 +90,7 @@ def test_the_order_of_each_rule_is_measured(method, step, order):
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.35)
 
 
+@pytest.mark.slow
 def test_implicit_midpoint_keeps_the_energy_of_a_truncated_body_that_flies():
     body = beam(FREE)
     run = Run(1.0, 0.05, step=FixedStep(0.01), method=GeneralizedAlpha(1.0))
@@ -179,6 +180,7 @@ def test_a_ball_leaves_all_turns_free_and_a_slide_none():
     assert motion.position == pytest.approx(np.zeros((6, 3)), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_prescribed_turn_at_constant_speed_stretches_as_the_formula_says():
     """u(L) = rho A w^2 L^3 / (3 EA), first order in the strain."""
     n, speed = 32, 5.0
@@ -222,6 +224,7 @@ def test_residual_modes_are_nearer_to_the_whole_than_truncated_ones():
     assert residual < 0.4 * truncated
 
 
+@pytest.mark.slow
 def test_viscous_strains_damp_a_body_that_turns_without_slowing_its_turn():
     line = beam_line(straight(1.0, 6), **SOFT)
     spinning = {}

@@ -89,7 +89,10 @@ def test_a_free_body_has_six_rigid_modes():
     assert found.frequencies[6:] == pytest.approx(body.modes.frequencies[:2], rel=1e-8)
 
 
-@pytest.mark.parametrize("form", [lambda body: body, released], ids=["held", "joined"])
+@pytest.mark.parametrize(
+    "form",
+    [pytest.param(lambda body: body, id="held", marks=pytest.mark.slow), pytest.param(released, id="joined")],
+)
 def test_a_beam_that_turns_flaps_and_lags_as_published(form):
     """Flap over speed from the table; lag by sqrt(flap^2 - speed^2), for one bending stiffness."""
     system = driven(form(beam()))
@@ -114,7 +117,8 @@ def test_the_pull_of_a_beam_that_turns():
     assert np.linalg.norm(tip.acceleration) == pytest.approx(36.0, rel=1e-4)
 
 
-@pytest.mark.parametrize("rate", [pytest.param(0.0, marks=pytest.mark.slow), 5.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [0.0, 5.0])
 def test_the_tangent_is_the_derivative_of_the_residual(rate):
     """By central differences, of a bent beam that a joint holds, and that gravity and a spring load."""
     body = released(beam(4, n_modes=4))
@@ -166,6 +170,7 @@ def bridge(arm):
     return System([Placed(block, position=[1.0, 0, 0]), arm], joints, [spring], gravity=[0, 0, -0.1])
 
 
+@pytest.mark.slow
 def test_a_block_on_an_arm_rests_and_vibrates_as_with_a_reduced_arm():
     found = []
     for arm in arms():

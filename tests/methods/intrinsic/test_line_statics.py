@@ -64,6 +64,7 @@ def follower_elastica(load):
     return np.array([-along, -across]), turn
 
 
+@pytest.mark.slow
 def test_a_follower_force_turns_the_tip_by_158_degrees():
     """P L^2 / EI = 8."""
     exact, turn = follower_elastica(8.0)
@@ -126,7 +127,7 @@ def test_a_run_from_the_equilibrium_of_a_beam_stays_there():
 @pytest.mark.parametrize(
     "element",
     [
-        Bushing(first="a.tip", second="b.tip", stiffness=[10.0] * 6),
+        pytest.param(Bushing(first="a.tip", second="b.tip", stiffness=[10.0] * 6), marks=pytest.mark.slow),
         SpringDamper(first="a.tip", second="b.tip", stiffness=10.0, rest_length=None),
     ],
     ids=["bushing", "spring"],

@@ -96,6 +96,7 @@ def test_a_free_line_keeps_its_energy():
     assert kinetic + strain == pytest.approx(total, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_momentum_follows_the_weight_to_second_order_in_the_segments():
     missed = []
     for n in (4, 8):
