@@ -329,8 +329,8 @@ def _rows_of_elements(
             if beyond:
                 model.report.doubt(
                     int(lines[start]),
-                    f"an element of type {name} is an id and {width - 1} nodes; {beyond} more numbers behind are "
-                    "not read; correct its type, or take them out",
+                    f"an element of type {name} is an id and {width - 1} nodes; {beyond} more numbers behind "
+                    "are not read; correct its type, or take them out",
                 )
             kept.append(start)
             start = int(line_end)
@@ -407,13 +407,7 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
         raise file.error(block.line, f"*{block.name} without a name; write *{block.name}, {block.name}=NAME")
     sets = model.node_sets if of_nodes else model.element_sets
     find = model.nodes_of if of_nodes else model.elements_of
-    scope = placed.scope
-    if "INSTANCE" in options:
-        names = [each.name.upper() for each in model.scopes]
-        if options["INSTANCE"].upper() not in names:
-            raise file.error(block.line, f"no instance '{options['INSTANCE']}'; correct its name")
-        scope = names.index(options["INSTANCE"].upper())
-    what = f"set '{name}'"
+    scope, what = _scope_of_members(model, placed), f"set '{name}'"
     if of_nodes and "ELSET" in options:
         members = np.empty(0, dtype=np.int64)
         if with_elements:
@@ -438,6 +432,18 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
         else:
             found += [find(scope, word, line, what) for word in words if word]
     _extend(sets, placed.scope, name, np.concatenate(found))
+
+
+def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
+    """The scope of an INSTANCE that a set names; in a file without instances, as for CalculiX, a doubt."""
+    name, known = placed.block.options.get("INSTANCE"), [each.name.upper() for each in model.scopes]
+    if name is None or name.upper() in known:
+        return placed.scope if name is None else known.index(name.upper())
+    message = f"no instance '{name}'; correct its name"
+    model.report.doubt(placed.block.line, message)
+    if len(known) > 1:
+        raise model.file.error(placed.block.line, message)
+    return placed.scope
 
 
 def _generated_members(
