@@ -115,8 +115,8 @@ def _tie(
         )
     elif not near.all():
         model.report.note(
-            f"*{block.name} of '{slave.name}' to '{master.name}': {np.count_nonzero(~near)} of {len(nodes)} nodes "
-            f"lie farther than {tolerance:.3g} from it and are not tied"
+            f"*{block.name} of '{slave.name}' to '{master.name}': {np.count_nonzero(~near)} of "
+            f"{len(nodes)} nodes lie farther than {tolerance:.3g} from it and are not tied"
         )
 
 
