@@ -157,7 +157,7 @@ def _meaning(path: Path, lines: list[str], inclusions: Inclusions, depth: int) -
     found = []
     for number, line in enumerate(lines, start=1):
         text = line.strip()
-        if not text or text.startswith("**"):
+        if not text.strip("* ,") or text.startswith("**"):
             continue
         if text.upper().startswith("*INCLUDE"):
             name = text.partition("=")[2].strip().strip('"').replace("\\", "/")

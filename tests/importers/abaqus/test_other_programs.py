@@ -105,3 +105,48 @@ def test_tied_contact_joins_two_bricks(deck, contact):
     assert list(deck_parts(tied)) == [""]
     np.testing.assert_allclose(deck_frequencies(tied, 9)[6:], deck_frequencies(tie, 9)[6:], rtol=1e-9)
     assert len(deck_parts(deck(TWO_BRICKS + STEEL + contact.replace("TIED", "HARD")))) == 2
+
+
+# --- nodes that are generated
+
+
+def test_nodes_on_an_arc_and_a_parabola(deck):
+    text = "*NODE\n1, 2, 0, 0\n5, 0, 2, 0\n9, 0, 0, 0\n11, 0, 0, 3\n13, 2, 0, 3\n"
+    text += "*NGEN, LINE=C\n1, 5, 1, 9\n*NGEN, LINE=P\n11, 13, 1, , 1, 1, 3\n"
+    read = deck(text + "*ELEMENT, TYPE=C3D4\n1, 9, 1, 5, 11\n")
+    place = dict(zip(read.node_ids.tolist(), read.nodes, strict=True))
+    for k in range(1, 4):
+        angle = np.pi / 8 * k
+        np.testing.assert_allclose(place[1 + k], [2 * np.cos(angle), 2 * np.sin(angle), 0], atol=1e-14)
+    np.testing.assert_allclose(place[12], [1, 1, 3])
+
+
+def test_half_a_circle_is_refused(deck):
+    with pytest.raises(ImportFormatError, match="take two arcs"):
+        deck("*NODE\n1, 1, 0, 0\n5, -1, 0, 0\n9, 0, 0, 0\n*NGEN, LINE=C\n1, 5, 1, 9\n")
+
+
+@pytest.mark.parametrize(
+    ("copy", "places"),
+    [
+        ("SHIFT, MULTIPLE=2\n0, 0, 1\n", {103: [0, 1, 1], 203: [0, 1, 2]}),
+        ("SHIFT\n0, 0, 1\n0, 0, 0, 0, 0, 5, 90\n", {102: [0, 1, 1], 103: [-1, 0, 1]}),
+        ("REFLECT=MIRROR\n0, 0, 1, 1, 0, 1\n0, 1, 1\n", {101: [0, 0, 2], 103: [0, 1, 2]}),
+        ("REFLECT=LINE\n0, 0, 0, 0, 0, 1\n", {102: [-1, 0, 0], 104: [0, 0, 1]}),
+        ("REFLECT=POINT\n1, 0, 0\n", {102: [1, 0, 0], 103: [2, -1, 0]}),
+    ],
+)
+def test_copied_nodes(deck, copy, places):
+    text = TETRAHEDRON + "*NSET, NSET=ALL\n1, 2, 3, 4\n*NCOPY, CHANGE NUMBER=100, OLD SET=ALL, NEW SET=NEW, "
+    read = deck(text + copy + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
+    found = dict(zip(read.node_ids.tolist(), read.nodes, strict=True))
+    for node, place in places.items():
+        np.testing.assert_allclose(found[node], place, atol=1e-14)
+    assert len(read.node_sets["NEW"]) == len(read.node_ids) - 4
+
+
+@pytest.mark.parametrize("copy", ["SHIFT\n0, 0, 1\n1, 1, 1, 1, 1, 1, 30\n", "REFLECT=LINE\n", "POLE\n1\n"])
+def test_copies_without_an_axis_are_refused(deck, copy):
+    text = TETRAHEDRON + "*NSET, NSET=ALL\n1, 2, 3, 4\n*NCOPY, CHANGE NUMBER=100, OLD SET=ALL, "
+    with pytest.raises(ImportFormatError, match="NCOPY"):
+        deck(text + copy + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
