@@ -114,9 +114,9 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
     lines = np.array([i for i, _ in block.data], dtype=np.int64)
     for i, row in zip(lines, rows, strict=True):
         # Coordinates that are not given are 0, and a normal may follow; in the last line of all, a cut.
-        if not 2 <= len(row) <= 7 or (len(row) < 4 and i == len(file.lines) - 1):
+        if len(row) > 7 or (len(row) < 4 and i == len(file.lines) - 1):
             raise file.error(i, f"{len(row)} fields; a node is id, x, y, z (is the file cut short?)")
-        row[:] = [*(word or "0" for word in row), "0", "0"][:4]
+        row[:] = [*(word or "0" for word in row), "0", "0", "0"][:4]
     ids = _converted(file, [row[0] for row in rows], lines, np.int64)
     words = [word.upper().replace("D", "E") for row in rows for word in row[1:]]  # Fortran writes 1.D0
     positions = _converted(file, words, np.repeat(lines, 3), np.float64)
@@ -157,7 +157,7 @@ def _meaning(path: Path, lines: list[str], inclusions: Inclusions, depth: int) -
     found = []
     for number, line in enumerate(lines, start=1):
         text = line.strip()
-        if not text or text.startswith("**"):
+        if not text.strip("* ,") or text.startswith("**"):
             continue
         if text.upper().startswith("*INCLUDE"):
             name = text.partition("=")[2].strip().strip('"').replace("\\", "/")

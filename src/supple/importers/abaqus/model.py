@@ -13,7 +13,7 @@ from supple.importers.abaqus.assembly import Scope, ScopedBlock, scoped_blocks
 from supple.importers.abaqus.element_types import ElementType, Family, element_type, face_nodes, free_faces
 from supple.importers.abaqus.nodes import NODE_KEYWORDS, most_generated, read_nodes
 from supple.importers.abaqus.report import Report
-from supple.importers.keyword_file import KeywordFile, fields, integers
+from supple.importers.keyword_file import IntegerRows, KeywordFile, fields, integers
 from supple.importers.numbering import numbers_of
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
@@ -278,15 +278,8 @@ def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType
     per_line = np.flatnonzero(np.append(read.first, True))
     if kind.family is Family.BEAM and (np.diff(per_line) == n + 2).all():
         n += 1
-    starts = np.arange(0, len(read.values), n + 1)
-    run_on = np.flatnonzero(~read.first[starts])
-    if run_on.size or len(read.values) % (n + 1):
-        line = int(read.lines[starts[run_on[0] - 1 if run_on.size else -1]])
-        raise file.error(
-            line,
-            f"an element of type {name} is an id and {n} nodes, on lines of its own; is the file cut short?",
-        )
-    rows, lines = read.values.reshape(-1, n + 1), read.lines[starts]
+    values, lines = _rows_of_elements(model, read, n + 1, name)
+    rows = values.reshape(-1, n + 1)
     numbers, known = model.nodes.numbers(placed.scope, rows[:, 1:])
     if not known.all():
         row, corner = np.argwhere(~known)[0]
@@ -309,6 +302,41 @@ def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType
         block.options.get("ELSET"),
         numbers[:, kind.n_nodes] if n > kind.n_nodes else None,
     )
+
+
+def _rows_of_elements(
+    model: AbaqusModel, read: IntegerRows, width: int, name: str
+) -> tuple[IntArray, IntArray]:
+    """Values of elements of `width` numbers each, and the line on which each begins.
+
+    An element begins on a line of its own; numbers behind its last node there are a doubt, as CalculiX does
+    not read them.
+    """
+    values, lines = read.values, read.lines
+    starts = np.arange(0, len(values), width)
+    if len(values) % width or not read.first[starts].all():
+        ends = np.append(np.flatnonzero(read.first)[1:], len(values))
+        kept, start, line_end = list[int](), 0, 0
+        while start < len(values):
+            line_end = ends[np.searchsorted(ends, start + width)] if start + width <= len(values) else 0
+            beyond = line_end - start - width
+            if beyond < 0 or beyond >= width:
+                raise model.file.error(
+                    int(lines[start]),
+                    f"an element of type {name} is an id and {width - 1} nodes, on lines of its own; is the "
+                    "file cut short?",
+                )
+            if beyond:
+                model.report.doubt(
+                    int(lines[start]),
+                    f"an element of type {name} is an id and {width - 1} nodes; {beyond} more numbers behind "
+                    "are not read; correct its type, or take them out",
+                )
+            kept.append(start)
+            start = int(line_end)
+        starts = np.array(kept)
+        values = values[starts[:, None] + np.arange(width)].ravel()
+    return values, lines[starts]
 
 
 def _generated_elements(
@@ -379,13 +407,7 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
         raise file.error(block.line, f"*{block.name} without a name; write *{block.name}, {block.name}=NAME")
     sets = model.node_sets if of_nodes else model.element_sets
     find = model.nodes_of if of_nodes else model.elements_of
-    scope = placed.scope
-    if "INSTANCE" in options:
-        names = [each.name.upper() for each in model.scopes]
-        if options["INSTANCE"].upper() not in names:
-            raise file.error(block.line, f"no instance '{options['INSTANCE']}'; correct its name")
-        scope = names.index(options["INSTANCE"].upper())
-    what = f"set '{name}'"
+    scope, what = _scope_of_members(model, placed), f"set '{name}'"
     if of_nodes and "ELSET" in options:
         members = np.empty(0, dtype=np.int64)
         if with_elements:
@@ -410,6 +432,18 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
         else:
             found += [find(scope, word, line, what) for word in words if word]
     _extend(sets, placed.scope, name, np.concatenate(found))
+
+
+def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
+    """The scope of an INSTANCE that a set names; in a file without instances, as for CalculiX, a doubt."""
+    name, known = placed.block.options.get("INSTANCE"), [each.name.upper() for each in model.scopes]
+    if name is None or name.upper() in known:
+        return placed.scope if name is None else known.index(name.upper())
+    message = f"no instance '{name}'; correct its name"
+    model.report.doubt(placed.block.line, message)
+    if len(known) > 1:
+        raise model.file.error(placed.block.line, message)
+    return placed.scope
 
 
 def _generated_members(

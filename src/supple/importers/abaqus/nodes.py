@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from supple.importers.abaqus.assembly import Scope, ScopedBlock
 from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, numbered_points, numbers
@@ -17,8 +18,8 @@ __all__ = ["NODE_KEYWORDS", "NodesFound", "most_generated", "read_nodes"]
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
-NODE_KEYWORDS = ("NODE", "NGEN", "NFILL", "SYSTEM")
-"""Keywords that `read_nodes` reads; NCOPY and NMAP are refused, as elements would name missing nodes."""
+NODE_KEYWORDS = ("NODE", "NGEN", "NFILL", "NCOPY", "SYSTEM")
+"""Keywords that `read_nodes` reads; NMAP is refused, as elements would name missing nodes."""
 
 _MOST_GENERATED = 10**7
 
@@ -42,7 +43,7 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
 
     Raises
     ------
-    ImportFormatError   words for numbers; *NCOPY, *NMAP; generation other than along straight lines
+    ImportFormatError   words for numbers; *NMAP; generation with a bias; copies about a pole
     """
     parts: list[tuple[int, IntArray, FloatArray, IntArray]] = []
     sets: dict[tuple[int, str], IntArray] = {}
@@ -51,13 +52,13 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
     system = np.eye(3), np.zeros(3)
     for placed in blocks:
         block, scope = placed.block, placed.scope
-        if block.key in ("NCOPY", "NMAP"):
+        if block.key == "NMAP":
             raise file.error(block.line, f"*{block.name} is not supported; write out what it makes")
         if block.key == "SYSTEM":
             system = _system(file, block)
         elif block.key == "NSET" and not placed.step:
             listed[scope, block.options.get("NSET", "").upper()] = block
-        elif block.key in NODE_KEYWORDS and block.data and not placed.step:
+        elif block.key in NODE_KEYWORDS and (block.data or block.key == "NCOPY") and not placed.step:
             if block.key == "NODE":
                 ids, positions, lines = _written(file, block, system)
                 bounds = ids[:0]
@@ -66,10 +67,12 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
                 # *NFILL names sets before nodes are numbered.
                 ends = {name: _plain_ids(each) for (at, name), each in listed.items() if at == scope}
                 ends |= {name: each for (at, name), each in sets.items() if at == scope}
-                ids, positions, lines, bounds = _generated(file, block, known, ends)
+                make = _copied if block.key == "NCOPY" else _generated
+                ids, positions, lines, bounds = make(file, block, known, ends)
             parts.append((scope, ids, positions, lines))
-            if "NSET" in block.options:
-                name, members = block.options["NSET"], np.concatenate([bounds, ids])
+            if "NSET" in block.options or "NEWSET" in block.options:
+                name = block.options.get("NSET", block.options.get("NEWSET", ""))
+                members = np.concatenate([bounds, ids])
                 named.append((scope, name, members))
                 sets[scope, name.upper()] = np.union1d(sets.get((scope, name.upper()), ids[:0]), members)
     if not parts:
@@ -133,14 +136,15 @@ def _generated(
     parts: list[tuple[int, IntArray, FloatArray, IntArray]],
     sets: dict[str, IntArray],
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
-    """Nodes on straight lines between two nodes (*NGEN), or between the nodes of two sets (*NFILL).
+    """Nodes on lines between two nodes (*NGEN), or on straight ones between those of two sets (*NFILL).
 
     Ids, positions and lines, and the ids of the nodes between which they lie.
     """
-    if block.options.get("LINE") or "BIAS" in block.options or "SINGULAR" in block.options:
+    curve = block.options.get("LINE", "").upper()
+    if curve not in ("", "C", "P") or "BIAS" in block.options or "SINGULAR" in block.options:
         raise file.error(
             block.line,
-            f"*{block.name} along curves or with a bias is not supported; write out what it makes",
+            f"*{block.name} of that kind or with a bias is not supported; write out what it makes",
         )
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(part[1] for part in parts)])
     positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
@@ -178,9 +182,88 @@ def _generated(
         share = (between / count)[:, None, None]
         new = (starts + step * between[:, None]).ravel()
         filled = ((1 - share) * x + share * y).reshape(-1, 3)
+        if curve:
+            given = numbers(file, line, [*words, *7 * [""]][3:10])
+            extra = places(line, np.array([int(given[0])]))[0] if given[0] else np.array(given[1:4])
+            along = _arc if curve == "C" else _parabola
+            filled = along(x[0], y[0], extra, share[:, 0])
+            if not np.isfinite(filled).all():
+                raise file.error(line, "*NGEN, LINE=C makes less than half a circle; take two arcs")
         made.append((new, filled, np.full(len(new), line), np.concatenate([starts, ends])))
     new, filled, lines, bounds = (np.concatenate(each) for each in zip(*made, strict=True))
     return new, filled, lines, bounds
+
+
+def _parabola(start: FloatArray, end: FloatArray, middle: FloatArray, t: FloatArray) -> FloatArray:
+    """Places (n, 3) at shares t (n, 1) of the parabola through its middle."""
+    return (1 - t) * (1 - 2 * t) * start + 4 * t * (1 - t) * middle + t * (2 * t - 1) * end
+
+
+def _arc(start: FloatArray, end: FloatArray, centre: FloatArray, t: FloatArray) -> FloatArray:
+    """Places (n, 3) at shares t (n, 1) of the angle of an arc under half a circle; else not a number."""
+    a, b = start - centre, end - centre
+    angle = np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)
+    if not 1e-9 < angle < np.pi - 1e-6:
+        return np.full((len(t), 3), np.nan)
+    return centre + (np.sin((1 - t) * angle) * a + np.sin(t * angle) * b) / np.sin(angle)
+
+
+def _copied(
+    file: KeywordFile,
+    block: KeywordBlock,
+    parts: list[tuple[int, IntArray, FloatArray, IntArray]],
+    sets: dict[str, IntArray],
+) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
+    """Nodes of *NCOPY: those of a set, shifted and turned (MULTIPLE times), or reflected; as `_generated`."""
+    options, line = block.options, block.line
+    old = sets.get(options.get("OLDSET", "").upper(), np.empty(0, dtype=np.int64))
+    ids = np.concatenate([np.empty(0, dtype=np.int64), *(part[1] for part in parts)])
+    positions = np.concatenate([np.empty((0, 3)), *(part[2] for part in parts)])
+    place, known = numbers_of(ids, old)
+    change = options.get("CHANGENUMBER", "")
+    if not len(old) or not known.all() or not is_plain_digits(change):
+        raise file.error(line, "*NCOPY takes CHANGE NUMBER and an OLD SET of nodes above it; correct them")
+    values = np.array([[*numbers(file, at, fields(text)), *7 * [0.0]][:7] for at, text in block.data])
+    values = np.vstack([values.reshape(-1, 7), np.zeros((2, 7))])
+    a, b, c = values[0, :3], values[0, 3:6], values[1, :3]
+    if "SHIFT" in options:
+        turn, shift, count = _rotation(values[1]), a, options.get("MULTIPLE", "1")
+        pivot = values[1, :3]
+    else:
+        pivot, shift, count = a, np.zeros(3), "1"
+        match options.get("REFLECT", "").upper():
+            case "POINT":
+                turn = -np.eye(3)
+            case "LINE":
+                turn = 2 * _projector(b - a) - np.eye(3)
+            case "MIRROR":
+                turn = np.eye(3) - 2 * _projector(np.cross(b - a, c - a))
+            case _:
+                raise file.error(line, "*NCOPY takes SHIFT or REFLECT=LINE, MIRROR, POINT; write out others")
+    if not is_plain_digits(count) or not np.isfinite(turn).all():
+        raise file.error(line, "*NCOPY: its points give no axis, or MULTIPLE is no number; correct them")
+    most_generated(file, line, int(count) * len(old))
+    new, x = [], [positions[place]]
+    for k in range(1, int(count) + 1):
+        new.append(old + k * int(change))
+        x.append((x[-1] + shift - pivot) @ turn.T + pivot)
+    made = np.concatenate([old[:0], *new])
+    return made, np.concatenate([positions[:0], *x[1:]]), np.full(len(made), line), old[:0]
+
+
+def _rotation(values: FloatArray) -> FloatArray:
+    """About the axis through two points, by an angle in degrees; nothing where there is no angle."""
+    if not values[6]:
+        return np.eye(3)
+    axis = values[3:6] - values[:3]
+    with np.errstate(invalid="ignore"):
+        vector = np.radians(values[6]) * axis / np.linalg.norm(axis)
+    return Rotation.from_rotvec(vector).as_matrix() if np.isfinite(vector).all() else np.full((3, 3), np.nan)
+
+
+def _projector(direction: FloatArray) -> FloatArray:
+    with np.errstate(invalid="ignore"):
+        return np.outer(direction, direction) / (direction @ direction)
 
 
 def _plain_ids(block: KeywordBlock) -> IntArray:

@@ -80,6 +80,11 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
     ImportFormatError   words for numbers; points on a line
     """
     found: dict[tuple[int, str], Orientation] = {}
+    distributions = {
+        each.block.options.get("NAME", "").upper()
+        for each in model.blocks
+        if each.block.key == "DISTRIBUTION"
+    }
     for placed in model.named("ORIENTATION"):
         block = placed.block
         name = block.options.get("NAME", "")
@@ -89,6 +94,9 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
             model.report.leave_out_block(block, f"axes '{name}' of materials are not of a kind that is read")
             continue
         line, text = block.data[0]
+        if fields(text)[0].upper() in distributions:
+            model.report.leave_out_block(block, f"axes '{name}' of materials follow a distribution")
+            continue
         values = [*numbers(model.file, line, fields(text)), *9 * [0.0]][:9]
         points = np.array(values).reshape(3, 3)
         turn = numbers(model.file, block.data[1][0], fields(block.data[1][1])) if len(block.data) > 1 else []

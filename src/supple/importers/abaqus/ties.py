@@ -1,6 +1,8 @@
-"""*TIE of Abaqus and CalculiX: nodes of one surface follow the faces of another, matching or not."""
+"""*TIE and tied contact: nodes of one surface follow the faces of another, matching or not."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +34,7 @@ def read_ties(model: AbaqusModel, rows: Rows) -> None:
     ------
     ImportFormatError   words for numbers
     """
-    for placed in model.named("TIE"):
+    for placed in (*model.named("TIE"), *_tied_contacts(model)):
         block = placed.block
         if {"CYCLICSYMMETRY", "MULTISTAGE", "FLUIDPERIODIC"} & block.options.keys():
             model.report.leave_out_block(block, "the body is one sector, and its cuts are free")
@@ -44,6 +46,24 @@ def read_ties(model: AbaqusModel, rows: Rows) -> None:
                 model.report.leave_out_block(block, f"surfaces '{names[0]}' and '{names[1]}' are not joined")
                 continue
             _tie(model, placed, line, slave, master, rows)
+
+
+def _tied_contacts(model: AbaqusModel) -> Iterator[ScopedBlock]:
+    """*CONTACT PAIR with TIED, or whose interaction has PRESSURE-OVERCLOSURE=TIED as CalculiX writes it."""
+    interaction, tied = "", set[str]()
+    for placed in model.blocks:
+        options = placed.block.options
+        if placed.block.key == "SURFACEINTERACTION":
+            interaction = options.get("NAME", "").upper()
+        elif options.get("PRESSURE-OVERCLOSURE", "").upper() == "TIED":
+            tied.add(interaction)
+    for placed in model.blocks:
+        options = placed.block.options
+        if placed.block.key != "CONTACTPAIR" or placed.step:
+            continue
+        if "TIED" in options or options.get("INTERACTION", "").upper() in tied:
+            model.report.read[placed.block.name] += 1
+            yield placed
 
 
 def _surface(model: AbaqusModel, placed: ScopedBlock, name: str) -> Surface | None:
@@ -69,6 +89,8 @@ def _tie(
     tolerance = _DEFAULT_TOLERANCE * size
     if "POSITIONTOLERANCE" in block.options:
         tolerance = numbers(model.file, block.line, [block.options["POSITIONTOLERANCE"]])[0]
+    elif block.key == "CONTACTPAIR" and block.options.get("ADJUST", "-")[0] in ".0123456789":  # no node set
+        tolerance = max(tolerance, numbers(model.file, block.line, [block.options["ADJUST"]])[0])
     best = np.full(len(nodes), np.inf)
     where: list[tuple[IntArray, FloatArray]] = [(nodes[:0], np.empty(0))] * len(nodes)
     points = np.empty((len(nodes), 3))
@@ -93,8 +115,8 @@ def _tie(
         )
     elif not near.all():
         model.report.note(
-            f"*TIE of '{slave.name}' to '{master.name}': {np.count_nonzero(~near)} of {len(nodes)} nodes lie "
-            f"farther than {tolerance:.3g} from it and are not tied"
+            f"*{block.name} of '{slave.name}' to '{master.name}': {np.count_nonzero(~near)} of "
+            f"{len(nodes)} nodes lie farther than {tolerance:.3g} from it and are not tied"
         )
 
 
