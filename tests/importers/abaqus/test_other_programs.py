@@ -170,3 +170,17 @@ def test_a_row_of_hexahedra_bends(deck, kind):
     first = 1.8751041**2 / (2 * np.pi) * np.sqrt(2.1e11 * 0.01 / 12 / 7800.0) / 100
     assert deck_frequencies(deck(text), 1, held=True)[0] == pytest.approx(first, rel=0.01)
     assert deck_frequencies(deck(text.replace(kind, "C3D8")), 1, held=True)[0] > 2 * first
+
+
+@pytest.mark.parametrize(
+    "rigid",
+    [
+        "*ELEMENT, TYPE=C3D4, ELSET=E\n1, 1, 2, 3, 4\n*RIGID BODY, NSET=ALL, REF NODE=9\n"
+        "*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n",
+        "*ELEMENT, TYPE=MASS, ELSET=M\n1, 9\n*MASS, ELSET=M\n2.5\n",
+    ],
+)
+def test_a_part_that_is_all_rigid_has_no_elastic_modes(deck, rigid):
+    read = deck(TETRAHEDRON + "9, 1, 1, 1\n*NSET, NSET=ALL\n1, 2, 3, 4\n" + rigid + STEEL)
+    assert not len(deck_frequencies(read, 3))
+    np.testing.assert_array_equal(deck_frequencies(read, 3, held=True), 0)
