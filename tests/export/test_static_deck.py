@@ -18,6 +18,8 @@ from supple.fem import (
     HomogeneousSection,
     Isotropic,
     LaminateSection,
+    Section,
+    finite_element_model,
     shell_model,
     solid_model,
 )
@@ -48,6 +50,18 @@ def loads_in(text, n):
     for node, freedom, value in lines_below(text, "CLOAD"):
         loads[int(node) - 1, int(freedom) - 1] += value
     return loads
+
+
+@pytest.mark.parametrize(
+    ("kind", "option", "name"),
+    [(CellType.HEXA8, "incompatible", "C3D8I"), (CellType.HEXA20, "reduced", "C3D20R")],
+)
+def test_the_element_is_named_as_it_is(kind, option, name, tmp_path):
+    mesh = block(1.0, 0.4, 0.3, 1, 1, 1, kind)
+    model = finite_element_model(mesh, (Section(kind, np.arange(1), STEEL, **{option: True}),))
+    load = np.ones_like(mesh.nodes)
+    text = write_static_deck(tmp_path / "solid.inp", model, load, mesh.nodes_of("root")).read_text()
+    assert f"TYPE={name}," in text
 
 
 @pytest.mark.parametrize("kind", [CellType.TETRA4, CellType.TETRA10, CellType.HEXA8, CellType.HEXA20])

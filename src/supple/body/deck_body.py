@@ -221,7 +221,18 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
             ) from None
         cells = np.arange(start, first[each.kind])
         directions = _along_cells(deck, each) if each.kind.dimension == 2 else each.directions
-        made.append(Section(each.kind, cells, own, directions, each.offsets, each.released, each.reduced))
+        made.append(
+            Section(
+                each.kind,
+                cells,
+                own,
+                directions,
+                each.offsets,
+                each.released,
+                each.reduced,
+                each.incompatible,
+            )
+        )
     return tuple(made)
 
 

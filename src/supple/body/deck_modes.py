@@ -81,6 +81,8 @@ def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray
     )
     if not len(made.freedoms):
         return np.zeros(0)
+    if abs(made.stiffness).max() <= RIGID_TOLERANCE * abs(model.stiffness).max():  # a part that is all rigid
+        return np.zeros(min(n, len(made.freedoms)) if held else 0)
     wanted = min(n if held else n + 6 + MORE_MODES, len(made.freedoms))
     values = lowest_modes(made.stiffness, made.mass, wanted).values
     if not held and len(values):

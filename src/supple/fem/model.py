@@ -273,7 +273,7 @@ def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_n
         return rod_strain(corners, nodal_freedoms(nodes, dofs_per_node, own), given)
     if isinstance(given, Isotropic | Anisotropic):
         return solid_strain(
-            solid_element(section.cell_type, reduced=section.reduced),
+            solid_element(section.cell_type, reduced=section.reduced, incompatible=section.incompatible),
             corners,
             nodal_freedoms(nodes, dofs_per_node, 3),
             given,

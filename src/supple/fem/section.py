@@ -42,6 +42,7 @@ class Section:
     released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
                                                 carry no force or moment
     reduced : bool                              of HEXA20: eight strain points, with a share of fourteen
+    incompatible : bool                         of HEXA8: motions of its own, with which it bends freely
 
     Raises
     ------
@@ -55,6 +56,7 @@ class Section:
     offsets: FloatArray | None = None
     released: NDArray[np.bool_] | None = None
     reduced: bool = False
+    incompatible: bool = False
 
     def __post_init__(self) -> None:
         axes = (3, 3) if self.cell_type.dimension == 3 else (3,)

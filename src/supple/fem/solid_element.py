@@ -38,11 +38,13 @@ class SolidElement:
     cell_type : CellType
     strain_rule : Quadrature    for the strain energy: enough points that only rigid motion has none
     mass_rule : Quadrature      exact for the mass and inertia of a cell with curved sides
+    incompatible : bool         HEXA8 with three motions of its own, which make it bend without shear
     """
 
     cell_type: CellType
     strain_rule: Quadrature
     mass_rule: Quadrature
+    incompatible: bool = False
 
 
 def solid_strain(
@@ -56,18 +58,40 @@ def solid_strain(
 
         G q = grad u,   B q = its symmetric part,   strains xx yy zz yz xz xy (engineering shears)
 
+    Incompatible motions a follow the nodes by their linear balance, K_aa a = -K_au q, and are then part of
+    u: linear stiffness is that of Wilson and Taylor, and finite rotations, for which a = 0, have no strain.
+
     Parameters
     ----------
     corners : float array (E, k, 3)     positions of all nodes of each cell, m
     dofs : int array (E, 3k)            nodal freedoms
     directions : float array (E, 3, 3) or None      axes of the material, as columns; global ones when None
     """
-    n_cells, k, _ = corners.shape
     rule = element.strain_rule
     reference = shape_gradients(element.cell_type, rule.points)
     jacobian = _jacobian(corners, reference)
-    gradients = (reference @ np.linalg.inv(jacobian)).swapaxes(2, 3)
-    G = np.zeros((n_cells, len(rule.points), 3, 3, k, 3))
+    B, G = _of_gradients((reference @ np.linalg.inv(jacobian)).swapaxes(2, 3))
+    D = material.elasticity if directions is None else turned_elasticity(material.elasticity, directions)
+    w = rule.weights * np.linalg.det(jacobian)
+    if element.incompatible:
+        B_own, G_own = _of_gradients(_incompatible_gradients(element, corners, jacobian))
+        force = np.einsum("egsi,egst->egit", B_own, w[..., None, None] * np.reshape(D, (-1, 1, 6, 6)))
+        condensed = -np.linalg.solve((force @ B_own).sum(axis=1), (force @ B).sum(axis=1))[:, None]
+        B, G = B + B_own @ condensed, G + G_own @ condensed
+    return QuadraticStrain(
+        dofs=dofs,
+        B=B,
+        G=G,
+        N=SOLID_FORM,
+        D=D,
+        w=w,
+    )
+
+
+def _of_gradients(gradients: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """B (E, p, 6, 3k) and G (E, p, 9, 3k) of k functions whose gradients (E, p, 3, k) are given."""
+    n_cells, n_points, _, k = gradients.shape
+    G = np.zeros((n_cells, n_points, 3, 3, k, 3))
     for component in range(3):
         G[:, :, component, :, :, component] = gradients
     B = np.stack(
@@ -75,14 +99,19 @@ def solid_strain(
         + [G[:, :, i, j] + G[:, :, j, i] for i, j in ((1, 2), (0, 2), (0, 1))],
         axis=2,
     )
-    return QuadraticStrain(
-        dofs=dofs,
-        B=B.reshape(n_cells, -1, 6, 3 * k),
-        G=G.reshape(n_cells, -1, 9, 3 * k),
-        N=SOLID_FORM,
-        D=material.elasticity if directions is None else turned_elasticity(material.elasticity, directions),
-        w=rule.weights * np.linalg.det(jacobian),
-    )
+    return B.reshape(n_cells, n_points, 6, 3 * k), G.reshape(n_cells, n_points, 9, 3 * k)
+
+
+def _incompatible_gradients(element: SolidElement, corners: FloatArray, jacobian: FloatArray) -> FloatArray:
+    """Gradients (E, p, 3, 3) of  1 - xi^2, 1 - eta^2, 1 - zeta^2,  by the Jacobian at the centre.
+
+    They are scaled by its determinant over that of the point, so that constant stress does no work on them
+    and any element passes the patch test (Taylor, Beresford and Wilson, Int. J. Numer. Meth. Eng. 10, 1976).
+    """
+    centre = _jacobian(corners, shape_gradients(element.cell_type, np.zeros((1, 3))))
+    reference = -2.0 * element.strain_rule.points[:, :, None] * np.eye(3)
+    scale = np.linalg.det(centre) / np.linalg.det(jacobian)
+    return ((reference @ np.linalg.inv(centre)) * scale[..., None, None]).swapaxes(2, 3)
 
 
 def turned_elasticity(elasticity: FloatArray, directions: FloatArray) -> FloatArray:
@@ -168,8 +197,11 @@ SOLID_ELEMENTS = {
 """Linear ones are stiff in bending, the more so where they are slender: prefer quadratic ones."""
 
 _REDUCED_HEXA20 = replace(SOLID_ELEMENTS[CellType.HEXA20], strain_rule=reduced_cube())
+_INCOMPATIBLE_HEXA8 = replace(SOLID_ELEMENTS[CellType.HEXA8], incompatible=True)
 
 
-def solid_element(kind: CellType, *, reduced: bool) -> SolidElement:
-    """The element of a cell type; a HEXA20 may have reduced integration."""
-    return _REDUCED_HEXA20 if reduced and kind is CellType.HEXA20 else SOLID_ELEMENTS[kind]
+def solid_element(kind: CellType, *, reduced: bool = False, incompatible: bool = False) -> SolidElement:
+    """The element of a cell type; a HEXA20 may have reduced integration, a HEXA8 incompatible motions."""
+    if reduced and kind is CellType.HEXA20:
+        return _REDUCED_HEXA20
+    return _INCOMPATIBLE_HEXA8 if incompatible and kind is CellType.HEXA8 else SOLID_ELEMENTS[kind]

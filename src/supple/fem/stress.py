@@ -246,7 +246,7 @@ def _as_strain(section: Section, stress: SectionStress) -> SectionStress:
 def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
-        element = solid_element(section.cell_type, reduced=section.reduced)
+        element = solid_element(section.cell_type, reduced=section.reduced, incompatible=section.incompatible)
         to_nodes = extrapolation(element)[:, None]
         of_strain = block.D if block.D.ndim == 3 else block.D[None]
         return SectionStress(

@@ -158,6 +158,7 @@ class DeckElements:
     offsets : (C, 2, 3) of the ends of beams from their nodes
     released : (C, 12) freedoms of beam ends, in the beam's axes, that carry no force
     reduced : whether HEXA20 cells have reduced integration
+    incompatible : whether HEXA8 cells have incompatible motions
     """
 
     name: str
@@ -170,6 +171,7 @@ class DeckElements:
     offsets: FloatArray | None = None
     released: NDArray[np.bool_] | None = None
     reduced: bool = False
+    incompatible: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from supple.body import deck_frequencies, deck_parts
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.beam_shapes import beam_shape
 from supple.importers.abaqus.mesh_view import read_abaqus
+from supple.mesh import CellType, block
 
 TETRAHEDRON = """*NODE
 1, 0, 0, 0
@@ -150,3 +151,36 @@ def test_copies_without_an_axis_are_refused(deck, copy):
     text = TETRAHEDRON + "*NSET, NSET=ALL\n1, 2, 3, 4\n*NCOPY, CHANGE NUMBER=100, OLD SET=ALL, "
     with pytest.raises(ImportFormatError, match="NCOPY"):
         deck(text + copy + "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
+
+
+# --- elements that bend
+
+
+@pytest.mark.parametrize("kind", ["C3D8I", "C3D8R"])
+def test_a_row_of_hexahedra_bends(deck, kind):
+    """Clamped bar of one row of 5 : 1 boxes: f = 1.8751^2 / (2 pi) sqrt(E I / (rho A L^4)) within 1 %."""
+    mesh = block(10.0, 0.1, 0.1, 20, 1, 1, CellType.HEXA8)
+    text = "*NODE\n" + "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(mesh.nodes, 1))
+    text += f"*ELEMENT, TYPE={kind}, ELSET=E\n"
+    for i, nodes in enumerate(mesh.cells[CellType.HEXA8] + 1, 1):
+        text += ", ".join(map(str, [i, *nodes])) + "\n"
+    text += "*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1e11, 0.\n*DENSITY\n7800.\n"
+    text += "*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n*BOUNDARY\n"
+    text += "".join(f"{i + 1}, 1, 3\n" for i in mesh.nodes_of("root"))
+    first = 1.8751041**2 / (2 * np.pi) * np.sqrt(2.1e11 * 0.01 / 12 / 7800.0) / 100
+    assert deck_frequencies(deck(text), 1, held=True)[0] == pytest.approx(first, rel=0.01)
+    assert deck_frequencies(deck(text.replace(kind, "C3D8")), 1, held=True)[0] > 2 * first
+
+
+@pytest.mark.parametrize(
+    "rigid",
+    [
+        "*ELEMENT, TYPE=C3D4, ELSET=E\n1, 1, 2, 3, 4\n*RIGID BODY, NSET=ALL, REF NODE=9\n"
+        "*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n",
+        "*ELEMENT, TYPE=MASS, ELSET=M\n1, 9\n*MASS, ELSET=M\n2.5\n",
+    ],
+)
+def test_a_part_that_is_all_rigid_has_no_elastic_modes(deck, rigid):
+    read = deck(TETRAHEDRON + "9, 1, 1, 1\n*NSET, NSET=ALL\n1, 2, 3, 4\n" + rigid + STEEL)
+    assert not len(deck_frequencies(read, 3))
+    np.testing.assert_array_equal(deck_frequencies(read, 3, held=True), 0)

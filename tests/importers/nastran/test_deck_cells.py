@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from supple.body import deck_frequencies
 from supple.errors import ImportFormatError
 from supple.importers.deck import (
     AnisotropicMaterial,
@@ -76,6 +77,22 @@ def test_tetrahedra_and_hexahedra(deck, bulk, kind):
     (made,) = read.properties.values()
     assert isinstance(made, SolidProperty)
     assert made.material == STEEL
+
+
+def test_a_hexahedron_bends_by_default(deck):
+    """One row of 5 : 1 boxes, clamped: f = 1.8751^2 / (2 pi) sqrt(E I / (rho A L^4)) within 1 %."""
+    mesh = block(10.0, 0.1, 0.1, 20, 1, 1, CellType.HEXA8)
+    text = grids(mesh.nodes) + "".join(
+        card("CHEXA", i + 1, 3, nodes + 1) for i, nodes in enumerate(mesh.cells[CellType.HEXA8])
+    )
+    held = "SPC1,1,123," + ",".join(str(i + 1) for i in mesh.nodes_of("root")) + "\n"
+    text += "MAT1,5,2.1+11,,0.,7800.\n"
+    head = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\n"
+    first = 1.8751041**2 / (2 * np.pi) * np.sqrt(2.1e11 * 0.01 / 12 / 7800.0) / 100
+    found = deck_frequencies(deck(head + text + held + "PSOLID,3,5\n"), 1, held=True)[0]
+    assert found == pytest.approx(first, rel=0.01)
+    locked = deck_frequencies(deck(head + text + held + "PSOLID,3,5,,TWO,,FULL\n"), 1, held=True)[0]
+    assert locked > 2 * first
 
 
 TETRA = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)

@@ -14,7 +14,6 @@ from supple.importers.abaqus.element_types import ElementType, Family, element_t
 from supple.importers.abaqus.nodes import NODE_KEYWORDS, most_generated, read_nodes
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import IntegerRows, KeywordFile, fields, integers
-from supple.importers.numbering import numbers_of
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
@@ -64,14 +63,20 @@ class Labels:
 
     scopes: IntArray
     ids: IntArray
+    _sorted: dict[int, tuple[IntArray, IntArray]] = field(default_factory=dict)
 
     def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
         """Numbers of ids in a scope, and whether they are there."""
-        mine = self.of(scope)
-        if len(mine) == len(self.ids):
-            return numbers_of(self.ids, ids)
-        place, known = numbers_of(self.ids[mine], ids)
-        return (mine[place] if len(mine) else place), known
+        # Files look up line by line: ids are sorted once.
+        if scope not in self._sorted:
+            mine = self.of(scope)
+            mine = mine[np.argsort(self.ids[mine], kind="stable")]
+            self._sorted[scope] = mine, self.ids[mine]
+        mine, known = self._sorted[scope]
+        if not len(mine):
+            return np.zeros(ids.shape, dtype=np.int64), np.zeros(ids.shape, dtype=bool)
+        place = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+        return mine[place], known[place] == ids
 
     def of(self, scope: int) -> IntArray:
         """Numbers of all in a scope."""

@@ -51,14 +51,8 @@ _FITS = {
     Family.MEMBRANE: SectionOfShells,
     Family.BEAM: SectionOfBeams,
 }
-_STIFFER = (
-    "are integrated fully, and so stiffer in bending where few lie across a wall: refine, or take C3D20"
-)
-_READ_AS_FULL = {
-    "C3D8R": _STIFFER,
-    "C3D8I": _STIFFER,
-    "SC8R": _STIFFER,
-}
+_INCOMPATIBLE = ("C3D8I", "C3D8R", "SC8R")
+"""With one point of integration and stiffness against hourglasses they bend about as with such motions."""
 _SECTIONS = (
     "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
     "BEAMGENERALSECTION",
@@ -119,9 +113,10 @@ def read_elements(
                 )
             else:
                 builder.add(key, section, block, places)
-        word = _READ_AS_FULL.get(block.type.name.rstrip("HT"))
-        if word:
-            model.report.note(f"elements {block.type.name} {word}")
+        if _incompatible(block) and "R" in block.type.name:
+            model.report.note(
+                f"elements {block.type.name} are integrated fully, with incompatible motions that bend freely"
+            )
     return tuple(builder.elements), builder.properties
 
 
@@ -237,6 +232,7 @@ class _Builder:
                 directions,
                 offsets,
                 reduced=block.type.name.startswith("C3D20R"),
+                incompatible=_incompatible(block),
             )
         )
 
@@ -248,6 +244,10 @@ class _Builder:
             name = f"{key} {n}"
         self.properties[name] = made
         return name
+
+
+def _incompatible(block: ElementBlock) -> bool:
+    return block.type.name.rstrip("HT") in _INCOMPATIBLE
 
 
 def _same(first: Property, second: Property) -> bool:

@@ -178,8 +178,7 @@ def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElemen
                 continue
             groups.setdefault((of, number), []).append(card)
         for (of, number), cards in groups.items():
-            system = properties.cards[number].integer(2, "the material's axes CORDM", 0)
-            found += _solid_cells(name, cards, of, system, reading, middles, properties)
+            found += _solid_cells(name, cards, of, properties.cards[number], reading, middles, properties)
     middles.tie()
     return found, properties.found
 
@@ -202,12 +201,14 @@ def _solid_cells(
     name: str,
     cards: list[BulkCard],
     of: str,
-    system: int,
+    psolid: BulkCard,
     reading: Reading,
     middles: _Middles,
     properties: Properties,
 ) -> list[DeckElements]:
-    solid = _SOLIDS[name]
+    solid, system = _SOLIDS[name], psolid.integer(2, "the material's axes CORDM", 0)
+    # By default (fields IN and ISOP) CHEXA has bubble functions, with which it bends without shear.
+    bubble = psolid.word(3) in ("", "0", "BUBBLE") and psolid.word(5) not in ("1", "FULL")
     quadratic = [not card.is_blank(2 + solid.corners, 2 + len(solid.order)) for card in cards]
     found: list[DeckElements] = []
     for wanted in (False, True):
@@ -221,7 +222,8 @@ def _solid_cells(
         nodes = _turned_outwards(kind, nodes, reading)
         ids, lines = integers(chosen, 0, "the element id"), np.array([card.line for card in chosen])
         axes = _material_axes(properties.found[of], system, nodes, reading, chosen)
-        found.append(DeckElements(name, kind, nodes, ids, lines, of, axes))
+        bends = kind is CellType.HEXA8 and (bubble or psolid.name != "PSOLID")
+        found.append(DeckElements(name, kind, nodes, ids, lines, of, axes, incompatible=bends))
     return found
 
 
