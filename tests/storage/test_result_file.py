@@ -122,6 +122,7 @@ def test_a_killed_run_keeps_every_chunk(killed_run, make):
     assert_bit_equal(kept, concatenate([make(float(i), 7, i) for i in range(n_chunks)]))
 
 
+@pytest.mark.slow
 def test_a_killed_run_can_be_continued(killed_run, make):
     path, _ = killed_run
     kept = read_solution(path)

@@ -228,6 +228,7 @@ def test_a_mass_on_a_spring_and_damper_swings_as_the_closed_form():
         simulate(system, stepped(Run(1.0, 0.02), 1.01 * limit))
 
 
+@pytest.mark.slow
 def test_bushings_torques_and_the_base_act_as_on_reduced_bodies():
     def machine(make):
         return System(
