@@ -262,6 +262,7 @@ def limit_file_size():
     resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
 
 
+@pytest.mark.slow
 def test_a_real_failing_write_keeps_what_was_written(tmp_path):
     # The operating system itself refuses to let the file grow, in the middle of a run.
     path = tmp_path / "run.h5"
