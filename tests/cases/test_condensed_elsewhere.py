@@ -86,6 +86,7 @@ def ours():
     return system, simulate(system, RUN)
 
 
+@pytest.mark.slow
 def test_the_machine_moves_as_with_the_body_reduced_here(beam, ours):
     """Half a turn of a tenth of the lowest frequency: the swing of the tip, and of a point inside."""
     points, T, ids = inside(beam)

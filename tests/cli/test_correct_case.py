@@ -131,6 +131,7 @@ def test_strict_judges_the_run_that_is_accepted(case):
     assert "error: body 'strip' turns by" in call("run", case, "-o", case.parent / "out", "--strict", code=2)
 
 
+@pytest.mark.slow
 def test_loads_beyond_the_modes_of_a_fixed_size_are_named(case):
     """At 100 Hz the strip, held at its root, has three modes; clamped modes lie at 8, 53, 83 and 156 Hz."""
     accuracy(case, '{ basis = "normal-modes", modes = 1, steady = false }')

@@ -87,6 +87,7 @@ def test_a_conical_pendulum_rises_with_its_spin(run):
     assert (folder / "bob-campbell.png").exists()
 
 
+@pytest.mark.slow
 def test_a_run_from_the_equilibrium_does_not_swing(run):
     """The bob is placed aside; where its run starts in equilibrium it hangs."""
     result, folder = run("run", "--no-errors", spin="", start='start = "equilibrium"')
@@ -173,6 +174,7 @@ def strip_run(tmp_path):
     return of
 
 
+@pytest.mark.slow
 def test_a_rest_reaches_its_accuracy_where_no_size_is_given(strip_run):
     """Five bending modes to begin with hold no stretch; the default accuracy is a thousandth."""
     numbers, output, _ = strip_run("static")

@@ -140,6 +140,7 @@ def test_a_relative_error_is_that_over_the_largest_displacement(beam):
     assert [each.size for each in result.rounds] == [8, 11]
 
 
+@pytest.mark.slow
 def test_gives_up_after_the_rounds_allowed_and_keeps_them(beam):
     with pytest.raises(SelfCorrectionError, match="error 1e-12: 1 rounds are over") as caught:
         corrected(beam, FRAMES["nodal-fixed"], absolute=1e-12, max_rounds=1)

@@ -53,6 +53,7 @@ def test_matrices_over_which_hdf5_never_ends():
 
 
 @pytest.mark.usefixtures("soon")
+@pytest.mark.slow
 def test_a_case_that_names_such_a_file(tmp_path):
     (tmp_path / "case.toml").write_text(
         f'title = "t"\n[[body]]\nname = "b"\nreduced = "{ENDLESS}"\n'

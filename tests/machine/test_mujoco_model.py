@@ -79,7 +79,10 @@ def integrated(mujoco, text, times):
     return np.array(found)
 
 
-@pytest.mark.parametrize(("text", "names"), [(PENDULUM, ["upper", "lower"]), (CART, ["cart", "bob"])])
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [(PENDULUM, ["upper", "lower"]), pytest.param(CART, ["cart", "bob"], marks=pytest.mark.slow)],
+)
 def test_motion_is_that_of_mujoco(mujoco, text, names):
     system = read_mujoco(text)
     motion = simulate(system, RUN)

@@ -123,6 +123,7 @@ def test_motion_is_of_second_order_and_keeps_its_energy():
     assert drifts[2] < 5e-3
 
 
+@pytest.mark.slow
 def test_a_small_push_sounds_the_lowest_frequency():
     """omega = 1.8751^2 sqrt(E I / rho A L^4); shear, stretch and rotary inertia lower it a little."""
     omega = 1.8751041**2 * np.sqrt(STIFFNESS[4] / (1.2 * LENGTH**4))

@@ -122,6 +122,7 @@ def test_a_killed_run_keeps_every_chunk(killed_run, make):
     assert_bit_equal(kept, concatenate([make(float(i), 7, i) for i in range(n_chunks)]))
 
 
+@pytest.mark.slow
 def test_a_killed_run_can_be_continued(killed_run, make):
     path, _ = killed_run
     kept = read_solution(path)
@@ -261,6 +262,7 @@ def limit_file_size():
     resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
 
 
+@pytest.mark.slow
 def test_a_real_failing_write_keeps_what_was_written(tmp_path):
     # The operating system itself refuses to let the file grow, in the middle of a run.
     path = tmp_path / "run.h5"

@@ -101,7 +101,7 @@ def test_root_follows_the_law():
         (6.0, -0.576),
         pytest.param(8.0, -0.726, marks=pytest.mark.slow),
         pytest.param(10.0, -0.858, marks=pytest.mark.slow),
-        (12.0, -0.972),
+        pytest.param(12.0, -0.972, marks=pytest.mark.slow),
     ],
 )
 def test_tip_lags_by_the_published_amount(speed, published):

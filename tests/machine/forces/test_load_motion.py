@@ -72,7 +72,7 @@ def solution():
     system = System(bodies, (hinge,), loads)
     return simulate(
         system,
-        Run(duration=2.0, output_step=0.05, step=FixedStep(1e-3), tolerances=Tolerances(residual=1e-10)),
+        Run(duration=1.0, output_step=0.05, step=FixedStep(1e-3), tolerances=Tolerances(residual=1e-10)),
     )
 
 

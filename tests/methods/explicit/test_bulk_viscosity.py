@@ -124,6 +124,7 @@ def test_a_compression_shortens_the_step():
     assert steps[2] == steps[0]
 
 
+@pytest.mark.slow
 def test_it_leaves_free_flight_alone():
     """A rotation by any angle a step leaves det F as it is; what a spin stretches is little."""
     spun = Placed(explicit_bar(CellType.HEXA8), velocity=(1.0, 0, 0), angular_velocity=(0.0, 0.0, 1e-3))

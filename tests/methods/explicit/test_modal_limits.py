@@ -95,6 +95,7 @@ def test_a_spin_too_fast_for_modes_at_rest_is_said():
     assert not heard(System([spinning(0.25 * first)]), run)
 
 
+@pytest.mark.slow
 def test_a_bar_that_bends_far_is_said():
     """Ends that are pushed while the middle lags: the slope there is the angle that is said."""
     part = spinning(0.0).body

@@ -192,6 +192,7 @@ def flown(built, step, n, rates=1e-6):
     return _flown(built.methods.tied, built.model, states, step, n)
 
 
+@pytest.mark.slow
 def test_with_all_modes_and_every_node_the_cut_bar_is_the_bar_itself():
     """Its largest frequency is that of the bar, and all nodes of the joint meet."""
     left, right = whole_basis("left", 0, 4, (2, 1, 1)), whole_basis("right", 4, 4, (2, 1, 1))

@@ -50,6 +50,7 @@ def test_free_flight_over_twenty_turns_keeps_links_momentum_and_energy():
     assert drift[10:].max() < 2 * drift[:10].max()  # bounded, not growing
 
 
+@pytest.mark.slow
 def test_attitude_is_of_second_order_in_the_step():
     box = modal_box()
     spin = 0.1 * box.frequencies[0] * jnp.array([0.2, 0.6, 0.8])

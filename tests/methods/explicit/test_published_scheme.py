@@ -49,6 +49,7 @@ def test_each_published_form_errs_more_than_the_default():
     assert default < 1e-11 < lagged < without < 1e-3
 
 
+@pytest.mark.slow
 def test_the_brake_shrinks_with_the_step():
     box = modal_box()
     coarse, _ = _momentum_lost(box, PublishedScheme())

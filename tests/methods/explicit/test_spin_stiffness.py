@@ -108,6 +108,7 @@ def flapping(rotor):
 
 
 @pytest.mark.filterwarnings("ignore::supple.errors.SuppleWarning")
+@pytest.mark.slow
 def test_the_frequency_of_flapping_is_that_of_the_floating_frame(body, rotor, flapping):
     rate, _, solution = flapping
     reduced = reduce(

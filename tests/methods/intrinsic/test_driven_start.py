@@ -94,6 +94,7 @@ def test_a_shaken_beam_moves_with_its_table():
     np.testing.assert_allclose(x1, np.tile([0, 0.3, 0, 0, 0, 0], (5, 1)), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_hub_carries_its_beam_and_a_crank_its_rod():
     hub = RigidBody("hub", 2.0, [0, 0, 0], np.eye(3), {"middle": [0, 0, 0], "rim": [0.2, 0, 0]})
     motor = PrescribedRotation(

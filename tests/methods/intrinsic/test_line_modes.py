@@ -82,6 +82,7 @@ def test_modes_at_rest_are_those_of_the_line():
     assert joined.kinetic_shares == pytest.approx(np.ones((1, 6)))
 
 
+@pytest.mark.slow
 def test_a_free_body_has_six_rigid_modes():
     body = beam(8, FREE)
     found = modes_of(System([body]), 8)
@@ -230,6 +231,7 @@ def test_a_machine_stays_in_the_equilibrium_that_was_found():
     assert np.abs(moved - moved[0]).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_static_responses_at_ports_are_those_of_a_cantilever():
     """F L^3 / 3 EI and -F L^2 / 2 EI."""
     linear = linearize(driven(beam()))

@@ -96,6 +96,7 @@ def test_the_bend_of_45_degrees_stands_where_it_is_published():
     assert tip == pytest.approx([15.79, 47.23, 53.37], rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_line_that_nothing_holds_falls():
     body = intrinsic_body(beam_line(straight(1.0, 4), **BEAM), FREE, 4)
     with pytest.raises(ConvergenceError, match="A body that nothing holds"):

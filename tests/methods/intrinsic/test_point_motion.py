@@ -87,6 +87,7 @@ def test_rates_are_those_of_the_positions_where_the_root_is_driven():
 RUN = Run(0.1, 0.01, step=FixedStep(2e-4), method=RungeKutta4())
 
 
+@pytest.mark.slow
 def test_a_free_line_keeps_its_energy():
     system = thrown(free_line(), 0 * GRAVITY)
     (energies,) = read_sensors([EnergySensor("energy")], system, simulate(system, RUN))

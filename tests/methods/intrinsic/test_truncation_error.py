@@ -182,7 +182,7 @@ def test_modes_of_a_released_body_are_those_on_its_support(whole):
     assert back.coordinate_rates == pytest.approx(-coordinates, abs=1e-9)
 
 
-@pytest.mark.parametrize("kept", [False, True])
+@pytest.mark.parametrize("kept", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_the_part_of_the_modes_is_computed_once_a_run(whole, monkeypatch, tmp_path, kept):
     """The error statement takes what the end of the run found, in memory or in a file."""
     few = whole.truncated(4)

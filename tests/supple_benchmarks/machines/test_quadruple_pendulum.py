@@ -58,12 +58,14 @@ def test_rigid_links_weigh_and_turn_like_the_flexible_one():
     np.testing.assert_allclose(np.diag(inertia)[3:], np.diag(about_origin), rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_energy_is_kept_and_joints_stay_closed(system, fall):
     energies = balances(system, fall)
     assert np.ptp(energies.total) < 2e-5 * energies.kinetic.max()
     assert np.abs(joint_residuals(system, fall)).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_the_first_joint_carries_weight_and_change_of_momentum(system, fall):
     momentum = balances(system, fall).momentum
     mass = sum(placed.body.mass for placed in system.bodies[:-1]) + system.bodies[-1].body.gram[0, 0]

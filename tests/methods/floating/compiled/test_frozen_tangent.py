@@ -75,6 +75,7 @@ def turning(rod, *loads, newtons=0.0):
     return System([Placed(rod)], [hinge], [push, *loads])
 
 
+@pytest.mark.slow
 def test_the_march_is_one_function_of_machine_code(rod):
     """No library is called within: a sort for the inverse would take twice the time of a step."""
     model, start = initial_state(turning(rod), 0.0, STEP)
