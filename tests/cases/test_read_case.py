@@ -214,7 +214,7 @@ ONE_MISTAKE = {
     "missing kind": (
         'basis = "rubin", ',
         "",
-        "reduction.basis: this key is missing; add basis = one of craig-bampton",
+        "reduction.basis: this key is missing; add basis = one of complete, craig-bampton",
     ),
     "unknown joint": (
         '"fixed"',
