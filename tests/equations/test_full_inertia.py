@@ -30,7 +30,16 @@ def body():
     return SimpleNamespace(
         **{
             name: getattr(own, name)
-            for name in ("nodes", "dofs_per_node", "expansion", "rigid_modes", "n", "name", "threes")
+            for name in (
+                "nodes",
+                "dofs_per_node",
+                "expansion",
+                "rigid_modes",
+                "n",
+                "n_modal",
+                "name",
+                "threes",
+            )
         },
         nodal_mass=mass,
         mass=csc_array(own.expansion.T @ mass @ own.expansion),
