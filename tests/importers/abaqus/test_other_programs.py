@@ -31,6 +31,11 @@ def test_numbers_behind_the_last_node_are_a_note(deck, tmp_path):
         read_abaqus(tmp_path / "mesh.inp")
 
 
+def test_a_restart_names_the_file_that_is_needed(deck):
+    with pytest.raises(ImportFormatError, match="line 1: it goes on with another analysis"):
+        deck("*RESTART, READ, STEP=1\n*STEP\n*STATIC\n*END STEP\n")
+
+
 def test_two_elements_on_a_line_are_refused(deck):
     with pytest.raises(ImportFormatError, match="on lines of its own"):
         deck(TETRAHEDRON + "*ELEMENT, TYPE=C3D4\n7, 1, 2, 3, 4, 8, 1, 2, 3, 4\n")

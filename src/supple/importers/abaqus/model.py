@@ -197,6 +197,12 @@ def read_model(file: KeywordFile, *, elements: bool = True, strict: bool = False
     scopes, blocks = scoped_blocks(file, report)
     found = read_nodes(file, scopes, blocks)
     if not len(found.ids):
+        restart = [
+            each.block for each in blocks if each.block.key == "RESTART" and "READ" in each.block.options
+        ]
+        if restart:
+            message = "it goes on with another analysis (*RESTART, READ); give the file of that one"
+            raise file.error(restart[0].line, message)
         raise ImportFormatError(f"{file.path}: no nodes below a *NODE; is this a mesh file, and whole?")
     kept = _last_definitions(report, "node", Labels(found.scopes, found.ids), found.lines)
     nodes = Labels(found.scopes[kept], found.ids[kept])
