@@ -38,7 +38,8 @@ class Ply:
         c, s = np.cos(self.angle), np.sin(self.angle)
         # Strains of the wall to strains of the ply.
         T = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
-        return T.T @ self.plane_stress @ T
+        turned = T.T @ self.plane_stress @ T
+        return 0.5 * (turned + turned.T)  # also where sums over plies cancel
 
     def turned_shear_compliance(self) -> FloatArray:
         """Transverse shear compliance (2, 2) in the axes of the wall; zero where shear is rigid."""

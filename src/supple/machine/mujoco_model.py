@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -108,7 +109,7 @@ def read_mujoco(
 
 def _compiled(source: str | Path) -> tuple[Any, Any]:
     try:
-        import mujoco  # pyright: ignore[reportMissingImports]
+        mujoco: Any = import_module("mujoco")
     except ImportError as error:
         raise ImportFormatError(
             "URDF and MJCF files are read by the library mujoco; pip install 'supple[mujoco]', or build the "

@@ -251,3 +251,20 @@ def test_fields_that_are_no_numbers_or_blank(read):
         card.integer(1, "CP")
     with pytest.raises(ImportFormatError, match=r"X2 \(field 5\) is blank; give a number"):
         card.real(3, "X2")
+
+
+def test_what_nastran_reads_leniently_is_read(tmp_path):
+    """Blanks part free fields, a step from a blank field, lists that go on without a mark, files of control."""
+    text = (
+        "SOL 103\nINCLUDE 'not_there.dmap'\nCEND\nBEGIN BULK\n"
+        "PSHEAR, 401     1       1.0     0.5, 1.,30.\n"
+        "GRID,   123,    1,      25.,    -60.4,  0.,\n=,      *(1),   =,      =,      *(14.8),=,      *(1)\n"
+        "BSURF, 1,1050,1133,1146,1125,1143,1055,\n1054,1002,1025\nENDDATA\n"
+    )
+    (tmp_path / "deck.bdf").write_text(text)
+    file = read_bulk_data(tmp_path / "deck.bdf")
+    (panel,) = file.named("PSHEAR")
+    assert panel.fields[:6] == ("401", "1", "1.0", "0.5", "1.", "30.")
+    grids = file.named("GRID")
+    assert [card.word(0) for card in grids] == ["123", "124"]
+    assert (float(grids[1].word(3)), grids[1].word(5)) == (pytest.approx(-45.6), "1")

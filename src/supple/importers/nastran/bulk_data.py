@@ -16,6 +16,7 @@ from supple.errors import ImportFormatError
 from supple.importers.inclusion import Inclusions, included_file
 from supple.importers.nastran.without_effect import has_no_effect
 from supple.importers.plain_number import is_plain, plain_integer
+from supple.importers.text_file import is_file
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -234,6 +235,8 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
             continue
         announces = last[1:].strip().upper()
         starts = first and first[0] not in "+*"
+        if first[:1].isdigit() and piece is not None and has_no_effect(piece.name):
+            continue  # a list that goes on without a mark
         if (
             last
             and last[0] not in "+*"
@@ -252,23 +255,31 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
         if piece is None or (label and label != piece.announces and (piece.announces or label in announced)):
             if not label:
                 raise _error(file, number, "a continuation without a card above it; is a line missing?")
-            if label in orphans:
+            if label in orphans and not has_no_effect(piece.name if piece else ""):
                 raise _error(file, number, f"'+{label}' continues a second time; give it a label of its own")
-            piece = orphans[label] = _Piece("", data, file, number, label, announces)
+            above = piece.name if piece and has_no_effect(piece.name) else ""
+            piece = orphans[label] = _Piece(above, data, file, number, label, announces)
             continue
         _append(piece, file, number, data)
         piece.announces = announces
+    _join(pieces, orphans)
+    return _replicated(pieces)
+
+
+def _join(pieces: list[_Piece], orphans: dict[str, _Piece]) -> None:
+    """Give cards the rows that continue them elsewhere."""
     for piece in pieces:
         while piece.announces and (more := orphans.pop(piece.announces, None)):
             _append(piece, more.path, more.line, more.fields)
             piece.announces = more.announces
     for left in orphans.values():
+        if has_no_effect(left.name):
+            continue
         raise _error(
             left.path,
             left.line,
             f"continues '+{left.label}', which no card announces; is a line missing, or its label misspelt?",
         )
-    return _replicated(pieces)
 
 
 def _append(piece: _Piece, file: Path, number: int, data: list[str]) -> None:
@@ -321,6 +332,8 @@ def _repeated(above: BulkCard, pattern: list[str], piece: _Piece) -> BulkCard:
 
 
 def _sum(old: str, step: str, piece: _Piece) -> str:
+    """A field and a step; a blank field counts as zero."""
+    old = old or "0"
     try:
         return str(plain_integer(old) + plain_integer(step))
     except ValueError:
@@ -346,8 +359,8 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     """First field, data fields (8, or 4 large ones) and continuation label of a line."""
     if "," in text and _is_free(text):
         words = [word.strip() for word in text.split(",")]
-        if " " in words[0] and words[0][0] not in "+*":  # blanks part the name from the first field
-            words[:1] = words[0].split()
+        if not has_no_effect(_name_of(words[0])):  # blanks part fields as commas do
+            words = [field for word in words for field in (word.split() or [""])]
         width = 4 if "*" in words[0] else 8
         if any(words[width + 2 :]) and not has_no_effect(_name_of(words[0])):
             what = "large fields" if width == 4 else "fields"
@@ -420,6 +433,8 @@ def _meaning(path: Path, main: Path, read: list[str], inclusions: Inclusions, de
             _, more = next(lines, (0, name[0]))
             name += more.strip()
         target = included_file(name.strip("'\" "), path.parent, main)
+        if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
+            continue  # executive or case control, which describes no body
         below = inclusions.included(path, number, target, depth + 1)
         found += _meaning(target, main, below, inclusions, depth + 1)
     return found

@@ -233,7 +233,7 @@ def _elements_once(file: BulkFile) -> BulkFile:
 
 
 def _parameters(cards: list[BulkCard]) -> dict[str, float]:
-    """Numbers of the PARAMs that scale a model; two of one name must agree."""
+    """Numbers of the PARAMs that scale a model; two of one name must agree to a hundredth, the last holds."""
     found: dict[str, float] = {}
     for card in cards:
         name = card.word(0)
@@ -242,8 +242,9 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
         value = card.real(1, name, 1.0)
         if value <= 0:
             raise card.error(f"{name} is {value:g}; it must be positive")
-        if found.setdefault(name, value) != value:
+        if abs(found.setdefault(name, value) - value) > 0.01 * value:
             raise card.error(f"{name} is {value:g}, and {found[name]:g} above; keep one of the two")
+        found[name] = value
     return found
 
 
