@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import builtins
+import sys
 
 import numpy as np
 import pytest
@@ -252,13 +252,6 @@ def test_what_is_not_read():
 
 
 def test_without_the_library(monkeypatch):
-    real = builtins.__import__
-
-    def missing(name, *rest):
-        if name == "mujoco":
-            raise ImportError(name)
-        return real(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", missing)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(ImportFormatError, match=r"pip install 'supple\[mujoco\]'"):
         read_mujoco(CART)

@@ -254,7 +254,7 @@ def test_fields_that_are_no_numbers_or_blank(read):
 
 
 def test_what_nastran_reads_leniently_is_read(tmp_path):
-    """Blanks part free fields, a step from a blank field, lists that go on without a mark, files of control."""
+    """Blanks part free fields; a step from a blank field; lists that go on without a mark; control files."""
     text = (
         "SOL 103\nINCLUDE 'not_there.dmap'\nCEND\nBEGIN BULK\n"
         "PSHEAR, 401     1       1.0     0.5, 1.,30.\n"
