@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from supple.errors import ModelError, did_you_mean
-from supple.importers.deck import Deck, NodalMatrix, ScalarTerms
+from supple.importers.deck import Deck, ScalarTerms
 from supple.importers.restricted_deck import restricted_deck
 
 __all__ = ["deck_links", "deck_parts", "named_part", "with_scalar_points", "without_scalar_points"]
@@ -49,25 +49,11 @@ def without_scalar_points(deck: Deck) -> Deck:
     if not len(deck.scalar_points):
         return deck
 
-    def terms(given: tuple[ScalarTerms, ...]) -> tuple[ScalarTerms, ...]:
-        cut = (_without(each, each.freedoms >= 6 * n) for each in given)
-        return tuple(each for each in cut if len(each.lines))
-
-    def matrices(given: tuple[NodalMatrix, ...]) -> tuple[NodalMatrix, ...]:
-        return tuple(each for each in given if (each.freedoms < 6 * n).all())
-
-    return replace(
-        deck,
-        scalar_points=deck.scalar_points[:0],
-        masses=matrices(deck.masses),
-        stiffnesses=matrices(deck.stiffnesses),
-        dampings=matrices(deck.dampings),
-        springs=terms(deck.springs),
-        dashpots=terms(deck.dashpots),
-        inertias=terms(deck.inertias),
-        constraints=terms(deck.constraints),
-        held=terms(deck.held),
+    placed = deck.with_actions(
+        lambda matrix: matrix if (matrix.freedoms < 6 * n).all() else None,
+        lambda terms: _without(terms, terms.freedoms >= 6 * n),
     )
+    return replace(placed, scalar_points=deck.scalar_points[:0])
 
 
 def with_scalar_points(deck: Deck) -> Deck:

@@ -6,8 +6,8 @@ forces and masses are in the units of the file; positions, directions and freedo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -285,3 +285,19 @@ class Deck:
     superelements: Mapping[str, Deck] = field(default_factory=dict)
     scalar_points: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     lumped_mass: bool = False
+
+    def with_actions(
+        self,
+        matrix: Callable[[NodalMatrix], NodalMatrix | None],
+        terms: Callable[[ScalarTerms], ScalarTerms],
+    ) -> Deck:
+        """The deck with each of its matrices and terms changed; without those of None and of no rows."""
+        matrices = {
+            name: tuple(new for old in getattr(self, name) if (new := matrix(old)) is not None)
+            for name in ("masses", "stiffnesses", "dampings")
+        }
+        rows = {
+            name: tuple(new for old in getattr(self, name) if len((new := terms(old)).lines))
+            for name in ("springs", "dashpots", "inertias", "constraints", "held")
+        }
+        return replace(self, **matrices, **rows)

@@ -25,30 +25,19 @@ def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
         return deck
     number = np.cumsum(own) - 1
 
-    def matrices(given: tuple[NodalMatrix, ...]) -> tuple[NodalMatrix, ...]:
-        inside = (each for each in given if len(each.freedoms) and own[each.freedoms // 6].all())
-        return tuple(replace(each, freedoms=_renumbered(each.freedoms, number)) for each in inside)
-
-    def terms(given: tuple[ScalarTerms, ...]) -> tuple[ScalarTerms, ...]:
-        cut = (_terms(each, own, number) for each in given)
-        return tuple(each for each in cut if len(each.lines))
+    def matrix(given: NodalMatrix) -> NodalMatrix | None:
+        if not len(given.freedoms) or not own[given.freedoms // 6].all():
+            return None
+        return replace(given, freedoms=_renumbered(given.freedoms, number))
 
     node_sets = {name: number[of[own[of]]] for name, of in deck.node_sets.items()}
     elements = (_elements(each, own, number) for each in deck.elements)
     return replace(
-        deck,
+        deck.with_actions(matrix, lambda each: _terms(each, own, number)),
         node_ids=deck.node_ids[own],
         nodes=deck.nodes[own],
         elements=tuple(each for each in elements if len(each.ids)),
         node_sets={name: nodes for name, nodes in node_sets.items() if len(nodes)},
-        masses=matrices(deck.masses),
-        stiffnesses=matrices(deck.stiffnesses),
-        dampings=matrices(deck.dampings),
-        springs=terms(deck.springs),
-        dashpots=terms(deck.dashpots),
-        inertias=terms(deck.inertias),
-        constraints=terms(deck.constraints),
-        held=terms(deck.held),
         rigid=tuple(_tie(each, number) for each in deck.rigid if _inside(each, own)),
         means=tuple(_tie(each, number) for each in deck.means if _inside(each, own)),
     )
