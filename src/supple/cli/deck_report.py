@@ -51,7 +51,7 @@ class DeckReport:
 
 
 def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
-    """Mass, and frequencies where they are asked for; a fault of the model is said, and ends nothing.
+    """Mass, and frequencies where they are asked for; a fault of the model is reported alone.
 
     held : at the deck's own supports
     """

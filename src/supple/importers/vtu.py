@@ -58,6 +58,7 @@ class _File:
     is_raw: bool
 
     def error(self, message: str) -> ImportFormatError:
+        """The error for a file that is not readable as VTU."""
         return ImportFormatError(f"{self.path}: not readable as VTU: {message}; write it anew")
 
 

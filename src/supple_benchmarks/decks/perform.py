@@ -135,7 +135,7 @@ def _one_by_one(
 
 
 def _serve(requests: Connection) -> None:
-    """Answer for one deck after the other, until nobody asks."""
+    """Report on one deck after the other until the pipe closes."""
     warnings.simplefilter("ignore")
     from supple.cli.deck_report import deck_report
     from supple.importers import read_deck

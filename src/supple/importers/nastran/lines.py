@@ -58,6 +58,7 @@ class _Lines:
         offsets: FloatArray | None = None,
         released: NDArray[np.bool_] | None = None,
     ) -> None:
+        """Add the cell of a card between two nodes."""
         self.nodes.append(ends)
         self.ids.append(int(card.fields[0]))
         self.lines.append(card.line)
@@ -67,6 +68,7 @@ class _Lines:
             self.released.append(np.zeros(12, dtype=bool) if released is None else released)
 
     def elements(self, name: str, of: str) -> DeckElements:
+        """The cells of a card name and property, without arrays that are zero."""
         offsets, released = np.array(self.offsets), np.array(self.released)
         return DeckElements(
             name,

@@ -49,6 +49,7 @@ class _Box:
 
     @property
     def area(self) -> float:
+        """Height times width."""
         return self.height * self.width
 
 

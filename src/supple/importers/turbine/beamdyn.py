@@ -64,6 +64,7 @@ class _BeamdynFile:
 
     @classmethod
     def read(cls, path: str | Path) -> _BeamdynFile:
+        """The lines of a file."""
         return cls(Path(path), file_lines(Path(path), "it is no BeamDyn file"))
 
     def entry(self, name: str) -> tuple[int, str]:
