@@ -28,8 +28,8 @@ class Motion(Protocol):
         ...
 
 
-_M = TypeVar("_M", bound=type)
-_KINDS: dict[str, type] = {}
+_M = TypeVar("_M", bound=type[Motion])
+_KINDS: dict[str, type[Motion]] = {}
 
 
 def register_motion(motion: _M) -> _M:

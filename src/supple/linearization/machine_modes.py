@@ -149,7 +149,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     values: Any
     left: Any
     right: Any
-    values, left, right = scipy.linalg.eig(balanced, left=True)  # pyright: ignore[reportAssignmentType]
+    values, left, right = scipy.linalg.eig(balanced, left=True)
     motions = graded @ scipy.linalg.solve_triangular(lower.T, scales[:k, None] * right[:k])
     zero = _is_zero(values, left, right, unit / np.sqrt(k)) | _is_rigid(machine, values, motions)
     values, vectors = _one_of_each(np.where(zero, 0.0, values), right, scales, k)
