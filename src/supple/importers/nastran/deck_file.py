@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.deck import Deck, DeckElements, LeftOut, RigidTie, WeightedMean
+from supple.importers.deck import Deck, DeckElements, LeftOut, NodalMatrix, RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, read_bulk_data
 from supple.importers.nastran.case_control import read_case_control
 from supple.importers.nastran.cells import (
@@ -141,15 +142,10 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         elements += cells
         properties |= found
     read_point_elements(reading, materials)
-    n_grids = len(reading.grids.ids)
-    turning = np.zeros(n_grids, dtype=bool)
-    for cells in elements:
-        if cells.kind.dimension < 3:
-            turning[cells.nodes[cells.nodes < n_grids]] = True
-    rigid, means = read_ties(reading, turning)
-    read_multipoint_constraints(reading)
-    node_sets = read_supports(reading)
     matrices = read_matrices(reading)
+    read_multipoint_constraints(reading)
+    rigid, means = read_ties(reading, _turning(reading, elements, [*chain(*matrices.values())]))
+    node_sets = read_supports(reading)
     read, passed_over = _counted(reading)
     nodes, ids = reading.grids.positions, reading.grids.ids
     if reading.added_nodes:
@@ -182,6 +178,19 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         scalar_points=reading.scalar_points,
         lumped_mass=reading.lumped_mass,
     )
+
+
+def _turning(reading: Reading, elements: list[DeckElements], matrices: list[NodalMatrix]) -> NDArray[np.bool_]:
+    """Grids (N,) whose rotations elements, springs, masses, matrices or constraints act on."""
+    nodes = [each.nodes.ravel() for each in elements if each.kind.dimension < 3]
+    collected = (reading.springs, reading.dashpots, reading.inertias, reading.constraints)
+    freedoms = [np.array(rows.freedoms, dtype=np.int64) for rows in collected]
+    for own in (*freedoms, *(each.freedoms for each in (*reading.masses, *matrices))):
+        nodes.append(own[own % 6 > 2] // 6)
+    acted = np.concatenate(nodes)
+    found = np.zeros(len(reading.grids.ids), dtype=bool)
+    found[acted[acted < len(found)]] = True
+    return found
 
 
 def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
@@ -217,18 +226,19 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
 
 def _elements_once(file: BulkFile) -> BulkFile:
     """The file without elements that repeat an earlier one; of one id, they must say the same."""
-    found: dict[str, BulkCard] = {}
     again: set[int] = set()
-    for card in file.named(*_CELLS):
-        first = found.setdefault(card.fields[0], card)
-        if first is card:
-            continue
-        if not card.same_as(first):
-            raise card.error(
-                f"element {card.word(0)} is defined a second time and differs from the {first.name} of line "
-                f"{first.line}; renumber or remove it"
-            )
-        again.add(id(card))
+    for names in (_CELLS, *((name,) for name in POINT_CARDS)):
+        found: dict[str, BulkCard] = {}
+        for card in file.named(*names):
+            first = found.setdefault(card.fields[0], card)
+            if first is card:
+                continue
+            if not card.same_as(first):
+                raise card.error(
+                    f"element {card.word(0)} is defined a second time and differs from the {first.name} of "
+                    f"line {first.line}; renumber or remove it"
+                )
+            again.add(id(card))
     return replace(file, cards=tuple(c for c in file.cards if id(c) not in again)) if again else file
 
 
