@@ -30,7 +30,7 @@ from supple.importers.nastran.point_elements import (
     read_point_elements,
 )
 from supple.importers.nastran.reading import Reading
-from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties
+from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties, turned_by_ties
 from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read_supports
 from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
@@ -144,8 +144,9 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
     read_point_elements(reading, materials)
     matrices = read_matrices(reading)
     read_multipoint_constraints(reading)
-    rigid, means = read_ties(reading, _turning(reading, elements, [*chain(*matrices.values())]))
-    node_sets = read_supports(reading)
+    turning = _turning(reading, elements, [*chain(*matrices.values())])
+    rigid, means = read_ties(reading, turning)
+    node_sets = read_supports(reading, {n for tie in rigid for n in tie.nodes.tolist() if not turning[n]})
     read, passed_over = _counted(reading)
     nodes, ids = reading.grids.positions, reading.grids.ids
     if reading.added_nodes:
@@ -181,14 +182,14 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
 
 
 def _turning(reading: Reading, elements: list[DeckElements], matrices: list[NodalMatrix]) -> NDArray[np.bool_]:
-    """Grids (N,) whose rotations elements, springs, masses, matrices or constraints act on."""
+    """Grids (N,) whose rotations elements, springs, masses, matrices, constraints or ties act on."""
     nodes = [each.nodes.ravel() for each in elements if each.kind.dimension < 3]
     collected = (reading.springs, reading.dashpots, reading.inertias, reading.constraints)
     freedoms = [np.array(rows.freedoms, dtype=np.int64) for rows in collected]
     for own in (*freedoms, *(each.freedoms for each in (*reading.masses, *matrices))):
         nodes.append(own[own % 6 > 2] // 6)
     acted = np.concatenate(nodes)
-    found = np.zeros(len(reading.grids.ids), dtype=bool)
+    found = turned_by_ties(reading)
     found[acted[acted < len(found)]] = True
     return found
 
@@ -205,6 +206,7 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
         parameters.get("WTMASS", 1.0) * parameters.get("CM1", 1.0),
         parameters.get("CK1", 1.0),
         parameters.get("CB1", 1.0),
+        {f"{kind}2GG": parameters.get(f"C{kind}2", 1.0) for kind in "KMB"},
     )
     reading.lumped_mass = not any(
         card.word(0) == "COUPMASS" and card.integer(1, "COUPMASS", -1) > 0
@@ -247,7 +249,7 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
     found: dict[str, float] = {}
     for card in cards:
         name = card.word(0)
-        if name not in ("WTMASS", "CK1", "CM1", "CB1"):
+        if name not in ("WTMASS", *(f"C{kind}{n}" for kind in "KMB" for n in "12")):
             continue
         value = card.real(1, name, 1.0)
         if value <= 0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -68,6 +68,7 @@ class Reading:
 
     scalar_points : (S,) ids of points that are one freedom
     mass_factor, stiffness_factor, damping_factor : what the PARAMs multiply
+    matrix_factors : {"K2GG": of the matrices that it adds, ..}; WTMASS is not among them
     added_nodes : places of nodes that no grid of the file is: on an arc, amid an edge
     lumped_mass : Nastran's default; PARAM,COUPMASS above 0 asks for the mass of shape functions
     """
@@ -79,6 +80,7 @@ class Reading:
     mass_factor: float
     stiffness_factor: float
     damping_factor: float
+    matrix_factors: Mapping[str, float]
     added_nodes: list[FloatArray] = field(default_factory=list)
     springs: Rows = field(default_factory=Rows)
     dashpots: Rows = field(default_factory=Rows)

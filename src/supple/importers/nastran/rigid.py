@@ -11,7 +11,7 @@ from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading, Term, times
 
-__all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties"]
+__all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties", "turned_by_ties"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -25,12 +25,11 @@ Side = tuple[int, str]
 def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
     """All rigid and averaging elements; what is neither simply one nor the other, as constraints.
 
-    turning : (N,) whether something beside ties and supports acts on the rotations of a grid; where nothing
-              does, as on nodes of solids, a tie of its translations is one of all six freedoms
+    turning : (N,) whether something beside supports acts on the rotations of a grid; where nothing does, as on
+              nodes of solids, a tie of its translations is one of all six freedoms
     """
     rigid: list[RigidTie] = []
     means: list[WeightedMean] = []
-    turning = turning | _turned_by_ties(reading)
     taken: dict[int, BulkCard] = {}
     for card in reading.file.named(*(name for name in RIGID_CARDS if name[0] == "R")):
         number = card.integer(0, "the element id")
@@ -55,7 +54,7 @@ def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidT
     return rigid, means
 
 
-def _turned_by_ties(reading: Reading) -> NDArray[np.bool_]:
+def turned_by_ties(reading: Reading) -> NDArray[np.bool_]:
     """Grids (N,) whose rotations a tie takes along, or goes by; those that it averages turn nothing."""
     found = np.zeros(len(reading.grids.ids), dtype=bool)
 
