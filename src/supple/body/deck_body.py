@@ -231,6 +231,7 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
                 each.released,
                 each.reduced,
                 each.incompatible,
+                each.mass_share,
             )
         )
     return tuple(made)

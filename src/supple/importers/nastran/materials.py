@@ -125,7 +125,7 @@ class Materials:
             E = 2 * G * (1 + nu)
         elif has_G and (not has_E or abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY):
             shear = G
-        elif has_E and not has_nu:
+        elif has_E and not has_nu and not has_G:
             self._reading.note(
                 f"MAT1 {card.word(0)} gives E alone; NU counts as 0, G as E / 2 (Nastran: G = 0)."
             )
