@@ -164,9 +164,7 @@ def _solid_moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, Fl
     return volume, first, second
 
 
-def _simplex_moments(
-    x: FloatArray, share: FloatArray | None = None
-) -> tuple[float, FloatArray, FloatArray]:
+def _simplex_moments(x: FloatArray, share: FloatArray | None = None) -> tuple[float, FloatArray, FloatArray]:
     """The same over lines (E, 2, 3) or triangles (E, 3, 3), of which a share (E,) counts, or all."""
     k, sizes, s = x.shape[1], _sizes(x), x.sum(axis=1)
     if share is not None:

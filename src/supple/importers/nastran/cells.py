@@ -403,7 +403,7 @@ def _shell_cells(
 
 
 def _mass_share(positions: FloatArray, corners: IntArray) -> FloatArray:
-    """Area (k,) of the mean plane of quadrilaterals, which has their mass in Nastran, over that of triangles."""
+    """Area (k,) of the mean plane of quadrilaterals, which has their mass, over that of their triangles."""
     halves = positions[split_quadrilaterals(positions, corners)].reshape(-1, 2, 3, 3)
     normals = np.cross(halves[:, :, 1] - halves[:, :, 0], halves[:, :, 2] - halves[:, :, 0])
     own = np.linalg.norm(normals, axis=2).sum(axis=1)

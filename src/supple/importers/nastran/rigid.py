@@ -25,8 +25,8 @@ Side = tuple[int, str]
 def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
     """All rigid and averaging elements; what is neither simply one nor the other, as constraints.
 
-    turning : (N,) whether something beside supports acts on the rotations of a grid; where nothing does, as on
-              nodes of solids, a tie of its translations is one of all six freedoms
+    turning : (N,) whether something beside supports acts on the rotations of a grid; where nothing does, as
+              on nodes of solids, a tie of its translations is one of all six freedoms
     """
     rigid: list[RigidTie] = []
     means: list[WeightedMean] = []
