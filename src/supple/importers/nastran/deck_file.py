@@ -23,6 +23,7 @@ from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PR
 from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
 from supple.importers.nastran.materials import MATERIAL_CARDS, Materials
 from supple.importers.nastran.nonstructural_mass import NSM_CARDS, read_added_mass
+from supple.importers.nastran.partition import PARTITION_CARDS, partitioned
 from supple.importers.nastran.point_elements import (
     POINT_CARDS,
     POINT_PROPERTY_CARDS,
@@ -30,6 +31,7 @@ from supple.importers.nastran.point_elements import (
 )
 from supple.importers.nastran.reading import Reading
 from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties
+from supple.importers.nastran.superelements import SUPERELEMENT_CARDS, assembled, repeated_parts
 from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read_supports
 from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
@@ -44,6 +46,7 @@ _READ = frozenset(
         *(*COORDINATE_CARDS, *SOLID_CARDS, *SOLID_PROPERTY_CARDS, *SHELL_CARDS, *WALL_CARDS),
         *(*BEAM_CARDS, *ROD_CARDS, *BEAM_PROPERTY_CARDS, *ROD_PROPERTY_CARDS, *MATERIAL_CARDS),
         *(*POINT_CARDS, *POINT_PROPERTY_CARDS, *NSM_CARDS, *RIGID_CARDS, *SUPPORT_CARDS),
+        *(*SUPERELEMENT_CARDS, *PARTITION_CARDS),
     )
 )
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
@@ -92,10 +95,7 @@ _MEANINGS = {
     "GMBC": "supports of geometry",
     "GMSPC": "supports of geometry",
     "CSUPER": "a superelement from a file or an image of another",
-    "SELOC": "a superelement is moved to other grids; it stays where its own grids are",
-    "SEMPLN": "a superelement is mirrored; it stays where its own grids are",
-    "SEBULK": "kind and place of a superelement; it is read as it stands",
-    "SECONCT": "joints of superelements by pairs of grids",
+    "RELEASE": "freedoms in which a superelement is not joined to the others",
     "MPCAX": "constraints of an axisymmetric model",
     "ROTORD": "a spinning part",
 }
@@ -105,7 +105,8 @@ def read_nastran_deck(path: str | Path) -> Deck:
     """All of a Nastran file that makes a body; reading is not refusing.
 
     Cards that describe no body are passed over and counted; what would change the body and is not read
-    stands in `left_out`. Parts behind BEGIN SUPER are decks of their own.
+    stands in `left_out`. Superelements, by BEGIN SUPER or SESET, are one deck, joined where they share grids,
+    and each a deck of its own in `superelements`.
 
     Raises
     ------
@@ -113,20 +114,26 @@ def read_nastran_deck(path: str | Path) -> Deck:
                         and the file lacks; ids given twice for different things; fields that are no numbers
     """
     file = read_bulk_data(path)
-    deck = _deck(file, file)
-    parts: dict[str, Deck] = {}
+    reading = start_reading(file, file)
+    deck = _deck(reading)
+    if not file.parts:
+        return partitioned(deck, reading)
+    parts: dict[int, Deck] = {}
     absent: list[LeftOut] = []
+    repeated = repeated_parts(file)
     for (kind, name), part in file.parts.items():
-        if kind == "SUPER" and part.named("GRID"):
-            parts[f"super_{name}"] = _deck(part, file)
-        else:
+        number = int(name) if kind == "SUPER" and name.isdecimal() else None
+        if number is not None and part.named("GRID"):
+            parts[number] = _deck(start_reading(part, file))
+        elif number not in repeated:
             line = part.cards[0].line if part.cards else 0
-            absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"the part {name}, which is no model by grids"))
-    return replace(deck, superelements=parts, left_out=(*deck.left_out, *absent)) if file.parts else deck
+            what = "masses of a case of its own" if kind == "MASSID" else "a part that is no model by grids"
+            absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"{what}: {name}"))
+    deck = replace(deck, left_out=(*deck.left_out, *absent))
+    return assembled(deck, parts, file, reading.grids) if parts else deck
 
 
-def _deck(file: BulkFile, whole: BulkFile) -> Deck:
-    reading = start_reading(file, whole)
+def _deck(reading: Reading) -> Deck:
     materials, added = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
@@ -158,7 +165,7 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         ids = np.concatenate([ids, last + 1 + np.arange(len(reading.added_nodes))])
     n = len(ids)
     return Deck(
-        file.path,
+        reading.file.path,
         ids,
         nodes,
         tuple(elements),
@@ -203,10 +210,6 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
     )
     if not whole.ended:
         reading.note("No ENDDATA ends the file; check that it is whole.")
-    if any(name in file.by_name for name in ("SESET", "SEELT")):
-        reading.note(
-            "The parts that SESET and SEELT make are a way to solve; they are read as one body, the whole."
-        )
     for name, cards in file.by_name.items():
         if name not in _READ and not has_no_effect(name):
             meaning = _MEANINGS.get(name, "a card that is not known here")
