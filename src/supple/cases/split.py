@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal
+from functools import cache
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,11 @@ from supple.body import BodySource, elements_source
 from supple.cases.body_kinds import kind_of, kinds_that
 from supple.cases.shared_rules import BODY_AXIS
 from supple.errors import ModelError
-from supple.fem import part_of_model
+from supple.fem import FiniteElementModel, parts_of_model
 from supple.importers import Connection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, table
 from supple.machine.split_body import cut_name, part_name
-from supple.mesh import AlongAxis, ByCellSets, DividedMesh, Division, divided
+from supple.mesh import AlongAxis, ByCellSets, DividedMesh, Division, MeshPart, divided
 
 IntArray = NDArray[np.int64]
 
@@ -91,26 +92,33 @@ def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
             raise ModelError(
                 f"body '{name}': the nodes of {each.name} lie in several parts; move the cut away from it"
             )
+    with_cuts = [_with_cuts(part, i, mesh, name) for i, part in enumerate(mesh.parts)]
+
+    @cache
+    def models() -> tuple[FiniteElementModel, ...]:
+        assert source.model is not None
+        return parts_of_model(source.model(), replace(mesh, parts=tuple(with_cuts)))
+
     parts = {}
-    for i, part in enumerate(mesh.parts):
-        cuts = {
-            f"{cut_name(number)} of {name}": part.numbers(cut.nodes)
-            for number, cut in enumerate(mesh.cuts)
-            if i in cut
-        }
+    for i, part in enumerate(with_cuts):
         own = tuple(
             Connection(each.name, part.numbers(each.nodes), each.position, each.weights)
             for holder, each in connections
             if holder == i
         )
-        with_cuts = replace(part, mesh=replace(part.mesh, node_sets={**part.mesh.node_sets, **cuts}))
-
-        def assemble(whole: BodySource = source, part: Any = with_cuts) -> Any:
-            assert whole.model is not None
-            return part_of_model(whole.model(), part)
-
-        parts[part_name(name, i)] = elements_source(with_cuts.mesh, assemble, own)
+        made = elements_source(part.mesh, lambda i=i: models()[i], own)
+        parts[part_name(name, i)] = replace(made, ties_itself=source.ties_itself)
     return SplitSource(name, source, mesh, parts)
+
+
+def _with_cuts(part: MeshPart, number: int, mesh: DividedMesh, name: str) -> MeshPart:
+    """A part whose nodes at cuts are node sets."""
+    cuts = {
+        f"{cut_name(k)} of {name}": part.numbers(cut.nodes)
+        for k, cut in enumerate(mesh.cuts)
+        if number in cut
+    }
+    return replace(part, mesh=replace(part.mesh, node_sets={**part.mesh.node_sets, **cuts}))
 
 
 def _is_divided_one_way(path: KeyPath, body: Raw) -> Mistakes:

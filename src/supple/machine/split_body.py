@@ -13,7 +13,7 @@ from scipy import sparse
 from supple.algebra import lowest_modes
 from supple.body import AveragingInterface, FlexibleBody, RigidInterface, flexible_body
 from supple.errors import ModelError, SuppleWarning
-from supple.fem import FiniteElementModel, part_of_model
+from supple.fem import FiniteElementModel, parts_of_model
 from supple.machine.ends import At
 from supple.machine.joints.fixed import Fixed
 from supple.mesh import DividedMesh, Division, divided
@@ -128,7 +128,8 @@ def split_body(
     Raises
     ------
     MeshError    a part without cells, or that does not hang together
-    ModelError   an interface whose nodes lie in several parts; what `flexible_body` finds wrong with a part
+    ModelError   an interface, spring, mass or tie whose nodes lie in several parts; what `flexible_body`
+                 finds wrong with a part
     """
     mesh = divided(model.mesh, division)
     own: list[list[Interface]] = [[] for _ in mesh.parts]
@@ -150,8 +151,7 @@ def split_body(
             nodes = mesh.parts[part].numbers(cut.nodes)
             own[part].append(tie(cut_name(number), nodes, position=centre))
     bodies = tuple(
-        flexible_body(part_name(name, i), part_of_model(model, part), own[i])
-        for i, part in enumerate(mesh.parts)
+        flexible_body(part_name(name, i), part, own[i]) for i, part in enumerate(parts_of_model(model, mesh))
     )
     split = SplitBody(name, mesh, bodies, base)
     frequency_changes(flexible_body(name, model, interfaces), split)

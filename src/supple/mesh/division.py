@@ -9,6 +9,8 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
@@ -168,15 +170,18 @@ def divided(mesh: Mesh, division: Division) -> DividedMesh:
 
     Raises
     ------
-    MeshError   a part without cells, or that does not hang together; what the division finds wrong
+    MeshError   a part without cells, or that does not hang together; nodes of no cell that are linked to
+                several parts; what the division finds wrong
     """
     cells = division.cells(mesh)
     members = [np.unique(_nodes(mesh, own)) for own in cells]
+    loose = _loose_nodes(mesh, members)
+    members = [np.union1d(own, beside) for own, beside in zip(members, loose, strict=True)]
     sets = _shared_out(mesh.node_sets, members)
     parts = []
     for i, (own, node_sets) in enumerate(zip(cells, sets, strict=True)):
         try:
-            parts.append(mesh_part(mesh, own, node_sets))
+            parts.append(mesh_part(mesh, own, node_sets, loose=loose[i]))
         except MeshError as error:
             raise MeshError(
                 f"part {i + 1} of {len(cells)} cannot be a body of its own: {error}. Divide the mesh by cell "
@@ -194,6 +199,35 @@ def divided(mesh: Mesh, division: Division) -> DividedMesh:
 
 def _nodes(mesh: Mesh, cells: CellNumbers) -> IntArray:
     return np.concatenate([mesh.cells[kind][numbers].ravel() for kind, numbers in cells.items()])
+
+
+def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
+    """Nodes of no cell, which springs, masses or ties link, by the part that they are linked to.
+
+    Nodes that hang together are of one part: the first that has all of the nodes they are linked to.
+    """
+    loose = np.ones(mesh.n_nodes, dtype=bool)
+    loose[np.concatenate(members)] = False
+    if not loose.any():
+        return [np.empty(0, dtype=np.int64) for _ in members]
+    inner = mesh.links[loose[mesh.links].all(axis=1)]
+    graph = coo_array((np.ones(len(inner)), (inner[:, 0], inner[:, 1])), shape=(mesh.n_nodes,) * 2)
+    n, group = connected_components(graph, directed=False)
+    outer = mesh.links[loose[mesh.links].sum(axis=1) == 1]
+    is_first = loose[outer[:, 0]]
+    groups = group[np.where(is_first, outer[:, 0], outer[:, 1])]
+    ends = np.where(is_first, outer[:, 1], outer[:, 0])
+    count = np.bincount(groups, minlength=n)
+    inside = [np.bincount(groups[np.isin(ends, own)], minlength=n) == count for own in members]
+    holders = np.array(inside)[:, group[loose]]
+    if not holders.any(axis=0).all():
+        node = mesh.node_ids[np.flatnonzero(loose)[~holders.any(axis=0)][0]]
+        raise MeshError(
+            f"node {node} belongs to no cell, and springs, masses or ties link it to several parts; move the "
+            "cut away from these, or leave them out and join the parts by them"
+        )
+    owner = holders.argmax(axis=0)
+    return [np.flatnonzero(loose)[owner == part] for part in range(len(members))]
 
 
 def _shared_out(
