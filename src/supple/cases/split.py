@@ -18,8 +18,17 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel, parts_of_model
 from supple.importers import Connection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, table
-from supple.machine.split_body import cut_name, part_name
-from supple.mesh import AlongAxis, ByCellSets, DividedMesh, Division, MeshPart, divided
+from supple.machine.split_body import part_name
+from supple.mesh import (
+    AlongAxis,
+    ByCellSets,
+    DividedMesh,
+    Division,
+    MeshPart,
+    cuts_at_nodes,
+    cuts_at_sections,
+    divided,
+)
 
 IntArray = NDArray[np.int64]
 
@@ -36,8 +45,9 @@ class Split(CheckedTable):
     cell_sets: Annotated[tuple[str, ...], Field(strict=False)] | None = Field(
         None, description="instead of parts: the cell sets that are the parts"
     )
-    tie: Literal["rigid", "averaging"] = Field(
-        "rigid", description="sections between parts keep their shape, or may warp"
+    tie: Literal["rigid", "averaging", "nodes"] = Field(
+        "rigid",
+        description="sections between parts keep their shape, or may warp, or each shared node is tied alone",
     )
 
     def division(self) -> Division:
@@ -55,7 +65,8 @@ class SplitSource:
 
     whole : the body as one
     mesh  : its parts
-    parts : what each of them is made of, by its name; `cut-1 of NAME` and so on are node sets of their meshes
+    parts : what each of them is made of, by its name; their meshes have node sets `cut-1 of NAME` and so on,
+        or `node-ID of NAME`
     """
 
     name: str
@@ -85,7 +96,8 @@ def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
     ModelError   a connection whose nodes lie in several parts
     """
     assert source.mesh is not None  # a rule of the case file
-    mesh = divided(source.mesh, split.division())
+    cuts = cuts_at_nodes if split.tie == "nodes" else cuts_at_sections
+    mesh = divided(source.mesh, split.division(), cuts)
     connections = [(mesh.holder(each.nodes), each) for each in source.connections()]
     for holder, each in connections:
         if holder is None:
@@ -113,11 +125,7 @@ def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
 
 def _with_cuts(part: MeshPart, number: int, mesh: DividedMesh, name: str) -> MeshPart:
     """A part whose nodes at cuts are node sets."""
-    cuts = {
-        f"{cut_name(k)} of {name}": part.numbers(cut.nodes)
-        for k, cut in enumerate(mesh.cuts)
-        if number in cut
-    }
+    cuts = {f"{cut} of {name}": part.numbers(nodes) for cut, nodes in mesh.cut_nodes(number).items()}
     return replace(part, mesh=replace(part.mesh, node_sets={**part.mesh.node_sets, **cuts}))
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Protocol
@@ -18,7 +19,17 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.mesh_part import MeshPart, mesh_part
 from supple.mesh.node_sections import NodeSection, flat_section, sections_along, shared_pieces
 
-__all__ = ["AlongAxis", "ByCellSets", "Cut", "DividedMesh", "Division", "divided"]
+__all__ = [
+    "AlongAxis",
+    "ByCellSets",
+    "Cut",
+    "Cuts",
+    "DividedMesh",
+    "Division",
+    "cuts_at_nodes",
+    "cuts_at_sections",
+    "divided",
+]
 
 IntArray = NDArray[np.int64]
 CellNumbers = Mapping[CellType, IntArray]
@@ -125,11 +136,13 @@ class Cut:
 
     first, second : numbers of the parts, the first lower
     nodes : int array (k,)      numbers in the whole mesh of the nodes that they share
+    name : of these nodes in either part; cuts of one name have the same nodes
     """
 
     first: int
     second: int
     nodes: IntArray
+    name: str
 
     def __contains__(self, part: int) -> bool:
         return part in (self.first, self.second)
@@ -152,6 +165,19 @@ class DividedMesh:
         """The first part that has all of some nodes of the whole mesh; None if they lie in several."""
         return next((i for i, part in enumerate(self.parts) if np.isin(nodes, part.nodes).all()), None)
 
+    @property
+    def ties(self) -> Mapping[str, Cut]:
+        """The cuts by names of their own: that of their nodes, with the parts where several have these."""
+        count = Counter(cut.name for cut in self.cuts)
+        return {
+            cut.name if count[cut.name] == 1 else f"{cut.name} {cut.first + 1}-{cut.second + 1}": cut
+            for cut in self.cuts
+        }
+
+    def cut_nodes(self, part: int) -> Mapping[str, IntArray]:
+        """Nodes of the whole at which a part is cut, by their names."""
+        return {cut.name: cut.nodes for cut in self.cuts if part in cut}
+
     def neighbours_from(self, start: int) -> Iterator[tuple[int, Cut]]:
         """Every other part, nearest first, with the cut that leads to it on the way from one part."""
         reached, boundary = {start}, [start]
@@ -165,8 +191,40 @@ class DividedMesh:
             boundary = ahead
 
 
-def divided(mesh: Mesh, division: Division) -> DividedMesh:
+Cuts = Callable[[Mesh, Sequence[CellNumbers], Sequence[IntArray]], tuple[Cut, ...]]
+
+
+def cuts_at_sections(
+    mesh: Mesh, cells: Sequence[CellNumbers], members: Sequence[IntArray]
+) -> tuple[Cut, ...]:
+    """A cut for each piece in which two parts meet: cut-1, cut-2, .."""
+    pieces = (
+        (first, second, nodes)
+        for first, second in combinations(range(len(cells)), 2)
+        for nodes in shared_pieces(
+            mesh, [cells[first], cells[second]], np.intersect1d(members[first], members[second])
+        )
+    )
+    return tuple(Cut(*piece, f"cut-{number}") for number, piece in enumerate(pieces, start=1))
+
+
+def cuts_at_nodes(mesh: Mesh, _cells: Sequence[CellNumbers], members: Sequence[IntArray]) -> tuple[Cut, ...]:
+    """A cut for each shared node, from the first part that has it to each other one: node-ID."""
+    nodes, count = np.unique(np.concatenate(members), return_counts=True)
+    shared = nodes[count > 1]
+    inside = np.array([np.isin(shared, own) for own in members])
+    first = inside.argmax(axis=0)
+    return tuple(
+        Cut(int(first[at]), int(part), shared[[at]], f"node-{mesh.node_ids[shared[at]]}")
+        for at, part in np.argwhere(inside.T)
+        if part != first[at]
+    )
+
+
+def divided(mesh: Mesh, division: Division, cuts: Cuts = cuts_at_sections) -> DividedMesh:
     """Divide a mesh into parts that share the nodes of the sections between them.
+
+    cuts : where parts are tied: cuts_at_sections, or cuts_at_nodes
 
     Raises
     ------
@@ -187,14 +245,7 @@ def divided(mesh: Mesh, division: Division) -> DividedMesh:
                 f"part {i + 1} of {len(cells)} cannot be a body of its own: {error}. Divide the mesh by cell "
                 "sets, or along another axis"
             ) from None
-    cuts = tuple(
-        Cut(first, second, nodes)
-        for first, second in combinations(range(len(cells)), 2)
-        for nodes in shared_pieces(
-            mesh, [cells[first], cells[second]], np.intersect1d(members[first], members[second])
-        )
-    )
-    return DividedMesh(mesh, tuple(parts), cuts)
+    return DividedMesh(mesh, tuple(parts), cuts(mesh, cells, members))
 
 
 def _nodes(mesh: Mesh, cells: CellNumbers) -> IntArray:

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from supple.body import deck_frequencies, deck_mass, deck_model
+from supple.body import deck_frequencies, deck_mass, deck_model, flexible_body
 from supple.errors import SuppleWarning
 from supple.importers import read_deck
 from supple.importers.moved_deck import moved_deck
+from supple.machine import split_body
+from supple.machine.split_body import frequency_changes
+from supple.mesh import ByCellSets, cuts_at_nodes
 
 # One of everything that has axes: laminates out of balance, with offsets; beams with I12, offsets, pins and
 # neutral axis apart; anisotropic solids; springs, masses and constraints in turned axes.
@@ -92,15 +95,16 @@ def test_springs_to_ground_of_a_moved_deck_are_supports(tmp_path):
         assert deck_model(moved).attached.springs == ()
 
 
-def plate(columns, first=0):
-    """A row of square quadrilaterals of 1/8 m from column to column, with ids of its own."""
-    ids = {(i, j): 1 + 3 * (i - columns[0]) + j for i in range(columns[0], columns[1] + 1) for j in range(3)}
-    grids = [f"GRID,{first + n},,{i / 8},{j / 8},0." for (i, j), n in ids.items()]
+def plate(columns, rows=(0, 2)):
+    """Square quadrilaterals of 1/8 m from column to column and row to row, with ids of their own."""
+    places = [(i, j) for i in range(columns[0], columns[1] + 1) for j in range(rows[0], rows[1] + 1)]
+    ids = {place: 1 + n for n, place in enumerate(places)}
+    grids = [f"GRID,{n},,{i / 8},{j / 8},0." for (i, j), n in ids.items()]
     cells = [
         f"CQUAD4,{1 + 2 * (i - columns[0]) + j},7,"
-        + ",".join(str(first + ids[i + di, j + dj]) for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)))
+        + ",".join(str(ids[i + di, j + dj]) for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)))
         for i in range(*columns)
-        for j in range(2)
+        for j in range(*rows)
     ]
     return "\n".join([*grids, *cells, "PSHELL,7,5,.01,5", "MAT1,5,7.+10,,.3,2700.", ""])
 
@@ -117,3 +121,24 @@ def test_a_plate_of_two_superelements_is_the_plate(tmp_path):
     assert sum(deck_mass(part).mass for part in two.superelements.values()) == pytest.approx(mass.mass)
     frequencies = deck_frequencies(one, 12)
     np.testing.assert_allclose(deck_frequencies(two, 12), frequencies, rtol=1e-9)
+
+
+def test_joints_at_every_common_grid_are_exact(tmp_path):
+    """Four superelements that meet in one grid, and a residual structure that is a mass there."""
+    corners = "BEGIN BULK\nGRID,500,,.5,.125,0.\nCONM2,501,500,,2.\n"
+    quarters = [(i, i + 4, j, j + 1) for i in (0, 4) for j in (0, 1)]
+    parts = "".join(
+        f"BEGIN SUPER={n}\n{plate((i, k), rows=(j, m))}" for n, (i, k, j, m) in enumerate(quarters, start=1)
+    )
+    path = tmp_path / "quarters.bdf"
+    path.write_text(f"{corners}{parts}ENDDATA\n")
+    deck = read_deck(path)
+    assert list(deck.superelements) == ["super_0", "super_1", "super_2", "super_3", "super_4"]
+    model, sets = deck_model(deck), ByCellSets([f"super_{n}" for n in range(1, 5)])
+    split = split_body("plate", model, sets, cuts=cuts_at_nodes)
+    names = [joint.name for joint in split.joints]
+    assert len(set(names)) == len(names) == 2 + 2 * 4 + 3
+    assert [name for name in names if "node-500" in name] == [
+        f"plate node-500 1-{second}" for second in (2, 3, 4)
+    ]
+    assert abs(frequency_changes(flexible_body("plate", model), split)).max() < 1e-9
