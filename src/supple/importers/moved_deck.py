@@ -24,7 +24,7 @@ from supple.importers.deck import (
 from supple.mesh import CellType
 from supple.mesh.reference_cell import reference_nodes
 
-__all__ = ["moved_deck"]
+__all__ = ["mirrored_order", "moved_deck"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -124,7 +124,7 @@ class _Turn:
             directions = self.Q @ directions if directions.ndim == 3 else directions @ self.Q.T
         return replace(
             given,
-            nodes=given.nodes[:, _mirrored_order(given.kind)] if self.mirrors else given.nodes,
+            nodes=given.nodes[:, mirrored_order(given.kind)] if self.mirrors else given.nodes,
             directions=directions,
             offsets=None if offsets is None else offsets @ self.Q.T,
         )
@@ -158,7 +158,7 @@ class _Turn:
 
 
 @cache
-def _mirrored_order(kind: CellType) -> IntArray:
+def mirrored_order(kind: CellType) -> IntArray:
     """The order of the nodes of a mirrored cell: its reference cell with x and y exchanged."""
     if kind.dimension < 3:
         return np.array([0, 1] if kind.dimension == 1 else [0, 2, 1])
