@@ -34,7 +34,7 @@ from supple.body.sections import CuttingPlane, section_loads
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.body.turned_elements import turned_force
 from supple.errors import ModelError, SuppleWarning
-from supple.fem import lumped_mass, stress_recovery
+from supple.fem import stress_recovery
 from supple.importers.deck import (
     BeamProperty,
     BeamValues,
@@ -493,12 +493,6 @@ def test_stress_of_solids_and_shells_in_one_body():
     assert stress.shape == (model.mesh.n_nodes, 3, 6)
     np.testing.assert_allclose(stress[..., 0], STEEL.youngs_modulus * 1e-6, rtol=1e-9)
     np.testing.assert_allclose(stress[..., 1:], 0, atol=1e-3)
-
-
-def test_what_is_beside_the_elements_is_refused_where_elements_alone_count():
-    model = deck_model(skinned(rigid=(RigidTie("rbe2_1", 0, np.array([1, 2]), 1),)))
-    with pytest.raises(ModelError, match="a lumped mass has elements alone, and this model has rigid ties"):
-        lumped_mass(model)
 
 
 def test_a_body_with_ties_masses_and_a_rotation_that_rests_is_reduced():

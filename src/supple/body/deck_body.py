@@ -490,8 +490,9 @@ def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
 
 
 def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:
-    """Rows of a single freedom: springs to ground."""
-    return np.bincount(terms.rows, minlength=len(terms.lines)) == 1
+    """Rows of a single node, whatever its axes: springs to ground."""
+    nodes = np.unique(np.column_stack([terms.rows, terms.freedoms // 6]), axis=0)
+    return np.bincount(nodes[:, 0], minlength=len(terms.lines)) == 1
 
 
 def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:

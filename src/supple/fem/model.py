@@ -15,6 +15,7 @@ from scipy.sparse import csc_array
 from supple.arguments import check_instance
 from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
+from supple.fem.attached_parts import attached_parts, point_masses
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
 from supple.fem.beam_section import LineSection, RodSection
 from supple.fem.mass import CellMass, consistent_mass, mass_matrix, shell_mass
@@ -27,14 +28,16 @@ from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import shell_triangle
 from supple.fem.solid_element import SOLID_ELEMENTS, solid_element, solid_mass, solid_strain
-from supple.mesh import CellType, Mesh, MeshPart
+from supple.mesh import CellType, DividedMesh, Mesh, MeshPart
 
 __all__ = [
     "FiniteElementModel",
     "cell_masses",
     "finite_element_model",
     "lumped_mass",
-    "part_of_model",
+    "node_masses",
+    "parts_of_model",
+    "refuse_attached",
     "shell_model",
     "solid_model",
 ]
@@ -175,20 +178,29 @@ def finite_element_model(
     return _model(mesh, d, given, limit, kinematics, attached or Attached(), mass_of)
 
 
-def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementModel:
-    """The elements of a part of the model's mesh, with its own mass and stiffness.
+def parts_of_model(model: FiniteElementModel, divided: DividedMesh) -> tuple[FiniteElementModel, ...]:
+    """The elements of each part of the model's mesh, with its own mass and stiffness.
 
-    part : of `model.mesh`; each of its cells keeps its property
+    Springs, masses and ties are of the first part that has all of their nodes.
+
+    divided : `model.mesh` in parts; each cell keeps its property
+
+    Raises
+    ------
+    ModelError   springs, masses, dashpots, ties or constraints whose nodes lie in several parts
     """
-    refuse_attached(model, "a part of a model")
-    given = tuple(_in_part(section, part) for section in model.sections)
-    given = tuple(section for section in given if len(section.cells))
-    return finite_element_model(
-        part.mesh,
-        given,
-        kinematics=model.kinematics,
-        dofs_per_node=model.dofs_per_node,
-        mass_of=model.mass_of,
+    nodes = [part.nodes for part in divided.parts]
+    beside = attached_parts(model.attached, nodes, model.mesh.node_ids, model.dofs_per_node)
+    return tuple(
+        finite_element_model(
+            part.mesh,
+            tuple(made for section in model.sections if len((made := _in_part(section, part)).cells)),
+            kinematics=model.kinematics,
+            attached=own,
+            dofs_per_node=model.dofs_per_node,
+            mass_of=model.mass_of,
+        )
+        for part, own in zip(divided.parts, beside, strict=True)
     )
 
 
@@ -200,24 +212,51 @@ def _in_part(section: Section, part: MeshPart) -> Section:
 
 
 def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
-    """Consistent mass of the cells of each section, before it is assembled; ModelError of other masses."""
-    refuse_attached(model, "the mass of cells")
-    return _cell_masses(model.mesh, model.sections)
+    """Consistent mass of the cells of each section, before it is assembled, and of concentrated masses.
+
+    Raises ModelError for masses that several nodes share.
+    """
+    beside = point_masses(model.attached, model.dofs_per_node)
+    return (*_cell_masses(model.mesh, model.sections), *(() if beside is None else (beside,)))
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
-    refuse_attached(model, "a lumped mass")
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
-    return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+    diagonal = mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+    diagonal.reshape(model.mesh.n_nodes, -1)[:, :3] += node_masses(model)[:, None]
+    return diagonal
 
 
-def refuse_attached(model: FiniteElementModel, what: str) -> None:
-    """ModelError where more than elements makes the model, of which `what` knows nothing."""
-    if model.attached.what:
+def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
+    """Concentrated masses (N,) at nodes, kg.
+
+    Raises ModelError for one that has inertia, lies beside its node or differs by direction.
+    """
+    found = np.zeros(model.mesh.n_nodes)
+    beside = point_masses(model.attached, model.dofs_per_node)
+    if beside is None or beside.coupled is None:
+        return found
+    own = beside.coupled[:, 0, 0]
+    plain = own[:, None, None] * np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    other = np.abs(beside.coupled - plain).max(axis=(1, 2)) > 1e-12 * np.abs(own)
+    if other.any():
+        node = model.mesh.node_ids[beside.nodes[other][0, 0]]
         raise ModelError(
-            f"{what} has elements alone, and this model has {model.attached.what} as well; leave them out of "
-            "the model, or use a body in a floating frame"
+            f"the concentrated mass at node {node} (one of {np.count_nonzero(other)}) has inertia, lies "
+            "beside its node or differs by direction; a lumped mass does not: give the mass alone, or use a "
+            "body in a floating frame"
+        )
+    found[beside.nodes[:, 0]] = own
+    return found
+
+
+def refuse_attached(attached: Attached, what: str) -> None:
+    """ModelError where something stands beside the elements of which `what` knows nothing."""
+    if attached.what:
+        raise ModelError(
+            f"{what} has no {attached.what} beside its elements; leave them out of the model, or use a body "
+            "in a floating frame"
         )
 
 

@@ -49,7 +49,7 @@ def test_reading_is_not_refusing(deck):
     "name",
     [
         *("AESURF", "CAERO5", "SPLINE7", "DRESP1", "DVPREL2", "TABLED1", "TABLEM4", "TEMPD", "MAT4", "MATT1"),
-        *("FREQ3", "BCTSET", "BSURFS", "MONPNT1", "SET3", "PLOTEL", "PLOAD4", "QSET1", "SESET", "CHBDYG"),
+        *("FREQ3", "BCTSET", "BSURFS", "MONPNT1", "SET3", "PLOTEL", "PLOAD4", "QSET1", "SESUP", "CHBDYG"),
     ],
 )
 def test_cards_that_describe_no_body(deck, name):
@@ -217,7 +217,7 @@ def test_parts_are_decks_of_their_own(deck):
         + part
         + "ENDDATA\n"
     )
-    assert list(read.superelements) == ["super_4"]
+    assert list(read.superelements) == ["super_0", "super_4"]
     inner = read.superelements["super_4"]
     assert inner.properties["pshell_7"].material.youngs_modulus == 7e10
     assert inner.properties["pshell_7"].material.density == 7850 / 2
@@ -228,12 +228,6 @@ def test_parts_that_are_no_models_are_left_out(deck):
     read = deck("BEGIN BULK\n" + SQUARE + "BEGIN SUPER=4\nMAT1,5,1.\nBEGIN AUXMODEL=2\nGRID,1\nENDDATA\n")
     assert not read.superelements
     assert [(each.card, each.line) for each in read.left_out] == [("BEGIN SUPER", 11), ("BEGIN AUXMODEL", 13)]
-
-
-def test_a_partition_is_one_body(deck):
-    read = deck(SQUARE + "SESET,1,10,20\n")
-    assert not read.superelements
-    assert any("read as one body" in note for note in read.notes)
 
 
 # --- what is unreadable

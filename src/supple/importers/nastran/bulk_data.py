@@ -23,7 +23,8 @@ FloatArray = NDArray[np.float64]
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
-_BEGIN = re.compile(r"\s*BEGIN\b[\s,]*(?:BULK\b)?[\s,]*(?:([A-Z]+)\s*=\s*(\w+))?", re.IGNORECASE)
+_BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
+_PART = re.compile(r"\b([A-Z]+)\s*=\s*(\w+)", re.IGNORECASE)
 _INCLUDE = re.compile(r"\s*INCLUDE\b\s*(.*)", re.IGNORECASE)
 _PARAM_ABOVE = re.compile(r"\s*PARAM\s*,", re.IGNORECASE)
 _END = re.compile(r"\s*ENDDATA", re.IGNORECASE)
@@ -201,12 +202,11 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
     path = Path(path)
     above, sections, ended = _sections(path, absent)
     main = [line for line in above if _PARAM_ABOVE.match(line[2])]
-    parts: dict[tuple[str, str], BulkFile] = {}
+    of_parts: dict[tuple[str, str], list[RawLine]] = {}
     for kind, name, lines in sections:
-        if not kind:
-            main += lines
-        else:
-            parts[kind, name] = BulkFile(path, tuple(_cards(lines)))
+        into = of_parts.setdefault((kind, name), []) if kind else main
+        into += lines
+    parts = {name: BulkFile(path, tuple(_cards(lines))) for name, lines in of_parts.items()}
     return BulkFile(path, tuple(_cards(main)), tuple(text for _, _, text in above), parts, ended)
 
 
@@ -411,9 +411,10 @@ def _sections(
     if not starts:
         return above, [("", "", lines)], ended
     for start, stop in zip(starts, [*starts[1:], len(lines)], strict=True):
-        match = _BEGIN.match(lines[start][2])
-        kind, name = ((match[1] or "").upper(), (match[2] or "").upper()) if match else ("", "")
-        found.append((kind, name, lines[start + 1 : stop]))
+        named = {kind: name for kind, name in _PART.findall(lines[start][2].upper())}
+        # SUPER = 1 MASSID = 300 is a case of mass of a part, not the part.
+        kind = "MASSID" if "MASSID" in named else next(iter(named), "")
+        found.append((kind, named.get(kind, ""), lines[start + 1 : stop]))
     return above, found, ended
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -26,6 +26,7 @@ from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PR
 from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
 from supple.importers.nastran.materials import MATERIAL_CARDS, Materials
 from supple.importers.nastran.nonstructural_mass import NSM_CARDS, read_added_mass
+from supple.importers.nastran.partition import PARTITION_CARDS, partitioned
 from supple.importers.nastran.point_elements import (
     POINT_CARDS,
     POINT_PROPERTY_CARDS,
@@ -33,6 +34,7 @@ from supple.importers.nastran.point_elements import (
 )
 from supple.importers.nastran.reading import Reading, left_out_by_card
 from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties, turned_by_ties
+from supple.importers.nastran.superelements import SUPERELEMENT_CARDS, assembled, repeated_parts
 from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read_supports
 from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
@@ -47,6 +49,7 @@ _READ = frozenset(
         *(*COORDINATE_CARDS, *SOLID_CARDS, *SOLID_PROPERTY_CARDS, *SHELL_CARDS, *WALL_CARDS),
         *(*BEAM_CARDS, *ROD_CARDS, *BEAM_PROPERTY_CARDS, *ROD_PROPERTY_CARDS, *MATERIAL_CARDS),
         *(*POINT_CARDS, *POINT_PROPERTY_CARDS, *NSM_CARDS, *RIGID_CARDS, *SUPPORT_CARDS),
+        *(*SUPERELEMENT_CARDS, *PARTITION_CARDS),
     )
 )
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
@@ -95,10 +98,7 @@ _MEANINGS = {
     "GMBC": "supports of geometry",
     "GMSPC": "supports of geometry",
     "CSUPER": "a superelement from a file or an image of another",
-    "SELOC": "a superelement is moved to other grids; it stays where its own grids are",
-    "SEMPLN": "a superelement is mirrored; it stays where its own grids are",
-    "SEBULK": "kind and place of a superelement; it is read as it stands",
-    "SECONCT": "joints of superelements by pairs of grids",
+    "RELEASE": "freedoms in which a superelement is not joined to the others",
     "MPCAX": "constraints of an axisymmetric model",
     "ROTORD": "a spinning part",
 }
@@ -115,8 +115,8 @@ def read_nastran_deck(path: str | Path) -> Deck:
 
     Cards that describe no body are passed over and counted; what would change the body and is not read
     stands in `left_out`, also included files that are not there. A file without grids, or with elements
-    whose grids an absent file may have, makes a deck without nodes. Parts behind BEGIN SUPER are decks of
-    their own.
+    whose grids an absent file may have, makes a deck without nodes. Superelements, by BEGIN SUPER or SESET,
+    are one deck, joined where they share grids, and each a deck of its own in `superelements`.
 
     Raises
     ------
@@ -127,25 +127,37 @@ def read_nastran_deck(path: str | Path) -> Deck:
     absences: list[BulkCard] = []
     file = read_bulk_data(path, absences)
     try:
-        deck = _deck(file, file)
+        reading = start_reading(file, file)
+        deck = _deck(reading)
     except ImportFormatError as error:
         if file.named("GRID") and not absences:
             raise
-        deck = _deck_without_grids(file, error)
+        return _with_absences(_deck_without_grids(file, error), absences)
+    deck = _with_absences(deck, absences)
+    if not file.parts:
+        return partitioned(deck, reading)
+    parts: dict[int, Deck] = {}
+    absent: list[LeftOut] = []
+    repeated = repeated_parts(file)
+    for (kind, name), part in file.parts.items():
+        number = int(name) if kind == "SUPER" and name.isdecimal() else None
+        if number is not None and part.named("GRID"):
+            parts[number] = _deck(start_reading(part, file))
+        elif number not in repeated:
+            line = part.cards[0].line if part.cards else 0
+            what = "masses of a case of its own" if kind == "MASSID" else "a part that is no model by grids"
+            absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"{what}: {name}"))
+    deck = replace(deck, left_out=(*deck.left_out, *absent))
+    return assembled(deck, parts, file, reading.grids) if parts else deck
+
+
+def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
+    """The same deck, with the included files that are not there among what is left out."""
     gone = (
         LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: what it describes is not read")
         for card in absences
     )
-    deck = replace(deck, left_out=(*gone, *deck.left_out))
-    parts: dict[str, Deck] = {}
-    absent: list[LeftOut] = []
-    for (kind, name), part in file.parts.items():
-        if kind == "SUPER" and part.named("GRID"):
-            parts[f"super_{name}"] = _deck(part, file)
-        else:
-            line = part.cards[0].line if part.cards else 0
-            absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"the part {name}, which is no model by grids"))
-    return replace(deck, superelements=parts, left_out=(*deck.left_out, *absent)) if file.parts else deck
+    return replace(deck, left_out=(*gone, *deck.left_out))
 
 
 def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
@@ -186,8 +198,7 @@ def _has_elements(known: BulkCard, file: BulkFile) -> bool:
     )
 
 
-def _deck(file: BulkFile, whole: BulkFile) -> Deck:
-    reading = start_reading(file, whole)
+def _deck(reading: Reading) -> Deck:
     materials, added = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
@@ -207,7 +218,7 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
     turning = _turning(reading, elements, [*chain(*matrices.values())])
     rigid, means = read_ties(reading, turning)
     node_sets = read_supports(reading, {n for tie in rigid for n in tie.nodes.tolist() if not turning[n]})
-    read, passed_over = _counted(file)
+    read, passed_over = _counted(reading.file)
     nodes, ids = reading.grids.positions, reading.grids.ids
     if reading.added_nodes:
         nodes = np.concatenate([nodes, np.array(reading.added_nodes)])
@@ -215,7 +226,7 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         ids = np.concatenate([ids, last + 1 + np.arange(len(reading.added_nodes))])
     n = len(ids)
     return Deck(
-        file.path,
+        reading.file.path,
         ids,
         nodes,
         tuple(elements),
@@ -276,10 +287,6 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
     )
     if not whole.ended:
         reading.note("No ENDDATA ends the file; check that it is whole.")
-    if any(name in file.by_name for name in ("SESET", "SEELT")):
-        reading.note(
-            "The parts that SESET and SEELT make are a way to solve; they are read as one body, the whole."
-        )
     for card, meaning in _not_read(file):
         reading.leave_out(card, meaning)
     return reading

@@ -18,7 +18,7 @@ from supple.fem.optimal_membrane import drilling_stiffness, triangle_area
 from supple.fem.shell_kinematics import DRILLING
 from supple.fem.shell_triangle import element_axes, plane_coordinates, resultant_strains
 from supple.mesh import CellType
-from supple.methods.explicit.element_part import ElementPart
+from supple.methods.explicit.element_part import ElementPart, refuse_beside_elements
 from supple.methods.explicit.materials import J2Plasticity
 
 __all__ = ["ExplicitShell", "explicit_shell"]
@@ -72,6 +72,7 @@ class ExplicitShell(ElementPart):
     def __post_init__(self) -> None:
         check_fields(self)
         refuse_held(self.damping, f"explicit shell '{self.name}'")
+        refuse_beside_elements(f"explicit shell '{self.name}'", self.model)
         for section in self.model.sections:
             if section.cell_type is not CellType.TRIANGLE3 or not isinstance(
                 section.property, HomogeneousSection
