@@ -1,19 +1,19 @@
-"""A flat triangle that stands for a curved surface: what bending of the surface does in the plane of the facet.
+"""A flat triangle that stands for a curved surface: what bending of the surface does in its plane.
 
-A smooth surface that only bends shortens the chords between its points and turns them in the planes of facets.
-Facets that take this for strain lock as soon as the angle between neighbours, times their size, exceeds the
-thickness. With the curvature K of the surface, W that of its bending, both constant, the heights
-`z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` that vanish at the corners have the slopes g_i and b_i
-there. Where the surface keeps its lengths, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`, integrated, gives
+A smooth surface that only bends shortens the chords between its points and turns them in the planes of
+facets. Facets that take this for strain lock as soon as the angle between neighbours, times their size,
+exceeds the thickness. With the curvature K of the surface and W that of its bending, both constant, the
+heights `z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` that vanish at the corners have the slopes
+g_i and b_i there. Without membrane strain, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`, whose integral is
 
     along side k, from corner i to j    e_k = -1/12 (s_k.(g_j - g_i)) (s_k.(b_j - b_i))
     drilling of corner i                d_i = 1/2 g_i x b_i - 1/6 g_i x (b_j + b_k) + 1/6 (g_j + g_k) x b_i
 
-exactly. The facet's own strain and drilling are what it has beyond these. Since b_i follows from strains of the
-facet, which a rigid motion leaves alone, large rotations cost what they did.
+exactly. The facet's own strain and drilling are what it has beyond these. b_i follows from strains of the
+facet, which rigid motions leave alone.
 
-The strain e_k is that of a shallow shell, averaged over the side (K. Marguerre, Proc. 5th Int. Congr. Appl. Mech.
-(1938) 93-101).
+The strain e_k is that of a shallow shell, averaged over the side (K. Marguerre, Proc. 5th Int. Congr. Appl.
+Mech. (1938) 93-101).
 """
 
 from __future__ import annotations
@@ -57,9 +57,9 @@ def _surface_slopes(xy: FloatArray, curvature: FloatArray) -> FloatArray:
 
 
 def _bend_slopes(xy: FloatArray) -> FloatArray:
-    """Slopes b (E, 3, 2, 12) that the differences of the corners' rotations mean; chords have none, in the mean.
+    """Slopes b (E, 3, 2, 12) at the corners by the differences of their rotations.
 
-    The last is of constant curvature, `s_k.(b_i + b_j) = 0`, and holds on all three sides by least squares.
+    The mean is that of constant curvature, `s_k.(b_i + b_j) = 0`, on all three sides by least squares.
     """
     b = np.zeros((len(xy), 3, 2, 12))
     corner = np.arange(3)

@@ -44,8 +44,8 @@ class Section:
     reduced : bool                              of HEXA20: eight strain points, with a share of fourteen
     incompatible : bool                         of HEXA8: motions of its own, with which it bends freely
     surface_curvature : float array (E, 3, 3) or None
-        of shells: curvature of the surface that each flat triangle stands for, 1/m (`facet_curvature`); a model
-        finds it from neighbouring triangles where it is not given
+        of shells: curvature of the surface that each flat triangle stands for, 1/m; a model finds it from
+        neighbouring triangles where it is not given
 
     Raises
     ------

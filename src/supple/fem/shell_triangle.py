@@ -6,13 +6,12 @@ the strain eps_m of the middle surface and the curvature kappa, linear over the 
 
     U/A = 1/2 e^T A_s e + 1/2 mean(kappa^T D_f kappa),    e = eps_m + A_s^-1 B_s kappa_1
 
-and 1/2 d^T K_h d of the drilling d, less what both have where the surface that the facet stands for only bends
-(supple.fem.curved_facet), with the section's stiffness A_s, B_s, D_s, the area A, and kappa_1 the
+and 1/2 d^T K_h d of the drilling d, with the section's stiffness A_s, B_s, D_s, the area A, and kappa_1 the
 curvature of rotations that are linear over the triangle; of a wall that shears also A/2 mean(gamma^T H
 gamma). D_f = D_s - B_s A_s^-1 B_s bends a wall that is free to stretch: one beside its nodes bends about its
-own middle, as if arms held it.
-The displacement gradients are
-constant, so the membrane does not lock and the foreshortening converges at second order.
+own middle, as if arms held it. A facet of a curved surface has less of eps_m and d by what bending of that
+surface makes of them (supple.fem.curved_facet). The displacement gradients are constant, and the
+foreshortening converges at second order.
 """
 
 from __future__ import annotations
@@ -102,7 +101,10 @@ def shell_triangle(
 def drilling_rotations(
     xy: FloatArray, section: ShellSection, surface_curvature: FloatArray | None = None
 ) -> FloatArray:
-    """Drilling d_i (E, 3, 18) of the middle of the wall from the strains of the element; as `resultant_strains`."""
+    """Drilling d_i (E, 3, 18) of the middle of the wall from the strains of the element.
+
+    Parameters as of `resultant_strains`.
+    """
     drilling = np.zeros((len(xy), 3, N_STRAINS))
     drilling[..., DRILLING] = np.eye(3)
     if section.coupling.any():

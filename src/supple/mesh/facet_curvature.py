@@ -10,10 +10,14 @@ __all__ = ["facet_curvature", "sides_across"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-CREASE = np.cos(np.radians(30.0))
+CREASE = np.cos(np.radians(25.0))
 """Cosine of the largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
+ONE_SURFACE = 0.9
+"""Of the squares of heights, what a quadratic surface must explain; less, and a crease is among the edges."""
+SAME_NORMAL = 0.1
+"""Of the largest difference of normals nearby, what is no difference."""
 FLAT = 1e-6
-"""Height of a node over the plane of a triangle, of its distance, that is no curvature."""
+"""Difference of normals, rad, that is no curvature."""
 DETERMINED = 1e-3
 """Of the largest eigenvalue of a fit: what is less, the neighbours do not show."""
 
@@ -23,9 +27,12 @@ SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0,
 def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     """Curvature tensors of the surface through triangles and their neighbours, in global axes.
 
-    Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners fits the
-    corners of its neighbours across smooth edges, and of theirs, by least squares with weights `1/distance^4`:
-    exact on a quadratic surface, at its rim too. Of all K that fit alike it is the smallest.
+    Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners fits
+    the corners of its neighbours across smooth edges, and of theirs, by least squares with the weights
+    `1/distance^4`: exact on a quadratic surface, at its rim too. Of all K that fit alike it is the smallest.
+
+    K is zero beside creases, where no quadratic surface fits; and where a triangle and those around it show
+    two normals alone, which may be a fold of two planes as well.
 
     Parameters
     ----------
@@ -38,29 +45,25 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     corners = nodes[triangles]
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
-    twice_area = np.linalg.norm(normal, axis=1)
-    normal /= twice_area[:, None]
-    x = first / np.linalg.norm(first, axis=1, keepdims=True)
-    axes = np.stack([x, np.cross(normal, x), normal], axis=1)
-    scale = np.sqrt(twice_area)[:, None, None]
-    numbers = _nodes_across(triangles, sides_across(triangles, normal))
-    known = numbers >= 0
-    origin = corners.mean(axis=1, keepdims=True)
-    own, near = ((each - origin) @ axes.swapaxes(1, 2) / scale for each in (corners, nodes[numbers]))
-    rows = _quadratics(near) - _linear(near) @ np.linalg.solve(_linear(own), _quadratics(own))
-    height, distance = near[..., 2], np.linalg.norm(near, axis=2)
-    weight = np.divide(1.0, distance**4, out=np.zeros_like(distance), where=known)
-    values = _smallest_fit(rows, height, weight)
-    values[~(known & (np.abs(height) > FLAT * distance)).any(axis=1)] = 0.0
-    K = np.einsum("ec,cij->eij", values, SYMMETRIC) / scale
-    return axes[:, :2].swapaxes(1, 2) @ K @ axes[:, :2]
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    across = sides_across(triangles, normal)
+    bent, folded = _bends(normal, across)
+    K, smooth = np.zeros((len(triangles), 3, 3)), np.zeros(len(triangles), dtype=bool)
+    x = first[bent] / np.linalg.norm(first[bent], axis=1, keepdims=True)
+    axes = np.stack([x, np.cross(normal[bent], x), normal[bent]], axis=1)
+    K[bent], smooth[bent] = _fitted(axes, corners[bent], nodes, _nodes_across(triangles, across)[bent])
+    shown = smooth & ~folded
+    for _ in range(2):
+        shown |= (shown[across // 3] & (across >= 0)).any(axis=1)
+    K[~(smooth & shown)] = 0.0
+    return K
 
 
 def sides_across(triangles: IntArray, normals: FloatArray) -> IntArray:
-    """Side (E, 3) of the neighbour at each side, by its number 3 e + k of triangle e; -1 at rims and creases.
+    """Sides (E, 3) of neighbours, by their numbers 3 e + k of triangle e; -1 at rims and creases.
 
-    Side k leads from corner k to the next. Of several triangles at an edge, the two at the least angle continue
-    each other.
+    Side k leads from corner k to the next. Of several triangles at an edge, the two at the least angle
+    continue each other.
 
     normals : float array (E, 3)    right-handed to the order of the corners
     """
@@ -82,7 +85,7 @@ def sides_across(triangles: IntArray, normals: FloatArray) -> IntArray:
 
 
 def _nodes_across(triangles: IntArray, across: IntArray) -> IntArray:
-    """Nodes (E, 12) opposite the sides of each triangle and of its three neighbours; -1 where there is none."""
+    """Nodes (E, 12) opposite the sides of each triangle and of its neighbours; -1 where there is none."""
     beyond = np.where(across >= 0, triangles.ravel()[across - across % 3 + (across + 2) % 3], -1)
     further = np.where(across[..., None] >= 0, beyond[across // 3], -1)
     return np.concatenate([beyond, further.reshape(len(triangles), -1)], axis=1)
@@ -99,10 +102,44 @@ def _linear(points: FloatArray) -> FloatArray:
     return np.concatenate([points[..., :2], np.ones((*points.shape[:-1], 1))], axis=-1)
 
 
-def _smallest_fit(rows: FloatArray, wanted: FloatArray, weight: FloatArray) -> FloatArray:
-    """Values (E, c) of least weighted squares of `rows . values - wanted`, the smallest of all that fit alike."""
+def _bends(normal: FloatArray, across: IntArray) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether (E,) the normals of a triangle, its neighbours and theirs differ at all, and are just two."""
+    beside = np.where(across >= 0, across // 3, np.arange(len(across))[:, None])
+    near = np.concatenate([beside, beside[beside].reshape(len(across), -1)], axis=1)
+    turned = normal[near] - normal[:, None]
+    squares = (turned**2).sum(axis=2)
+    most = np.take_along_axis(turned, squares.argmax(axis=1)[:, None, None], axis=1)
+    off = np.minimum(squares, ((turned - most) ** 2).sum(axis=2)).max(axis=1)
+    largest = squares.max(axis=1)
+    return largest > FLAT**2, off <= SAME_NORMAL**2 * largest
+
+
+def _fitted(
+    axes: FloatArray, corners: FloatArray, nodes: FloatArray, around: IntArray
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Curvature (E, 3, 3) of the surface through corners (E, 3, 3) and nodes around, and whether it fits."""
+    scale = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)[:, None, None]
+    origin = corners.mean(axis=1, keepdims=True)
+    own, near = ((each - origin) @ axes.swapaxes(1, 2) / scale for each in (corners, nodes[around]))
+    rows = _quadratics(near) - _linear(near) @ np.linalg.solve(_linear(own), _quadratics(own))
+    distance = np.linalg.norm(near, axis=2)
+    weight = np.divide(1.0, distance**4, out=np.zeros_like(distance), where=around >= 0)
+    values, explained = _smallest_fit(rows, near[..., 2], weight)
+    K = np.einsum("ec,cij->eij", values, SYMMETRIC) / scale
+    return axes[:, :2].swapaxes(1, 2) @ K @ axes[:, :2], explained > ONE_SURFACE
+
+
+def _smallest_fit(rows: FloatArray, wanted: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Values (E, c) of least weighted squares of `rows . values - wanted`, and what they explain (E,).
+
+    The smallest of all that fit alike; explained is a share of the squares of `wanted`.
+    """
     weighted = (rows * weight[..., None]).swapaxes(1, 2)
     eigenvalues, vectors = np.linalg.eigh(weighted @ rows)
     shown = eigenvalues > DETERMINED * eigenvalues[:, -1:]
     inverse = np.divide(1.0, eigenvalues, out=np.zeros_like(eigenvalues), where=shown)
-    return np.einsum("eij,ej,ekj,ekp,ep->ei", vectors, inverse, vectors, weighted, wanted, optimize=True)
+    right = (weighted @ wanted[..., None])[..., 0]
+    values = np.einsum("eij,ej,ekj,ek->ei", vectors, inverse, vectors, right)
+    squares = (weight * wanted**2).sum(axis=1)
+    fitted = (values * right).sum(axis=1)
+    return values, np.divide(fitted, squares, out=np.zeros_like(squares), where=squares > 0)
