@@ -17,6 +17,7 @@ from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
 from supple.fem.beam_section import LineSection, RodSection
+from supple.fem.coarse_curvature import warn_of_coarse_curvature
 from supple.fem.mass import CellMass, consistent_mass, mass_matrix, shell_mass
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
@@ -308,6 +309,7 @@ def _model(
 ) -> FiniteElementModel:
     d = dofs_per_node
     given = _on_their_surface(mesh, given)
+    warn_of_coarse_curvature(mesh, [each for each in given if each.cell_type is CellType.TRIANGLE3])
     cells = [section.nodes(mesh) for section in given]
     sparsity = node_sparsity(
         [*cells, *(cell_nodes(spring.dofs, d) for spring in attached.springs)], mesh.n_nodes, d

@@ -166,10 +166,10 @@ def layer_strain(
 
 def _shear_flexibility(xy: FloatArray, section: ShellSection) -> FloatArray:
     """Phi (E, 3) of the sides."""
-    return side_shear_flexibility(xy, _free_bending(section), section.shear)
+    return side_shear_flexibility(xy, free_bending(section), section.shear)
 
 
-def _free_bending(section: ShellSection) -> FloatArray:
+def free_bending(section: ShellSection) -> FloatArray:
     """Bending stiffness (3, 3) of a wall that is free to stretch, D - B A^-1 B, N m."""
     if not section.coupling.any():
         return section.bending
@@ -183,7 +183,7 @@ def _stiffness_per_area(
     membrane, bending = resultant_strains(xy, MIDSIDES, section, surface_curvature)
     D = membrane.swapaxes(1, 2) @ (section.membrane @ membrane)
     points = bending.reshape(len(xy), -1, N_STRAINS)
-    D += points.swapaxes(1, 2) @ (_free_bending(section) @ bending).reshape(points.shape) / len(MIDSIDES)
+    D += points.swapaxes(1, 2) @ (free_bending(section) @ bending).reshape(points.shape) / len(MIDSIDES)
     if section.shear is not None:
         shear = transverse_shear(xy, MIDSIDES, _shear_flexibility(xy, section))
         points = shear.reshape(len(xy), -1, shear.shape[3])

@@ -106,7 +106,9 @@ def _bends(normal: FloatArray, across: IntArray) -> tuple[NDArray[np.bool_], NDA
     """Whether (E,) the normals of a triangle, its neighbours and theirs differ at all, and are just two."""
     beside = np.where(across >= 0, across // 3, np.arange(len(across))[:, None])
     near = np.concatenate([beside, beside[beside].reshape(len(across), -1)], axis=1)
-    turned = normal[near] - normal[:, None]
+    # Triangles that turn the other way have the other normal.
+    sense = np.sign((normal[near] * normal[:, None]).sum(axis=2, keepdims=True))
+    turned = sense * normal[near] - normal[:, None]
     squares = (turned**2).sum(axis=2)
     most = np.take_along_axis(turned, squares.argmax(axis=1)[:, None, None], axis=1)
     off = np.minimum(squares, ((turned - most) ** 2).sum(axis=2)).max(axis=1)
