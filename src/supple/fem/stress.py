@@ -261,7 +261,8 @@ def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
     axes = element_axes(corners, given, section.directions)
-    layers = layer_strain(corners, axes, given, 0.5 * given.thickness * np.array(LAYERS))
+    heights = 0.5 * given.thickness * np.array(LAYERS)
+    layers = layer_strain(corners, axes, given, heights, section.surface_curvature)
     to_global = _plane_to_global(axes) @ given.material.plane_stress
     return SectionStress(nodes, block, to_global[:, None] @ layers, to_nodes)
 
