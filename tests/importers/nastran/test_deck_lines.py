@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from supple.errors import ImportFormatError
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, RodProperty
+from supple.mesh import SectionGeometry
 
 MATERIAL = "MAT1,5,2.1+11,,.3,7850.\n"
 STEEL = IsotropicMaterial(2.1e11, 0.3, 7850.0)
@@ -34,10 +37,11 @@ def test_a_bar_and_a_beam_of_one_section(deck):
     mass = 7850 * 0.01 + 6
     assert bar == BeamProperty(STEEL, BeamValues(0.01, 2e-5, 1e-5, 3e-5, 0.8, 0.7, mass, 1e-6))
     same = "PBEAM,4,5,.01,2.-5,1.-5,1.-6,3.-5,6.\n"
+    assert beam(deck, same + ",NO,1.0\n,.8,.7\n", "CBEAM,1,4,1,2,1.,0.,0.") == bar
+    bar = replace(bar, first=replace(bar.first, geometry=SectionGeometry(((0.1, 0.2),))))
     for text in (
-        same + ",.1,.1\n,.8,.7\n",
-        same + ",.1,.1,,,,,,\n,YES,1.0,.01,2.-5,1.-5,1.-6,3.-5,6.\n,.1,.1\n,.8,.7\n",
-        same + ",NO,1.0\n,.8,.7\n",
+        same + ",.1,.2\n,.8,.7\n",
+        same + ",.1,.2,,,,,,\n,YES,1.0,.01,2.-5,1.-5,1.-6,3.-5,6.\n,.1,.2\n,.8,.7\n",
     ):
         assert beam(deck, text, "CBEAM,1,4,1,2,1.,0.,0.") == bar
     assert beam(deck, same, "CBEAM,1,4,1,2,1.,0.,0.").first.K1 == 1.0
