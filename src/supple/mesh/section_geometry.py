@@ -17,7 +17,7 @@ Loop = tuple[Point, ...]
 
 ROUND_POINTS = 8
 """Of a circle: the bending stress between two of them is at most 8 % above the larger of theirs."""
-ROUND_CORNERS = 24
+ROUND_CORNERS = 16
 """Of the polygon that a circle is drawn as."""
 SAME_PLACE = 1e-9
 """Of the size of a section."""

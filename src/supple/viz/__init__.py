@@ -1,6 +1,7 @@
 """Pictures: the only importer of matplotlib."""
 
 from supple.viz.animation import *
+from supple.viz.body_surface import *
 from supple.viz.camera import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.fem import FiniteElementModel
+from supple.fem import FiniteElementModel, has_stress
 from supple.methods.explicit.modal_stress import isotropic_materials
 from supple.quantities import von_mises_history
 from supple.results import without_noise
@@ -28,10 +28,12 @@ class Colouring:
     values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame; None of a body
         that has no such values
     label : of a unit system: what stands under the colour bar, and what the values are shown times
+    of_stress : whether beams without points of stress recovery have no such values
     """
 
     values: Callable[[Any, Any, Array | None], Array | None]
     label: Callable[[UnitSystem], tuple[str, float]]
+    of_stress: bool = False
 
 
 def _stress_label(units: UnitSystem) -> tuple[str, float]:
@@ -51,15 +53,17 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
     elements : of the bodies, by name
     """
 
-    def values(body: Any, motion: Any, _deflection: Array | None) -> Array:
+    def values(body: Any, motion: Any, _deflection: Array | None) -> Array | None:
         model = elements[body.name]
+        if not has_stress(model):
+            return None
         if body.has_frame:
             stress = von_mises_history(body, model, motion.coordinates)
         else:
             stress = element_means(body, motion.von_mises, motion.alive)
         return without_noise(stress, like=[each.youngs_modulus for each in isotropic_materials(model)])
 
-    return Colouring(values, _stress_label)
+    return Colouring(values, _stress_label, of_stress=True)
 
 
 DEFLECTION = Colouring(
