@@ -78,7 +78,7 @@ class BodyForm(Protocol):
         """
         ...
 
-    def rotations(self, motion: Any) -> NDArray[np.float64]:
+    def node_rotations(self, motion: Any) -> NDArray[np.float64]:
         """Rotation matrices (t, N, 3, 3) of the material at all nodes, from rest to space."""
         ...
 

@@ -74,7 +74,7 @@ class FormDefaults:
         """(3,) none."""
         return np.zeros(3)
 
-    def rotations(self: Any, motion: Any) -> Array:
+    def node_rotations(self: Any, motion: Any) -> Array:
         """(t, N, 3, 3) those of the frame, times that of the rotation vector of a node that has one."""
         n_times, n_nodes = len(motion.coordinates), len(self.nodes)
         of_frame = np.broadcast_to(motion.rotation[:, None], (n_times, n_nodes, 3, 3))

@@ -76,7 +76,7 @@ class BodySurface:
         nodes : (t, N, 3) where the nodes are seen; where they are, when omitted
         """
         nodes = body.positions(motion) if nodes is None else nodes
-        return self.placed(nodes, body.rotations(motion) if len(self.nodes) > nodes.shape[-2] else None)
+        return self.placed(nodes, body.node_rotations(motion) if len(self.nodes) > nodes.shape[-2] else None)
 
     def deflections(self, body: BodyForm, motion: Any, seen_from: Observer) -> Array:
         """Displacements (t, P, 3) as an observer sees them."""

@@ -212,7 +212,7 @@ class IntrinsicBody(FormDefaults):
             result[part] = np.einsum("nw,tnwi->tni", weights, moved)
         return result
 
-    def rotations(self, motion: IntrinsicMotion) -> Array:
+    def node_rotations(self, motion: IntrinsicMotion) -> Array:
         """Rotation matrices (t, N, 3, 3) of nodes: of the station that carries the larger share of each."""
         larger = self.expansion.weights.argmax(axis=1)
         return self.places(motion)[0][:, self.expansion.stations[np.arange(len(larger)), larger]]
