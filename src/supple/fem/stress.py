@@ -32,6 +32,7 @@ from supple.mesh import CellType
 __all__ = [
     "StressLayers",
     "StressRecovery",
+    "beam_end_ranks",
     "beam_force_recovery",
     "beam_forces",
     "has_stress",
@@ -76,6 +77,12 @@ class StressLayers:
             *walls,
             *(f"beam {end + 1} point {p + 1}" for end in range(self.ends) for p in range(self.points)),
         )
+
+    def largest(self, values: FloatArray) -> FloatArray:
+        """Largest (..., 1 + ends) of solids and shells, then of each beam's end, of values (..., l)."""
+        ends = values[..., self.walls :].reshape(*values.shape[:-1], self.ends, self.points)
+        walls = values[..., : self.walls].max(axis=-1, initial=0.0)
+        return np.concatenate([walls[..., None], ends.max(axis=-1, initial=0.0)], axis=-1)
 
     @property
     def outer(self) -> tuple[int, ...]:
@@ -243,6 +250,17 @@ def stress_layers(model: FiniteElementModel) -> StressLayers:
     return StressLayers(max(walls, default=0), max(points, default=0), int(at_nodes.max(initial=0)))
 
 
+def beam_end_ranks(model: FiniteElementModel) -> dict[int, NDArray[np.int64]]:
+    """Which of the beams of a node each end is, (E, 2), by the number of its section, if it has stress."""
+    numbers = [
+        number
+        for number, section in enumerate(model.sections)
+        if section.cell_type is CellType.LINE2 and states_stress(section)
+    ]
+    ranks = _ranks([model.sections[number].nodes(model.mesh) for number in numbers])
+    return dict(zip(numbers, ranks, strict=True))
+
+
 def has_stress(model: FiniteElementModel) -> bool:
     """Whether some section says where its stress acts, and none is a laminate, whose plies are unknown."""
     given = [section for section in model.sections if states_stress(section)]
@@ -295,18 +313,21 @@ def _averaged(walls: Sequence[SectionStress], n_nodes: int) -> Iterator[SectionS
 
 def _stacked(lines: Sequence[SectionStress], layers: StressLayers) -> Iterator[SectionStress]:
     """Beams and rods, every end of which has layers of its own at its node, in the order of the cells."""
+    for section, rank in zip(lines, _ranks([section.nodes for section in lines]), strict=True):
+        yield replace(section, first_layer=layers.walls + layers.points * rank)
+
+
+def _ranks(lines: Sequence[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
+    """How many earlier ends there are at the node of each end, (E, 2) of the nodes (E, 2) of each section."""
     if not lines:
-        return
-    nodes = np.concatenate([section.nodes.ravel() for section in lines])
+        return []
+    nodes = np.concatenate([own.ravel() for own in lines])
     order = np.argsort(nodes, kind="stable")
     in_order = nodes[order]
     rank = np.empty_like(nodes)
     rank[order] = np.arange(len(nodes)) - np.searchsorted(in_order, in_order)
-    first = 0
-    for section in lines:
-        own = rank[first : first + section.nodes.size].reshape(section.nodes.shape)
-        first += section.nodes.size
-        yield replace(section, first_layer=layers.walls + layers.points * own)
+    parts = np.split(rank, np.cumsum([own.size for own in lines])[:-1])
+    return [part.reshape(own.shape) for part, own in zip(parts, lines, strict=True)]
 
 
 def _pieces(model: FiniteElementModel) -> tuple[RigidPiece, ...]:

@@ -15,7 +15,7 @@ from supple.fem import FiniteElementModel, StressRecovery, stress_layers, stress
 from supple.quantities.tensor_modes import STRESS, NodalTensor, tensor_modes
 from supple.reduction import ReducedBody
 
-__all__ = ["LargestStress", "largest_stress", "von_mises_history"]
+__all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_history"]
 
 Array = NDArray[np.float64]
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
@@ -85,6 +85,19 @@ def tensor_blocks(
             yield TensorBlock(times, some, modes.at(coordinates[times]))
 
 
+def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
+    """Von Mises stress (t, N, 1 + ends), Pa: the largest of solids and shells, and of each beam's end there.
+
+    Ends are those of `StressLayers`; zero where a node has fewer. Other parameters and errors as for
+    `von_mises_history`.
+    """
+    layers, nodes = stress_layers(model), _nodes_with_stress(stress_recovery(model))
+    found = np.zeros((len(coordinates), len(body.nodes), 1 + layers.ends))
+    for times, some, field in tensor_blocks(STRESS, body, model, coordinates, nodes):
+        found[times, nodes[some]] = layers.largest(STRESS.equivalent(field))
+    return found
+
+
 class LargestStress(NamedTuple):
     """The largest von Mises stress of a body over a run."""
 
@@ -101,7 +114,7 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
     stress is largest then. So it is exact of runs of a hundred outputs.
     """
     recovery = stress_recovery(model)
-    nodes = np.unique(np.concatenate([section.nodes.ravel() for section in recovery.sections]))
+    nodes = _nodes_with_stress(recovery)
     sampled = np.unique(np.linspace(0, len(coordinates) - 1, _SEARCHED).astype(int))
     highest = np.zeros(len(nodes))
     for block in _recovered(body, recovery, np.asarray(coordinates)[sampled], nodes):
@@ -115,6 +128,10 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
             number = int(candidates[some][node])
             largest = LargestStress(float(values[instant, node]), int(instant) + times.start, number)
     return largest
+
+
+def _nodes_with_stress(recovery: StressRecovery) -> NDArray[np.int64]:
+    return np.unique(np.concatenate([section.nodes.ravel() for section in recovery.sections]))
 
 
 def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:

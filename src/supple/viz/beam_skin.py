@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.fem import BeamSection, CoupledBeamSection, FiniteElementModel, LineSection, RodSection, Section
-from supple.fem.beam_stress import has_points, rod_line
+from supple.fem.beam_stress import rod_line
 from supple.fem.model import line_of
 from supple.mesh.section_geometry import ROUND_CORNERS
 
@@ -25,18 +25,21 @@ class BeamSkin(NamedTuple):
 
     triangles, mesh_lines : (T, 3) as of a `Skin`, numbers of these points
     nodes : (P,) node that carries each point;  arms : (P, 3) from it, undeformed, m
-    has_stress : whether the section says where its stress acts
+    ends : (P,) which of the beams at its node each point belongs to; -1 where there is no stress
     """
 
     triangles: IntArray
     mesh_lines: NDArray[np.bool_]
     nodes: IntArray
     arms: Array
-    has_stress: bool
+    ends: IntArray
 
 
-def beam_skin(model: FiniteElementModel, section: Section) -> BeamSkin:
-    """The prisms of the beams of one section, open where the section is hollow."""
+def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | None) -> BeamSkin:
+    """The prisms of the beams of one section, open where the section is hollow.
+
+    ranks : (E, 2) which of the beams at a node each end is (`beam_end_ranks`); None without stress
+    """
     given = section.property
     assert isinstance(given, LineSection | RodSection)
     corners = section.corners(model.mesh)
@@ -59,7 +62,7 @@ def beam_skin(model: FiniteElementModel, section: Section) -> BeamSkin:
         np.tile(lines, (n_cells, 1)),
         np.repeat(section.nodes(model.mesh).ravel(), n_corners),
         arms.reshape(-1, 3),
-        has_points(given),
+        np.full(arms.size // 3, -1) if ranks is None else np.repeat(ranks.ravel(), n_corners),
     )
 
 

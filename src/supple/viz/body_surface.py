@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
-from supple.fem import FiniteElementModel
+from supple.fem import FiniteElementModel, beam_end_ranks
 from supple.mesh import CellType, Mesh
 from supple.quantities.tracked_motion import Observer, displacement_from_axes
 from supple.viz.beam_skin import beam_skin
@@ -31,7 +31,7 @@ class BodySurface:
     mesh : of the body
     skin : over the P points
     nodes : (P,) node that carries each point;  arms : (P, 3) from it, undeformed, m
-    has_stress : (P,) whether the cells there say where their stress acts
+    groups : (P,) of the stress of a node (`von_mises_by_end`): 0 of faces, 1 + end of beams, -1 without
     links : (S, 2) nodes that springs, ties or masses join;  masses : (M,) nodes with a mass of their own
     """
 
@@ -39,7 +39,7 @@ class BodySurface:
     skin: Skin
     nodes: IntArray
     arms: Array
-    has_stress: NDArray[np.bool_]
+    groups: IntArray
     links: IntArray
     masses: IntArray
 
@@ -84,9 +84,11 @@ class BodySurface:
         places = self.positions(body, motion)
         return displacement_from_axes(places, origin, seen_from.axes, self.rest - seen_from.rest)
 
-    def stress(self, values: Array) -> Array:
-        """Nodal values (..., N) at the points (..., P), NaN where there is no stress."""
-        return np.where(self.has_stress, values[..., self.nodes], np.nan)
+    def at_points(self, values: Array) -> Array:
+        """Nodal values (t, N), or by groups (t, N, g), at the points (t, P); NaN where there is no stress."""
+        if values.ndim == 2:
+            return values[:, self.nodes]
+        return np.where(self.groups >= 0, values[:, self.nodes, self.groups], np.nan)
 
 
 def body_surface(look: Look) -> BodySurface:
@@ -96,11 +98,16 @@ def body_surface(look: Look) -> BodySurface:
     """
     beams, mass = [], None
     if isinstance(look, FiniteElementModel):
-        beams = [beam_skin(look, each) for each in look.sections if each.cell_type is CellType.LINE2]
+        ranks = beam_end_ranks(look)
+        beams = [
+            beam_skin(look, each, ranks.get(number))
+            for number, each in enumerate(look.sections)
+            if each.cell_type is CellType.LINE2
+        ]
         mass = look.attached.mass
     mesh = look if isinstance(look, Mesh) else look.mesh
     n = mesh.n_nodes
-    nodes, arms, stressed = [np.arange(n)], [np.zeros((n, 3))], [np.ones(n, dtype=bool)]
+    nodes, arms, groups = [np.arange(n)], [np.zeros((n, 3))], [np.zeros(n, dtype=np.int64)]
     triangles, lines = [], []
     if any(kind.dimension > 1 for kind in mesh.cells) or not beams:
         skin = skin_of(mesh)
@@ -111,7 +118,7 @@ def body_surface(look: Look) -> BodySurface:
         lines.append(beam.mesh_lines)
         nodes.append(beam.nodes)
         arms.append(beam.arms)
-        stressed.append(np.full(len(beam.nodes), beam.has_stress))
+        groups.append(np.where(beam.ends < 0, -1, 1 + beam.ends))
     masses = np.empty(0, dtype=np.int64)
     if mass is not None:
         masses = np.flatnonzero(mass.diagonal().reshape(n, -1)[:, :3].any(axis=1))
@@ -121,7 +128,7 @@ def body_surface(look: Look) -> BodySurface:
         Skin(np.concatenate(triangles), np.concatenate(lines)),
         np.concatenate(nodes),
         np.concatenate(arms),
-        np.concatenate(stressed),
+        np.concatenate(groups),
         links,
         masses,
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from supple.fem import FiniteElementModel, has_stress
 from supple.methods.explicit.modal_stress import isotropic_materials
-from supple.quantities import von_mises_history
+from supple.quantities import von_mises_by_end
 from supple.results import without_noise
 from supple.results.explicit_fields import element_means
 from supple.units import UnitSystem, labelled
@@ -25,15 +25,13 @@ Array = NDArray[np.float64]
 class Colouring:
     """What colours the bodies of an animation.
 
-    values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame; None of a body
-        that has no such values
+    values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame, or (t, N, g) by
+        the groups of a `BodySurface`; None of a body that has no such values
     label : of a unit system: what stands under the colour bar, and what the values are shown times
-    of_stress : whether beams without points of stress recovery have no such values
     """
 
     values: Callable[[Any, Any, Array | None], Array | None]
     label: Callable[[UnitSystem], tuple[str, float]]
-    of_stress: bool = False
 
 
 def _stress_label(units: UnitSystem) -> tuple[str, float]:
@@ -58,12 +56,12 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
         if not has_stress(model):
             return None
         if body.has_frame:
-            stress = von_mises_history(body, model, motion.coordinates)
+            stress = von_mises_by_end(body, model, motion.coordinates)
         else:
             stress = element_means(body, motion.von_mises, motion.alive)
         return without_noise(stress, like=[each.youngs_modulus for each in isotropic_materials(model)])
 
-    return Colouring(values, _stress_label, of_stress=True)
+    return Colouring(values, _stress_label)
 
 
 DEFLECTION = Colouring(

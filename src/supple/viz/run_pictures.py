@@ -23,7 +23,7 @@ from supple.quantities import (
     node_positions,
     observer,
     observer_of,
-    von_mises_history,
+    von_mises_by_end,
 )
 from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results import without_noise
@@ -156,7 +156,7 @@ def animate_run(
     chosen_colouring = colouring or (DEFLECTION if elements is None else stress_colouring(elements))
     label, factor = chosen_colouring.label(units)
     drawn, traced, coloured = _drawn(system, meshes), [], {}
-    for body, _ in drawn:
+    for body, surface in drawn:
         motion, deflection = solution.bodies[body.name].at(chosen), None
         if body.has_frame:
             seen_from = observer_of(system, solution, body.name, bases, chosen)
@@ -165,7 +165,7 @@ def animate_run(
             farthest = int(np.argmax(deflection.max(axis=0)))
             traced.append(node_positions(body, solution.bodies[body.name], [farthest]))
         values = chosen_colouring.values(body, motion, deflection)
-        coloured[body.name] = None if values is None else factor * values
+        coloured[body.name] = None if values is None else factor * surface.at_points(values)
     motions = {body.name: solution.bodies[body.name].at(chosen) for body, _ in drawn}
     positions = {body.name: node_positions(body, motions[body.name]) for body, _ in drawn}
     offsets = _obstacle_offsets(system, solution, chosen)
@@ -175,7 +175,7 @@ def animate_run(
         Actor(
             surface.skin,
             surface.positions(body, motions[body.name], positions[body.name]),
-            _at_points(surface, coloured[body.name], of_stress=chosen_colouring.of_stress),
+            coloured[body.name],
         )
         for body, surface in drawn
     ]
@@ -258,13 +258,6 @@ def _drawn(system: System, meshes: Mapping[str, Look]) -> list[tuple[BodyForm, B
     """Elastic bodies that have something to show."""
     elastic = {placed.body.name: placed.body for placed in system.bodies if placed.body.n_coordinates}
     return [(elastic[name], body_surface(look)) for name, look in meshes.items() if name in elastic]
-
-
-def _at_points(surface: BodySurface, values: np.ndarray | None, *, of_stress: bool) -> np.ndarray | None:
-    """Nodal values (t, N) at the points of a surface."""
-    if values is None:
-        return None
-    return surface.stress(values) if of_stress else values[:, surface.nodes]
 
 
 def _draw_modes(
@@ -381,7 +374,7 @@ def _draw_stress(
     motion = solution.bodies[body.name]
     worst = largest_stress(body, model, motion.coordinates).instant
     then = motion.at(np.array([worst]))
-    stress = von_mises_history(body, model, then.coordinates)[0]
+    stress = von_mises_by_end(body, model, then.coordinates)[0]
     displaced = deflections(body, then)[0]
     scale, enlarged = _enlargement(body, displaced)
     points = surface.deflections(body, then, observer(body, then))[0]
@@ -389,7 +382,7 @@ def _draw_stress(
         path,
         surface.rest + scale * points,
         surface.skin,
-        stress_field(surface.stress(stress), units),
+        stress_field(surface.at_points(stress[None])[0], units),
         node_ids=surface.mesh.node_ids[surface.nodes],
         undeformed=surface.rest,
         glyphs=surface.glyphs((body.nodes + scale * displaced)[None]),
