@@ -334,9 +334,11 @@ class Case:
         return found
 
     @cached_property
-    def drawn(self) -> Mapping[str, Mesh | FiniteElementModel]:
-        """What bodies are drawn by: their meshes, or their elements where these have beams."""
-        found: dict[str, Mesh | FiniteElementModel] = {}
+    def drawn(self) -> Mapping[str, Mesh | FiniteElementModel | None]:
+        """What bodies are drawn by: their meshes, their elements where these have beams, or None: points."""
+        found: dict[str, Mesh | FiniteElementModel | None] = {
+            name: None for name, source in self.sources.items() if source.mesh is None
+        }
         for name, mesh in self.meshes.items():
             if CellType.LINE2 in mesh.cells and name in self.elements:
                 found[name] = self.elements[name]
@@ -350,13 +352,14 @@ class Case:
         Bodies of beams that do not say where their stress acts are drawn plain beside others.
         """
         mistakes, beams = [], []
-        for name in self.drawn:
+        shown = [name for name, look in self.drawn.items() if look is not None]
+        for name in shown:
             try:
                 stress_recovery(self.elements[name])
             except ModelError as error:
                 alone = set(self.meshes[name].cells) == {CellType.LINE2}
                 (beams if alone else mistakes).append(f"body '{name}': {error}; remove the key")
-        if len(beams) == len(self.drawn):
+        if len(beams) == len(shown):
             mistakes += beams or ["there is no body with elements to colour; remove the key"]
         if mistakes:
             raise self.error((("output", "colour"), mistake) for mistake in mistakes)

@@ -92,7 +92,7 @@ def outlines(given: LineSection | RodSection, end: int) -> tuple[tuple[_Loop, ..
     radii = np.sqrt(np.maximum(values, 0.0))
     if not isinstance(own, CoupledBeamSection):
         radii = np.where(radii > 0, radii, np.sqrt(area / np.pi))
-    return (centre + _circle() * radii @ vectors.T,), none
+    return (centre + _circle() @ (vectors * radii) @ vectors.T,), none
 
 
 def _circle() -> Array:
@@ -106,7 +106,7 @@ def _prism(loops: tuple[int, ...], hole: int) -> tuple[IntArray, NDArray[np.bool
     triangles: list[IntArray] = []
     lines: list[NDArray[np.bool_]] = []
 
-    def add(found: IntArray, edges: tuple[bool, bool, bool]) -> None:
+    def add(found: IntArray, edges: tuple[bool, bool, bool] | NDArray[np.bool_]) -> None:
         triangles.append(found)
         lines.append(np.broadcast_to(np.array(edges), found.shape))
 
@@ -118,8 +118,10 @@ def _prism(loops: tuple[int, ...], hole: int) -> tuple[IntArray, NDArray[np.bool
         add(np.column_stack([a, b, b + n]), (folded, False, True))
         add(np.column_stack([a, b + n, a + n]), (True, folded, False))
         if not hole:
+            fan = np.column_stack([np.full(k - 2, first), a[1:-1], b[1:-1]])
+            rims = np.column_stack([np.ones(k - 2), np.arange(k - 2) == k - 3, np.arange(k - 2) == 0])
             for shift in (0, n):
-                add(shift + np.column_stack([np.full(k - 2, first), a[1:-1], b[1:-1]]), (True, False, False))
+                add(shift + fan, rims.astype(bool))
         first += k
     if hole:
         a, b = np.arange(hole), (np.arange(hole) + 1) % hole

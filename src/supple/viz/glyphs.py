@@ -37,6 +37,7 @@ class MarkStyle(NamedTuple):
 
 
 GROUND_STYLE = MarkStyle("ground", "s", 130.0, edge=PALE_INK, hatch="//////")
+POINT_STYLE = MarkStyle("point of a body", "o", 5.0, face=INK)
 MASS_STYLE = MarkStyle("mass", "o", 16.0, face=COLOURS[5])
 CENTRE_STYLE = MarkStyle("centre of mass", "o", 9.0, face=COLOURS[5])
 _JOINT_STYLES = MappingProxyType(

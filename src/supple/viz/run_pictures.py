@@ -36,7 +36,7 @@ from supple.viz.camera import Camera
 from supple.viz.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.contour import plot_contour, stress_field
-from supple.viz.glyphs import glyphs_of
+from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
 from supple.viz.machine_picture import plot_machine
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
@@ -62,7 +62,7 @@ def draw_run(
     folder: Path,
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Look],
+    meshes: Mapping[str, Look | None],
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
     modes: Mapping[str, BodyModes] = MappingProxyType({}),
@@ -75,7 +75,8 @@ def draw_run(
     Parameters
     ----------
     folder : where the pictures go
-    meshes : of the elastic bodies to draw, by name; or their elements, which know the sections of beams
+    meshes : of the elastic bodies to draw, by name; or their elements, which know the sections of beams; or
+        None of a body without either, whose nodes are drawn as points
     tracked : motions of places, by their names
     modes : of reduced bodies with all their coordinates, by name (`body_modes`); the lowest motions of their
         bases, which may be no modes of the bodies and are titled so, are drawn without
@@ -138,7 +139,7 @@ def animate_run(
     path: Path,
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Look],
+    meshes: Mapping[str, Look | None],
     *,
     elements: Elements | None = None,
     colouring: Colouring | None = None,
@@ -188,6 +189,7 @@ def animate_run(
     ]
     glyphs = glyphs_of(system, solution, chosen).beside(
         [own for body, surface in drawn if (own := surface.glyphs(positions[body.name])) is not None]
+        + _points(system, solution, meshes, chosen)
     )
     if not actors and glyphs.is_empty:
         return None
@@ -215,7 +217,7 @@ def draw_machine(
     path: Path,
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Look],
+    meshes: Mapping[str, Look | None],
     *,
     title: str | None = None,
     units: UnitSystem = UNNAMED,
@@ -225,10 +227,10 @@ def draw_machine(
     title : the instant unless given. Other parameters as for `draw_run`.
     """
     start = np.array([0])
-    glyphs = glyphs_of(system, solution, start)
-    if glyphs.is_empty:
+    glyphs, beside = glyphs_of(system, solution, start), _points(system, solution, meshes, start)
+    if glyphs.is_empty and not beside:
         return None
-    actors, beside = [], []
+    actors = []
     for body, surface in _drawn(system, meshes):
         motion = solution.bodies[body.name].at(start)
         actors.append(Actor(surface.skin, surface.positions(body, motion)))
@@ -254,10 +256,27 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
     return Camera.looking(along=-thin - 0.35 * wide - 0.25 * up, up=up)
 
 
-def _drawn(system: System, meshes: Mapping[str, Look]) -> list[tuple[BodyForm, BodySurface]]:
+def _drawn(system: System, meshes: Mapping[str, Look | None]) -> list[tuple[BodyForm, BodySurface]]:
     """Elastic bodies that have something to show."""
     elastic = {placed.body.name: placed.body for placed in system.bodies if placed.body.n_coordinates}
-    return [(elastic[name], body_surface(look)) for name, look in meshes.items() if name in elastic]
+    return [
+        (elastic[name], body_surface(look))
+        for name, look in meshes.items()
+        if name in elastic and look is not None
+    ]
+
+
+def _points(
+    system: System, solution: Solution, meshes: Mapping[str, Look | None], rows: np.ndarray
+) -> list[Glyphs]:
+    """The nodes of bodies that have neither mesh nor elements, at some output times."""
+    bodies = [placed.body for placed in system.bodies]
+    places = [
+        node_positions(body, solution.bodies[body.name].at(rows))
+        for body in bodies
+        if body.n_coordinates and meshes.get(body.name, "") is None
+    ]
+    return [Glyphs(np.empty((len(rows), 0, 2, 3)), (Mark(POINT_STYLE, own),)) for own in places]
 
 
 def _draw_modes(
