@@ -35,6 +35,7 @@ __all__ = [
     "beam_end_ranks",
     "beam_force_recovery",
     "beam_forces",
+    "cells_without_stress",
     "has_stress",
     "strain_recovery",
     "stress_layers",
@@ -265,6 +266,11 @@ def has_stress(model: FiniteElementModel) -> bool:
     """Whether some section says where its stress acts, and none is a laminate, whose plies are unknown."""
     given = [section for section in model.sections if states_stress(section)]
     return bool(given) and not any(isinstance(section.property, LaminateSection) for section in given)
+
+
+def cells_without_stress(model: FiniteElementModel) -> int:
+    """How many beams have no stress: those by matrices, and those without points of stress recovery."""
+    return sum(len(section.cells) for section in model.sections if not states_stress(section))
 
 
 def strain_recovery(model: FiniteElementModel) -> StressRecovery:
