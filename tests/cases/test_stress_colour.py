@@ -9,7 +9,7 @@ import pytest
 
 from supple.cases import read_case
 from supple.errors import CaseError
-from supple.mesh import strip
+from supple.mesh import CellType, strip
 
 MESH = strip(1.0, 0.1, 4, 2)
 N_NODES = len(MESH.nodes)
@@ -89,3 +89,27 @@ def test_beams_without_points_beside_others_are_drawn_plain(write):
 
 def test_beams_with_points_have_stress(write):
     assert list(build(write("with_points")).flexible) == ["with_points"]
+
+
+SENSOR = '[[sensor]]\nname = "strut"\nkind = "beam-force"\nbody = "BODY"\nbeam = BEAM\nend = 2\n'
+
+
+def test_a_beam_is_sensed_by_its_id(write):
+    """The element's id in the deck; one that is not there, or a body without elements, is a mistake."""
+    path = write("with_points").path
+    text = path.read_text()
+
+    def sensed(body, beam):
+        path.write_text(text + SENSOR.replace("BODY", body).replace("BEAM", str(beam)))
+        return read_case(path)
+
+    (sensor,) = sensed("with_points", 901).sensors
+    assert (sensor.beam, sensor.end, sensor.model.mesh.cell_ids[CellType.LINE2].tolist()) == (
+        901,
+        2,
+        [900, 901, 902, 903],
+    )
+    with pytest.raises(CaseError, match=r"there is no beam 17; the body has ids 900 to 903"):
+        _ = sensed("with_points", 17).sensors
+    with pytest.raises(CaseError, match="body 'mast' has no elements"):
+        _ = sensed("mast", 901).sensors
