@@ -285,7 +285,7 @@ def _property(
             )
         case RodProperty():
             material, J = _of_lines(given.material), given.J if _has_shear(given.material) else 0.0
-            return RodSection(material, given.area, J, given.mass_per_length)
+            return RodSection(material, given.area, J, given.mass_per_length, abs(given.torsion_arm))
         case BeamProperty():
             second = None if given.second is None else _beam(given.material, given.second, None)
             return _beam(given.material, given.first, second)
@@ -307,6 +307,7 @@ def _beam(material: IsotropicMaterial, values: BeamValues, second: BeamSection |
         mass_centre=values.mass_centre,
         rotary=values.rotary,
         second=second,
+        geometry=values.geometry,
     )
 
 

@@ -32,7 +32,7 @@ class Drawing:
     folder: Path
     system: System
     solution: Solution
-    meshes: Mapping[str, Mesh]
+    meshes: Mapping[str, Mesh | FiniteElementModel | None]
     tracked: Mapping[str, TrackedMotion]
     modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None

@@ -225,6 +225,11 @@ class IntrinsicBody(FormDefaults, Summarized):
             result[part] = np.einsum("nw,tnwi->tni", weights, moved)
         return result
 
+    def node_rotations(self, motion: IntrinsicMotion) -> Array:
+        """Rotation matrices (t, N, 3, 3) of nodes: of the station that carries the larger share of each."""
+        larger = self.expansion.weights.argmax(axis=1)
+        return self.places(motion)[0][:, self.expansion.stations[np.arange(len(larger)), larger]]
+
     def station_motion(self, motion: IntrinsicMotion) -> StationMotion:
         """Places, velocities and accelerations of the stations in space."""
         return station_motion(
