@@ -20,15 +20,14 @@ from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
+from supple.export import write_readings
 from supple.integrate import Solution, StepProgress, Validity
 from supple.machine import System
 from supple.quantities import (
-    Reading,
+    Readings,
     TrackedMotion,
     read_sensors,
     tracked_places,
-    write_readings,
-    write_readings_hdf5,
 )
 from supple.results import stress_numbers, summarize
 from supple.simulation import reduced_bodies, simulate_kept
@@ -202,13 +201,12 @@ def _tracked(case: Case, system: System, solution: Solution) -> dict[str, Tracke
     return tracked_places(system, solution, places, case.bases)
 
 
-def _write_readings(case: Case, folder: Path, readings: Sequence[Reading]) -> None:
+def _write_readings(case: Case, folder: Path, readings: Readings) -> None:
     """Write what the sensors read, and draw it if the case asks for pictures."""
     if not readings:
         return
-    table, arrays = readings_paths(folder)
-    write_readings(table, readings, units=case.units)
-    write_readings_hdf5(arrays, readings, units=case.units)
+    for path in readings_paths(folder):
+        write_readings(path, readings, units=case.units)
     if case.tables.output.pictures:
         from supple.viz import plot_readings
 

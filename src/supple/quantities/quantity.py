@@ -13,6 +13,7 @@ from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import System
 from supple.quantities.reading import Channel, Located, QuantityKind, Reading
+from supple.quantities.readings import Readings
 
 __all__ = ["Channel", "LocatedQuantity", "Quantity", "QuantityKind", "read_sensors"]
 
@@ -54,7 +55,7 @@ def vector_channels(quantity: QuantityKind, axes: str) -> tuple[Channel, ...]:
 
 
 @checked_arguments
-def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution) -> tuple[Reading, ...]:
+def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution) -> Readings:
     """The readings of some sensors over a run.
 
     Raises
@@ -66,7 +67,7 @@ def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution
     for name in names:
         if names.count(name) > 1:
             raise ModelError(f"sensor name '{name}' is used {names.count(name)} times: names must differ")
-    return tuple(_reading(sensor, system, solution) for sensor in sensors)
+    return Readings(_reading(sensor, system, solution) for sensor in sensors)
 
 
 def _reading(sensor: Quantity, system: System, solution: Solution) -> Reading:
