@@ -5,3 +5,4 @@ from supple.export.exudyn import *
 from supple.export.static_deck import *
 from supple.export.static_load import *
 from supple.export.tables import *
+from supple.export.vtk import *

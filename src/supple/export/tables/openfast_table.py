@@ -67,7 +67,7 @@ def _equal_steps(times: Array) -> tuple[float, float]:
     off = np.abs(times - (times[0] + step * np.arange(len(times)))).max()
     if off > _EQUAL_STEPS * step:
         raise ModelError(
-            "an .outb file holds equally spaced times, and these are not: choose others, or write .csv or .mat"
+            "an .outb file holds equally spaced times, and these are not: choose others, or write .csv"
         )
     return float(times[0]), float(step)
 
