@@ -16,6 +16,7 @@ from supple.cases.existing_results import readings_paths, refuse_overwrite, repo
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
+from supple.cases.result_machine import CASE_FILE, path_from
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
@@ -161,7 +162,7 @@ def _run_case(
             {
                 "case": case.text,
                 "inputs": inputs,
-                "metadata": _metadata(case),
+                "metadata": _metadata(case, folder),
                 "resume": resume,
                 "overwrite": force,
             },
@@ -259,8 +260,9 @@ def _simulated(
     return system, solution
 
 
-def _metadata(case: Case) -> dict[str, str]:
-    return {"title": case.title} | ({"units": str(case.units)} if str(case.units) else {})
+def _metadata(case: Case, folder: Path) -> dict[str, str]:
+    units = {"units": str(case.units)} if str(case.units) else {}
+    return {"title": case.title, CASE_FILE: path_from(folder, case.path), **units}
 
 
 def _write_report(

@@ -1,8 +1,9 @@
 """A machine in motion as one VTKHDF file, which ParaView opens.
 
 VTKHDF 2.0, an UnstructuredGrid of one partition per body: cells and points once, and in `PointData` and
-`CellData` rows for each output time, of all partitions one after another. The format is the one that every
-reader of VTK has had since 9.3; collections of named blocks are younger, and 9.7 reads their first time alone.
+`CellData` rows for each output time, of all partitions one after another. All of VTK from 9.3 to 9.7 reads
+it; collections of named blocks it reads from 9.4 on, and in 9.7 their first time alone. The cell array `body`
+numbers the names in the field data `bodies`.
 
 Source: VTK file formats, VTKHDF, https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 """
@@ -74,7 +75,7 @@ def write_vtkhdf(
     """
     path = Path(path)
     if path.suffix.lower() != ".vtkhdf":
-        raise ModelError(f"cannot write {path}: ParaView knows VTKHDF files by their suffix; end it in .vtkhdf")
+        raise ModelError(f"cannot write {path}: ParaView knows such files by their suffix; end it in .vtkhdf")
     if not len(run.times):
         raise ModelError(f"cannot write {path}: no instant is chosen")
     pieces = pieces_of(system, meshes, bodies)
@@ -106,11 +107,12 @@ def _write_grid(group: h5py.Group, pieces: Sequence[Piece]) -> None:
     group["Connectivity"] = np.concatenate([piece.cells.nodes for piece in pieces])
     numbers = [np.full(len(piece.cells.types), k, np.int32) for k, piece in enumerate(pieces)]
     group["CellData/body"] = np.concatenate(numbers)
+    # VTK reads no other strings than ASCII ones.
+    names = [piece.name.encode("ascii", "replace").decode() for piece in pieces]
+    group.create_dataset("FieldData/bodies", data=names, dtype=h5py.string_dtype("ascii"))
 
 
-def _write_steps(
-    group: h5py.Group, times: Array, pieces: Sequence[Piece], fields: Sequence[Field]
-) -> None:
+def _write_steps(group: h5py.Group, times: Array, pieces: Sequence[Piece], fields: Sequence[Field]) -> None:
     n_times = len(times)
     still = np.zeros(n_times, dtype=np.int64)
     steps = group.create_group("Steps")
@@ -122,6 +124,8 @@ def _write_steps(
     for name in ("CellOffsets", "ConnectivityIdOffsets"):
         steps[name] = still[:, None]
     steps["CellDataOffsets/body"] = still
+    steps["FieldDataOffsets/bodies"] = still
+    steps["FieldDataSizes/bodies"] = np.tile([1, len(pieces)], (n_times, 1))
     for field in fields:
         n_rows = sum(_n_rows(piece, field) for piece in pieces)
         steps[f"{_data(field)}Offsets/{field.name}"] = n_rows * np.arange(n_times)

@@ -101,9 +101,8 @@ def _file(sections: Mapping[str, Mapping[str, NDArray]], n_points: int, n_cells:
             little = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<"))
             width = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
             kind = _KINDS[f"{little.dtype.kind}{little.dtype.itemsize}"]
-            lines.append(
-                f'<DataArray type="{kind}" Name={quoteattr(name)}{width} format="appended" offset="{offset}"/>'
-            )
+            what = f'type="{kind}" Name={quoteattr(name)}{width}'
+            lines.append(f'<DataArray {what} format="appended" offset="{offset}"/>')
             data += [np.uint64(little.nbytes).astype("<u8").tobytes(), little.tobytes()]
             offset += 8 + little.nbytes
         lines.append(f"</{section}>")
@@ -113,6 +112,4 @@ def _file(sections: Mapping[str, Mapping[str, NDArray]], n_points: int, n_cells:
         f'NumberOfCells="{n_cells}">\n'
     )
     tail = '\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding="raw">\n_'
-    return b"".join(
-        [(head + "\n".join(lines) + tail).encode(), *data, b"\n</AppendedData>\n</VTKFile>\n"]
-    )
+    return b"".join([(head + "\n".join(lines) + tail).encode(), *data, b"\n</AppendedData>\n</VTKFile>\n"])
