@@ -29,13 +29,6 @@ _TYPES = MappingProxyType(
         CellType.HEXA20: 25,
     }
 )
-# VTK's wedge has its first triangle's normal outwards, ours inwards: the two triangles change places.
-_ORDERS = MappingProxyType(
-    {
-        CellType.WEDGE6: (3, 4, 5, 0, 1, 2),
-        CellType.WEDGE15: (3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8, 12, 13, 14),
-    }
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +77,5 @@ def joined(all_cells: Sequence[Cells], n_points: Sequence[int]) -> Cells:
 
 
 def cells_of(mesh: Mesh) -> Cells:
-    """All cells of a mesh, type by type."""
-    return Cells.of(
-        *(
-            (_TYPES[kind], nodes[:, _ORDERS[kind]] if kind in _ORDERS else nodes)
-            for kind, nodes in mesh.cells.items()
-        )
-    )
+    """All cells of a mesh, type by type; their nodes are ordered as VTK's."""
+    return Cells.of(*((_TYPES[kind], nodes) for kind, nodes in mesh.cells.items()))
