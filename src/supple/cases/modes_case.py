@@ -11,6 +11,7 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.cases.case import Case
+from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.cases.reductions import DEFAULT_ACCURACY
@@ -68,6 +69,7 @@ def modes_case(
     ModelError              whatever `linearize` refuses
     ConvergenceError        no equilibrium
     """
+    check_drawing(case)
     warn_of_units(case)
     progress("linearising", 0.0)
     system, spin = analysed_system(case, allow_code=allow_code), spin_of(case)
@@ -100,6 +102,7 @@ def campbell_case(
     Bodies reduced to an accuracy keep to it at the first and the last rate.
     Raises CaseError where the case has no spin, and as for `modes_case`.
     """
+    check_drawing(case)
     warn_of_units(case)
     spin = spin_of(case)
     if spin is None:

@@ -10,7 +10,7 @@ from typing import Any
 from supple.cases.case import Case
 from supple.cases.condense import with_modes_enough
 from supple.cases.damping import warn_of_ratios
-from supple.cases.drawing import drawing_of
+from supple.cases.drawing import check_drawing, drawing_of
 from supple.cases.drawing_beside import DrawingBeside
 from supple.cases.existing_results import readings_paths, refuse_overwrite, report_path, result_path
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
@@ -93,6 +93,7 @@ def run_case(
     if resume and force:
         raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
     check_outputs(case, folder)
+    check_drawing(case)
     _check_control(case, allow_code=allow_code)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)

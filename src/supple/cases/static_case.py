@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from supple.cases.case import Case
+from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.error import correct_at_rest
@@ -145,6 +146,7 @@ def static_case(
     SelfCorrectionError     a body that does not reach its accuracy
     ConvergenceError        no equilibrium
     """
+    check_drawing(case)
     warn_of_units(case)
     system = analysed_system(case, allow_code=allow_code)
 

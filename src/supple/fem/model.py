@@ -339,7 +339,7 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     if isinstance(section.property, Isotropic | Anisotropic):
         element = SOLID_ELEMENTS[section.cell_type]
         return CellMass(nodes, solid_mass(element, corners, section.property.density))
-    return shell_mass(corners, nodes, section.property)
+    return shell_mass(corners, nodes, section.property, section.mass_share)
 
 
 def nodal_freedoms(

@@ -57,7 +57,7 @@ def _renumbered(freedoms: IntArray, number: IntArray) -> IntArray:
 
 def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> DeckElements:
     inside = own[given.nodes].all(axis=1)
-    arrays = {name: getattr(given, name) for name in ("directions", "offsets", "released")}
+    arrays = {name: getattr(given, name) for name in ("directions", "offsets", "released", "mass_share")}
     return replace(
         given,
         nodes=number[given.nodes[inside]],

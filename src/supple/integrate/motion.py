@@ -9,6 +9,7 @@ from typing import ClassVar, Protocol, Self, TypeVar
 import numpy as np
 
 from supple.integrate.error_statement import ErrorStatement
+from supple.summary import Summarized, Summary
 
 __all__ = ["FloatingMotion", "Motion", "StackedMotion", "motion_from_arrays", "register_motion"]
 
@@ -28,8 +29,8 @@ class Motion(Protocol):
         ...
 
 
-_M = TypeVar("_M", bound=type)
-_KINDS: dict[str, type] = {}
+_M = TypeVar("_M", bound=type[Motion])
+_KINDS: dict[str, type[Motion]] = {}
 
 
 def register_motion(motion: _M) -> _M:
@@ -45,9 +46,21 @@ def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
     return _KINDS[kind](**arrays)
 
 
-@dataclass(frozen=True)
-class StackedMotion:
+@dataclass(frozen=True, repr=False)
+class StackedMotion(Summarized):
     """A motion all of whose fields are arrays with one row per output time."""
+
+    kind: ClassVar[str]
+
+    def summary(self) -> Summary:
+        """Of every array its shape and the largest size of a value."""
+        arrays = self.arrays()
+        n_times = len(next(iter(arrays.values())))
+        rows = [
+            (name, f"{' x '.join(map(str, array.shape))}, at most {np.abs(array).max(initial=0.0):.4g}")
+            for name, array in arrays.items()
+        ]
+        return Summary(f"Motion ({self.kind}) at {n_times} times", rows)
 
     def at(self, rows: slice | np.ndarray) -> Self:
         """The motion at some of its output times, by their numbers."""
@@ -59,7 +72,7 @@ class StackedMotion:
 
 
 @register_motion
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FloatingMotion(StackedMotion):
     """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +54,12 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
             axes.annotate(f"{order}P", (middle, order * middle), color="0.4", fontsize=7, ha="center")
         for number, mode in enumerate(frequencies.T, start=1):
             axes.plot(rates, mode, marker="o", markersize=2.5)
-            beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": 7}
+            beside: dict[str, Any] = {
+                "xytext": (4, 0),
+                "textcoords": "offset points",
+                "va": "center",
+                "fontsize": 7,
+            }
             axes.annotate(f"mode {number}", (rates[-1], mode[-1]), annotation_clip=False, **beside)
         axes.set_ylim(0, 1.1 * float(np.nanmax(frequencies, initial=0.0)) or 1.0)
         axes.set_xlabel(labelled("speed", unit))

@@ -13,7 +13,7 @@ __all__ = ["NodalMotion"]
 
 
 @register_motion
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class NodalMotion(StackedMotion):
     """Motion of the nodes of an explicit sub-domain."""
 

@@ -17,7 +17,7 @@ UNKNOWN = np.empty(0)
 
 
 @register_motion
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class IntrinsicMotion(StackedMotion):
     """Root, strains and velocities of an intrinsic body, one row per output time."""
 
