@@ -10,6 +10,7 @@ import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ArgumentError, ModelError
+from supple.export import write_readings
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run
 from supple.machine import (
@@ -44,10 +45,7 @@ from supple.quantities import (
     StressSensor,
     VelocitySensor,
     VonMises,
-    as_dataset,
     read_sensors,
-    write_readings,
-    write_readings_hdf5,
 )
 from supple.simulation import equilibrium, simulate
 from supple.units import UnitSystem
@@ -226,17 +224,17 @@ def test_readings_are_written_with_all_digits_units_and_axes(spun, tmp_path):
     with path.open(newline="") as file:
         heads, *rows = csv.reader(file)
     assert heads[:6] == [
-        "time (s)",
-        "tip.x (m)",
-        "tip.y (m)",
-        "tip.z (m)",
-        "hub motion.angle (rad)",
-        "hub motion.rate (rad/s)",
+        "Time_[s]",
+        "tip.x_[m]",
+        "tip.y_[m]",
+        "tip.z_[m]",
+        "hub motion.angle_[rad]",
+        "hub motion.rate_[rad/s]",
     ]
     table = np.array(rows, dtype=float)
     np.testing.assert_array_equal(table[:, 0], spun[1].times)
     np.testing.assert_array_equal(table[:, 1:4], readings[0].values)
-    with h5py.File(write_readings_hdf5(tmp_path / "sensors.h5", readings, units=SI)) as file:
+    with h5py.File(write_readings(tmp_path / "sensors.h5", readings, units=SI)) as file:
         np.testing.assert_array_equal(file["tip"], readings[0].values)
         assert np.asarray(file["tip"].attrs["units"]).tolist() == ["m"] * 3
         assert np.asarray(file["hub motion"].attrs["channels"]).tolist() == [
@@ -254,7 +252,7 @@ def test_readings_are_written_with_all_digits_units_and_axes(spun, tmp_path):
 def test_readings_as_a_data_set(spun):
     pytest.importorskip("xarray")
     readings = read_sensors([PositionSensor("tip", Place("blade", "tip"))], *spun)
-    data = as_dataset(readings, units=SI)
+    data = readings.to_xarray(SI)
     np.testing.assert_array_equal(data["tip.x"], readings[0].values[:, 0])
     assert data["tip.x"].attrs == {"units": "m", "axes": "global"}
     np.testing.assert_array_equal(data["time"], spun[1].times)

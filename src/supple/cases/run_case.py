@@ -16,19 +16,19 @@ from supple.cases.existing_results import readings_paths, refuse_overwrite, repo
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
+from supple.cases.result_machine import CASE_FILE, path_from
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
+from supple.export import write_readings
 from supple.integrate import Solution, StepProgress, Validity
 from supple.machine import System
 from supple.quantities import (
-    Reading,
+    Readings,
     TrackedMotion,
     read_sensors,
     tracked_places,
-    write_readings,
-    write_readings_hdf5,
 )
 from supple.results import stress_numbers, summarize
 from supple.simulation import reduced_bodies, simulate_kept
@@ -163,7 +163,7 @@ def _run_case(
             {
                 "case": case.text,
                 "inputs": inputs,
-                "metadata": _metadata(case),
+                "metadata": _metadata(case, folder),
                 "resume": resume,
                 "overwrite": force,
             },
@@ -203,13 +203,12 @@ def _tracked(case: Case, system: System, solution: Solution) -> dict[str, Tracke
     return tracked_places(system, solution, places, case.bases)
 
 
-def _write_readings(case: Case, folder: Path, readings: Sequence[Reading]) -> None:
+def _write_readings(case: Case, folder: Path, readings: Readings) -> None:
     """Write what the sensors read, and draw it if the case asks for pictures."""
     if not readings:
         return
-    table, arrays = readings_paths(folder)
-    write_readings(table, readings, units=case.units)
-    write_readings_hdf5(arrays, readings, units=case.units)
+    for path in readings_paths(folder):
+        write_readings(path, readings, units=case.units)
     if case.tables.output.pictures:
         from supple.viz import plot_readings
 
@@ -262,8 +261,9 @@ def _simulated(
     return system, solution
 
 
-def _metadata(case: Case) -> dict[str, str]:
-    return {"title": case.title} | ({"units": str(case.units)} if str(case.units) else {})
+def _metadata(case: Case, folder: Path) -> dict[str, str]:
+    units = {"units": str(case.units)} if str(case.units) else {}
+    return {"title": case.title, CASE_FILE: path_from(folder, case.path), **units}
 
 
 def _write_report(

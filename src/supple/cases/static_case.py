@@ -80,14 +80,10 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
         that fails
     ConvergenceError    no equilibrium; joints that do not fit
     """
-    wanted, system = case.tables.simulation, case.system
+    wanted = case.tables.simulation
     if wanted.kinematic:
         _check_fixed_sizes(case)
-    if wanted.assemble:
-        found = assemble(system, time=case.run.start)
-        case.notify(_assembly_line(found))
-        system = found.system
-    system = case.controlled(system, allow_code=allow_code)
+    system = case.controlled(assembled_system(case), allow_code=allow_code)
     if wanted.start == "placed":
         return system
     case.notify("searching the equilibrium")
@@ -97,6 +93,15 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
     return replace(found, controllers=controllers)
+
+
+def assembled_system(case: Case) -> System:
+    """The machine as it is placed, assembled if the case asks for it; errors as `starting_system`."""
+    if not case.tables.simulation.assemble:
+        return case.system
+    found = assemble(case.system, time=case.run.start)
+    case.notify(_assembly_line(found))
+    return found.system
 
 
 def _assembly_line(found: AssembledMachine) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
@@ -20,6 +20,8 @@ __all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_his
 Array = NDArray[np.float64]
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
+# Of modes that are kept for many calls (1 GiB).
+_KEPT_NUMBERS = 2**27
 # Instants at which all nodes are searched for the largest stress; nodes that are followed at all instants.
 _SEARCHED = 100
 
@@ -96,6 +98,26 @@ def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Arr
     for times, some, field in tensor_blocks(STRESS, body, model, coordinates, nodes):
         found[times, nodes[some]] = layers.largest(STRESS.equivalent(field))
     return found
+
+
+def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Array], Array]:
+    """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), to be called many times.
+
+    Errors as of `von_mises_history`. Stress modes are made once where they fit in a GiB.
+    """
+    if _has_modes(body):
+        per_node = 6 * stress_layers(model).count * (body.r * (body.r + 3) // 2 + _n_condensed(body))
+        if per_node * len(body.nodes) <= _KEPT_NUMBERS:
+            return tensor_modes(STRESS, body, model, None).von_mises
+    nodes = np.arange(len(body.nodes))
+
+    def by_blocks(coordinates: Array) -> Array:
+        found = np.zeros((len(coordinates), len(nodes)))
+        for block in tensor_blocks(STRESS, body, model, coordinates, nodes):
+            found[block.times, block.nodes] = STRESS.equivalent(block.field).max(axis=2)
+        return found
+
+    return by_blocks
 
 
 class LargestStress(NamedTuple):
