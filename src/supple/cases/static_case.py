@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from supple.cases.case import Case
+from supple.cases.going_on import StartState, gone_on
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.error import correct_at_rest
@@ -66,7 +67,8 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, *, allow_code: bool = False) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case asks for it, or at rest.
+    """The machine as its run starts: as it is placed, assembled if the case asks for it, at rest, or as an
+    earlier run had it.
 
     Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
 
@@ -87,6 +89,8 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
         case.notify(_assembly_line(found))
         system = found.system
     system = case.controlled(system, allow_code=allow_code)
+    if isinstance(wanted.start, StartState):
+        return gone_on(wanted.start, case, system)
     if wanted.start == "placed":
         return system
     case.notify("searching the equilibrium")
