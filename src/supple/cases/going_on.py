@@ -45,7 +45,8 @@ def gone_on(state: StartState, case: Case, system: System) -> System:
     moved = list(_bodies_that_moved(case, system, path.parent, solution.columns))
     start = Start(solution, state.time, System(moved) if moved else None, length=length, duration=time)
     found = start.place(system)
-    lost = "; ".join(f"body '{name}' {_words(loss)}" for name, loss in found.losses.items())
+    losses = {name: loss for name, loss in found.losses.items() if max(loss.relative, loss.rate) > 0}
+    lost = "; ".join(f"body '{name}' {_words(loss)}" for name, loss in losses.items())
     case.notify(f"goes on from {state.file} at t = {found.time:g}" + (f": {lost}" if lost else ""))
     return found.system
 

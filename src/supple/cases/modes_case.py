@@ -38,8 +38,6 @@ __all__ = ["campbell_case", "modes_case"]
 
 AMPLITUDE = 0.1
 """Of a drawn mode, as a share of the machine's size."""
-TURNING, STANDING = "turning with the machine", "standing in space"
-"""In which frequencies are seen: forward whirl at w in space is w less the spin in axes that turn."""
 NO_DEFORMATION = 1e-12
 """Of the machine's size: a rest with less has no error that matters."""
 
@@ -122,7 +120,7 @@ def campbell_case(
         {
             "title": case.title,
             "units": unit_names(case.units),
-            "axes": TURNING,
+            "axes": diagram.axes,
             "rates": diagram.rates.tolist(),
             "frequencies": _shown(case, diagram.frequencies).tolist(),
             "damping_ratios": diagram.damping_ratios.tolist(),
@@ -194,7 +192,7 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     exact = np.full(n, np.nan) if error is None else _shown(case, error.eigenvalues.imag)
     return {
         "units": unit_names(case.units),
-        "axes": TURNING if turns else STANDING,
+        "axes": modes.machine.axes,
         "missed": [] if error is None else _shown(case, error.missed.imag).tolist(),
         "modes": [
             {
