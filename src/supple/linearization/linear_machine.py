@@ -61,7 +61,7 @@ class LinearMachine:
     full_mass : (n, n)          of `p`, the joints' constraints not considered
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the same with all coordinates of its reduced bodies, if known
-    is_in_space : bool          whether y sees a machine that turns from axes that stand; then `basis` holds at
+    is_in_space : bool          whether y sees what turns from axes that stand; then `basis` holds at
                                 the angle at which the system is placed
     periodic  : Periodic | None     the matrices over a turn, where they change; their means are above
     """

@@ -105,8 +105,8 @@ def floquet_modes(periodic: Periodic, n_modes: int | None) -> FloquetModes:
         if last < LEFT:
             return found
     raise AccuracyError(
-        f"the periodic equations of the machine were not solved: a mode keeps {last:.1e} of its motion in its "
-        "highest harmonics; ask for fewer modes, or keep fewer modes of its bodies"
+        f"the periodic equations of the machine were not solved: a mode keeps {last:.1e} of its motion in "
+        "its highest harmonics; ask for fewer modes, or keep fewer modes of its bodies"
     )
 
 

@@ -88,7 +88,7 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
 def _machine(
     found: RestingState, time: float, spin: Spin, seen: _Seen, periodic: Periodic | None
 ) -> LinearMachine:
-    mass, damping, stiffness = (matrix.mean(axis=0) for matrix in seen.matrices)
+    mass, damping, stiffness = _without_noise(*(matrix.mean(axis=0) for matrix in seen.matrices), spin.rate)
     return LinearMachine(
         system=placed_at_rest(found),
         spin=spin,
@@ -128,6 +128,7 @@ class _Coordinates(NamedTuple):
         """At some of finer angles, whose harmonics give the derivatives exactly."""
         harmonics = 1j * np.fft.fftfreq(len(W), 1 / len(W))[:, None, None]
         spectrum = np.fft.fft(W, axis=0)
+        spectrum[abs(spectrum) < ROUNDING * abs(spectrum).max()] = 0.0
         found = (W, *(np.fft.ifft(harmonics**order * spectrum, axis=0).real for order in (1, 2)))
         return cls(*(each[:: len(W) // number] for each in found))
 
@@ -170,12 +171,15 @@ def _seen(sampled: _Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | N
     damped = C @ W + 2 * rate * M @ first
     stiff = K @ W + rate * C @ first + rate**2 * M @ second
     left = basis.T @ W.transpose(0, 2, 1)
-    stiffness = left @ stiff @ basis
-    # Motions that nothing holds, in axes that are turned: what rounding leaves of springs across them.
-    size_of_terms = abs(left[0]) @ (abs(K[0]) @ abs(W[0])) @ abs(basis)
-    stiffness[:, abs(stiffness).max(axis=0) < ROUNDING * size_of_terms] = 0.0
-    matrices = (left @ (M @ W) @ basis, left @ damped @ basis, stiffness)
+    matrices = (left @ (M @ W) @ basis, left @ damped @ basis, left @ stiff @ basis)
     return _Seen(W[0] @ basis, matrices, _change(matrices, rate), M[0])
+
+
+def _without_noise(mass: Array, damping: Array, stiffness: Array, rate: float) -> Iterator[Array]:
+    """Zero for what rounding alone leaves between two motions, which would upset scales of eigenvalues."""
+    size = np.sqrt(np.abs(np.diag(stiffness)) + rate**2 * np.diag(mass))
+    for matrix, scale in ((mass, rate**2), (damping, abs(rate)), (stiffness, 1.0)):
+        yield np.where(scale * abs(matrix) < ROUNDING * np.outer(size, size), 0.0, matrix)
 
 
 def _change(matrices: tuple[Array, Array, Array], rate: float) -> float:
