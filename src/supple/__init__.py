@@ -98,6 +98,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import SteadyLoads as SteadyLoads
     from supple.reduction import reduce as reduce
     from supple.results import rms_error as rms_error
+    from supple.simulation import Start as Start
     from supple.simulation import equilibrium as equilibrium
     from supple.simulation import simulate as simulate
     from supple.simulation import simulate_batch as simulate_batch
@@ -135,7 +136,7 @@ _NAMES = {
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
     "supple.methods.intrinsic": "condense LoadPath",
     "supple.methods.explicit": "modal_subdomain explicit_subdomain",
-    "supple.simulation": "simulate simulate_batch equilibrium",
+    "supple.simulation": "simulate simulate_batch equilibrium Start",
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",

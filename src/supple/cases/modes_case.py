@@ -28,6 +28,8 @@ from supple.linearization import (
     linearize,
     machine_modes,
     mode_motion,
+    mode_names,
+    whirl,
 )
 from supple.machine import Spin, System
 from supple.results.run_summary import unit_names
@@ -39,8 +41,8 @@ __all__ = ["campbell_case", "modes_case"]
 
 AMPLITUDE = 0.1
 """Of a drawn mode, as a share of the machine's size."""
-TURNING, STANDING = "turning with the machine", "standing in space"
-"""In which frequencies are seen: forward whirl at w in space is w less the spin in axes that turn."""
+SENSES = {1: "forward", -1: "backward", 0: ""}
+"""Of whirl."""
 NO_DEFORMATION = 1e-12
 """Of the machine's size: a rest with less has no error that matters."""
 
@@ -125,12 +127,18 @@ def campbell_case(
         {
             "title": case.title,
             "units": unit_names(case.units),
-            "axes": TURNING,
+            "axes": diagram.axes,
             "rates": diagram.rates.tolist(),
             "frequencies": _shown(case, diagram.frequencies).tolist(),
             "damping_ratios": diagram.damping_ratios.tolist(),
             "likeness": diagram.likeness.tolist(),
             "errors": _known(diagram.errors),
+            "names": list(diagram.names),
+            "whirl": [[SENSES[sense] for sense in row] for row in diagram.sense.tolist()],
+            "frequencies in space": _known(_shown(case, diagram.in_space)),
+            "critical speeds": [
+                {"rate": each.rate, "whirl": SENSES[each.sense]} for each in diagram.critical_speeds
+            ],
         },
     )
     if case.tables.output.pictures:
@@ -177,7 +185,7 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
 
 
 def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
-    """Errors over speed, None where they are not known."""
+    """Numbers over speed, None where they are not known."""
     if errors is None:
         return None
     return [[float(each) if np.isfinite(each) else None for each in row] for row in errors]
@@ -192,16 +200,20 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     shares = modes.kinetic_shares
     names = [placed.body.name for placed in modes.machine.system.bodies]
     error, n = modes.error, len(modes.eigenvalues)
-    turns = modes.machine.spin is not None and modes.machine.spin.rate != 0
+    senses, in_space = whirl(modes)
     relative = np.full(n, np.nan) if error is None else error.relative
     exact = np.full(n, np.nan) if error is None else _shown(case, error.eigenvalues.imag)
     return {
         "units": unit_names(case.units),
-        "axes": TURNING if turns else STANDING,
+        "axes": modes.machine.axes,
+        "periodic": modes.machine.periodic is not None,
         "missed": [] if error is None else _shown(case, error.missed.imag).tolist(),
         "modes": [
             {
+                "name": name,
                 "frequency": frequency,
+                "whirl": SENSES[sense],
+                "frequency in space": space if np.isfinite(space) else None,
                 "damping_ratio": ratio,
                 "eigenvalue": [value.real, value.imag],
                 "error": off if np.isfinite(off) else None,
@@ -210,7 +222,10 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
                 "unstable": bool(unstable),
                 "kinetic_share": dict(zip(names, share, strict=True)),
             }
-            for frequency, ratio, value, off, full, unstable, share in zip(
+            for name, sense, space, frequency, ratio, value, off, full, unstable, share in zip(
+                mode_names(modes),
+                senses.tolist(),
+                _shown(case, in_space).tolist(),
                 _shown(case, modes.frequencies).tolist(),
                 modes.damping_ratios.tolist(),
                 modes.eigenvalues,

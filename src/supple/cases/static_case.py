@@ -12,6 +12,7 @@ import numpy as np
 
 from supple.cases.case import Case
 from supple.cases.drawing import check_drawing
+from supple.cases.going_on import StartState, gone_on
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.error import correct_at_rest
@@ -67,7 +68,8 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, *, allow_code: bool = False) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case asks for it, or at rest.
+    """The machine as its run starts: as it is placed, assembled if the case asks for it, at rest, or as an
+    earlier run had it.
 
     Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
 
@@ -84,6 +86,8 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     if wanted.kinematic:
         _check_fixed_sizes(case)
     system = case.controlled(assembled_system(case), allow_code=allow_code)
+    if isinstance(wanted.start, StartState):
+        return gone_on(wanted.start, case, system)
     if wanted.start == "placed":
         return system
     case.notify("searching the equilibrium")

@@ -86,6 +86,8 @@ class Solution(Summarized):
     """How wrong the run is, by body, or by quantity of interest; empty where it was not estimated."""
     truncation: Mapping[str, ErrorPart] = field(default_factory=lambda: MappingProxyType({}))
     """By intrinsic body: what the modes that it leaves out change, as the end of the run found it."""
+    columns: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
+    """By elastic body: numbers that distinguish its columns from those of others; empty where not known."""
 
     def summary(self) -> Summary:
         """Its times, bodies, joints, cost, and how wrong it is."""
@@ -127,6 +129,7 @@ class Solution(Summarized):
             multipliers={name: own[rows] for name, own in self.multipliers.items()},
             series={name: own[rows] for name, own in self.series.items()},
             errors=self.errors,
+            columns=self.columns,
         )
 
 

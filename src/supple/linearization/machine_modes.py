@@ -12,6 +12,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.mode_error import ModeError, mode_error
+from supple.linearization.periodic import floquet_modes
 from supple.linearization.slowest_motions import slowest_motions
 from supple.linearization.sparse_machine import SparseMachine
 from supple.summary import Summarized, Summary
@@ -106,6 +107,9 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     Two poles of a machine that moves freely lie at s = 0, exactly only to round-off: those that rounding
     cannot tell from 0 are said to be 0, with as many modes as there are shapes.
 
+    Of equations that change periodically they are Floquet's modes (`floquet_modes`): the shape is that of the
+    harmonic at which most of the motion is seen, and the eigenvalue goes with it.
+
     Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
     or gyroscopic terms these are the slowest of which iteration shows any.
 
@@ -124,7 +128,7 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     n_modes = None if n_modes is None else int(n_modes)
     if isinstance(machine, SparseMachine):
         machine = machine.along(slowest_motions(machine, n_modes, _pairs))
-    values, y, z = _pairs(machine)
+    values, y, z = _pairs(machine) if machine.periodic is None else _floquet(machine, n_modes)
     values, y, z = values[:n_modes], y[:, :n_modes], z[:, :n_modes]
     largest = np.take_along_axis(y, np.argmax(abs(y), axis=0)[None], axis=0)[0]
     turned = np.where(largest == 0, 1.0, abs(largest) / np.where(largest == 0, 1.0, largest))
@@ -134,6 +138,16 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     error = mode_error(machine.full, values, modes.shapes, _slowest)
     error.warn(values)
     return replace(modes, error=error)
+
+
+def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any]:
+    """Eigenvalues, motions (k, ..) of the harmonic at which most is seen, and no states, slowest first."""
+    assert machine.periodic is not None
+    graded = _slow_first(machine)
+    found = floquet_modes(machine.periodic.along(graded), n_modes)
+    y = graded @ found.principal
+    sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
+    return found.eigenvalues, y / np.where(sizes > 0, sizes, 1.0), np.zeros((0, y.shape[1]))
 
 
 def _slowest(machine: SparseMachine, n_modes: int) -> tuple[Any, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,16 +28,30 @@ _ARRAYS = (
     "damping_cubic",
     "damping_quartic",
 )
+_OF_COORDINATES = ("nodal_basis", "mass", "frame", "shapes", "velocities", "forces")
+"""Arrays that say what motion coordinates are of."""
 
 
 def columns_of(system: System) -> Metadata:
-    """Metadata that distinguish elastic bodies: products of their arrays with random vectors."""
+    """Metadata that distinguish elastic bodies."""
+    measured = measured_columns(system)
+    return {KEY: json.dumps(measured)} if measured else {}
+
+
+def measured_columns(system: System) -> dict[str, dict[str, list[float]]]:
+    """By elastic body what distinguishes it: products of its arrays with random vectors."""
     measured = {
         placed.body.name: {name: values.tolist() for name, values in _measures(placed)}
         for placed in system.bodies
     }
-    measured = {body: measures for body, measures in measured.items() if measures}
-    return {KEY: json.dumps(measured)} if measured else {}
+    return {body: measures for body, measures in measured.items() if measures}
+
+
+def are_same_columns(then: Mapping[str, Any], placed: Placed) -> bool:
+    """Whether coordinates mean the same motion on a body and on that of which these measures were taken."""
+    now = dict(_measures(placed))
+    of_columns = [name for name in _OF_COORDINATES if name in now]
+    return all(name in then and same_measures(then[name], now[name]) for name in of_columns)
 
 
 def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:
@@ -105,6 +119,7 @@ def _of_body(body: Any) -> Iterator[tuple[str, np.ndarray]]:
             for name in ("stiffness", "mass"):
                 matrix = getattr(body.body, name)
                 yield name, np.array([one @ (matrix @ one), one @ (matrix @ other)])
+            yield "frame", body.frame.constraint(body.body) @ one
         case ModalSubdomain():
             yield "shapes", measures(body.vectors)
             yield "frequencies", body.frequencies

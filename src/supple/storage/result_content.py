@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from supple.errors import ResultFileError
 from supple.integrate.error_statement import ErrorStatement
 from supple.integrate.solution import Solution, Statistics, concatenate
+from supple.storage.column_measures import KEY
 from supple.storage.file_errors import DAMAGE
 from supple.storage.result_seals import NO_END, SIZE, Rows, content_seal, end_seal, header_seal, row_seal
 from supple.storage.run_inputs import Inputs
@@ -153,6 +154,7 @@ class ResultContent:
             broken = dict(self._broken())
             raise (self._chunks_damaged(broken) if broken else error) from error
         solution = from_arrays(arrays, header.statistics, self._layout.kinds, state)
+        solution = replace(solution, columns=json.loads(str(header.metadata.get(KEY, "{}"))))
         stated = header.metadata.get(ERRORS)
         return solution if stated is None else solution.with_errors(_errors(str(stated)))
 
