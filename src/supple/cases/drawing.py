@@ -43,8 +43,8 @@ class Drawing:
     def draw(self, progress: StepProgress = silent) -> None:
         """Draw them into the folder."""
         # Imported here: a run without pictures does not wait for the drawing library.
+        from supple.results.colouring import PLASTIC_STRAIN
         from supple.viz import animate_run, draw_run
-        from supple.viz.colouring import PLASTIC_STRAIN
 
         run = (self.system, self.solution, self.meshes)
         if self.pictures:
