@@ -2,8 +2,7 @@
 export {
   BufferAttribute, BufferGeometry, Color, DataArrayTexture, DataTexture, DoubleSide, FloatType, GLSL3, Group,
   LineSegments, Mesh, PerspectiveCamera, Points, Quaternion, RedFormat, RedIntegerFormat, RGBAIntegerFormat,
-  Scene, ShaderMaterial, ShortType, Vector2, Vector3, WebGLRenderer,
+  Scene, ShaderMaterial, ShortType, Vector3, WebGLRenderer,
 } from "three";
-export { TrackballControls } from "three/addons/controls/TrackballControls.js";
 export { OrbitControls } from "three/addons/controls/OrbitControls.js";
 export { default as uPlot } from "uplot";

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
+from supple.cases.page import coloured_elements
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import At, System
@@ -82,8 +83,6 @@ def drawing_of(
     output = case.tables.output
     if not (output.pictures or output.animation):
         return None
-    # What has no frame does not deflect: its animation is of its stress.
-    framed = all(placed.body.has_frame for placed in system.bodies)
     return Drawing(
         folder,
         system,
@@ -91,7 +90,7 @@ def drawing_of(
         case.drawn,
         tracked,
         case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
-        case.elements if output.colour == "von-mises" or not framed else None,
+        coloured_elements(case, system),
         case.bases,
         case.units,
         pictures=output.pictures,

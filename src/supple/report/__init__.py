@@ -1,0 +1,3 @@
+"""A run as one page for a browser, which needs no network."""
+
+from supple.report.write_report import *
