@@ -4,51 +4,21 @@ import re
 
 import numpy as np
 import pytest
-from fixtures.explicit_bars import explicit_bar
+from fixtures.moving_machines import MESH, eroding, two_bodies
 from fixtures.report_page import ReadPage
-from scipy.spatial.transform import Rotation
 
 import supple as sp
-from supple.body import RigidBody
-from supple.integrate import FloatingMotion, Solution, Statistics
-from supple.machine import GROUND, At, DeadForce, Placed, Revolute, SpringDamper, System
-from supple.mesh import CellType, strip
-from supple.methods.explicit import NodalMotion
+from supple.integrate import Solution, Statistics
+from supple.machine import GROUND, At
 from supple.quantities import deflections, joint_loads, tracked_motion, von_mises_history
 from supple.report import write_report
 from supple.units import SI
 
-N_TIMES = 40
-MESH = strip(1.0, 0.1, 6, 2)
-FAR = np.array([300.0, -20.0, 5.0])
-
-
-def tumbling(n_coordinates, seed=0, size=2e-3):
-    """A made-up motion that turns several times, far from the origin, and vibrates."""
-    rng, time = np.random.default_rng(seed), np.linspace(0, 1, N_TIMES)
-    position = FAR + np.outer(time, [3.0, 1.0, 0.2])
-    rotation = Rotation.from_rotvec(np.outer(time, [9.0, 4.0, -7.0])).as_matrix()
-    three = np.zeros((N_TIMES, 3))
-    waves = size * np.sin(np.outer(time, rng.uniform(5, 30, n_coordinates)))
-    return FloatingMotion(position, rotation, waves, three, three, 0 * waves, three, three, 0 * waves)
-
 
 @pytest.fixture
 def machine(clamped_blade):
-    """A blade and a rigid hub on a joint, a spring and a force: (system, solution)."""
-    hub = RigidBody("hub", 2.0, np.array([0.1, 0.0, 0.0]), np.eye(3), {"rim": np.array([0.3, 0.0, 0.0])})
-    system = System(
-        [Placed(clamped_blade, position=FAR), Placed(hub, position=FAR)],
-        joints=[Revolute(first="ground", second="hub.rim", axis=(0, 1, 0), name="hinge")],
-        loads=[
-            DeadForce(at="blade.tip", force=lambda time: time * np.array([0.0, 0.0, 5.0])),
-            SpringDamper(first="hub.rim", second="blade.tip", stiffness=3.0),
-        ],
-    )
-    motions = {"blade": tumbling(clamped_blade.r), "hub": tumbling(0, 1)}
-    forces = {"hinge": np.random.default_rng(2).standard_normal((N_TIMES, 6))}
-    times = np.linspace(2.0, 3.0, N_TIMES)
-    return system, Solution(times, motions, forces, Statistics())
+    """A blade and a rigid hub: (system, solution)."""
+    return two_bodies(clamped_blade)
 
 
 @pytest.fixture
@@ -143,18 +113,6 @@ def test_a_body_without_a_mesh_is_drawn_by_its_nodes(tmp_path, machine):
     data = read.body("blade")
     assert data["triangles"]["shape"] == [3, 0]
     assert data["nodes"]["shape"] == [len(system.placed("blade").body.nodes), 3]
-
-
-def eroding(alive):
-    """A bar of four hexahedra that flies and loses elements: its page's data, (system, solution)."""
-    bar = explicit_bar(CellType.HEXA8)
-    alive = np.array(alive, dtype=float)
-    times = np.arange(float(len(alive)))
-    turned = Rotation.from_rotvec(np.outer(times, [0.0, 0.0, 0.4])).as_matrix()
-    nodes = np.einsum("tij,nj->tni", turned, bar.nodes) + 3 * times[:, None, None]
-    nodes[1:, 0, 2] += 0.2
-    motion = NodalMotion(nodes, 0 * nodes, 0 * nodes, 0 * alive, alive, 1e6 * alive)
-    return System([bar]), Solution(times, {"bar": motion}, {}, Statistics())
 
 
 def test_faces_inside_appear_where_an_element_is_deleted(tmp_path):

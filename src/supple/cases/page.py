@@ -12,7 +12,7 @@ from supple.integrate import Solution, StepProgress
 from supple.machine import System
 from supple.quantities import Reading, TrackedMotion
 
-__all__ = ["coloured_elements", "page_path", "write_run_page"]
+__all__ = ["case_texts", "coloured_elements", "page_path", "write_run_page"]
 
 
 def page_path(folder: Path) -> Path:

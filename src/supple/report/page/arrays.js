@@ -26,9 +26,8 @@ function arrayOf(block, { start, shape, kind }) {
 
 // Numbers as people read them: four digits, no exponent where it can be avoided.
 function shownNumber(value, digits = 4) {
-  if (value === 0) return "0";
-  const size = Math.abs(value);
-  return size >= 1e-4 && size < 1e6 ? String(+value.toPrecision(digits)) : value.toExponential(digits - 2);
+  const rounded = +value.toPrecision(digits), size = Math.abs(rounded);
+  return rounded === 0 || (size >= 1e-4 && size < 1e6) ? String(rounded) : rounded.toExponential();
 }
 
 const measured = (value, unit, digits) => shownNumber(value, digits) + (unit ? ` ${unit}` : "");
