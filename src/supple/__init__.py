@@ -80,6 +80,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.mesh import Mesh as Mesh
     from supple.mesh import block as block
     from supple.mesh import cylinder as cylinder
+    from supple.mesh import skin_of as skin_of
     from supple.mesh import strip as strip
     from supple.methods.explicit import explicit_subdomain as explicit_subdomain
     from supple.methods.explicit import modal_subdomain as modal_subdomain
@@ -97,6 +98,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import Rubin as Rubin
     from supple.reduction import SteadyLoads as SteadyLoads
     from supple.reduction import reduce as reduce
+    from supple.report import write_report as write_report
     from supple.results import rms_error as rms_error
     from supple.simulation import Start as Start
     from supple.simulation import equilibrium as equilibrium
@@ -109,13 +111,12 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.viz import displacement_magnitude as displacement_magnitude
     from supple.viz import plot_contour as plot_contour
     from supple.viz import plot_mesh as plot_mesh
-    from supple.viz import skin_of as skin_of
     from supple.viz import stress_field as stress_field
 
 __version__ = "0.1.0"
 
 _NAMES = {
-    "supple.mesh": "Mesh CellType strip block cylinder",
+    "supple.mesh": "Mesh CellType strip block cylinder skin_of",
     "supple.importers": "read_mesh read_abaqus read_gmsh read_nastran",
     "supple.fem": "Isotropic HomogeneousSection shell_model solid_model",
     "supple.body": (
@@ -140,10 +141,11 @@ _NAMES = {
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",
+    "supple.report": "write_report",
     "supple.quantities": "node_positions stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
-    "supple.viz": "plot_mesh plot_contour animate skin_of displacement_magnitude stress_field",
+    "supple.viz": "plot_mesh plot_contour animate displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""
 

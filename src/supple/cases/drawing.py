@@ -9,6 +9,7 @@ from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
+from supple.cases.page import coloured_elements
 from supple.errors import CaseError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
@@ -45,8 +46,8 @@ class Drawing:
     def draw(self, progress: StepProgress = silent) -> None:
         """Draw them into the folder."""
         # Imported here: a run without pictures does not wait for the drawing library.
+        from supple.results.colouring import PLASTIC_STRAIN
         from supple.viz import animate_run, draw_run
-        from supple.viz.colouring import PLASTIC_STRAIN
 
         run = (self.system, self.solution, self.meshes)
         if self.pictures:
@@ -97,8 +98,6 @@ def drawing_of(
     output = case.tables.output
     if not (output.pictures or output.animation):
         return None
-    # What has no frame does not deflect: its animation is of its stress.
-    framed = all(placed.body.has_frame for placed in system.bodies)
     return Drawing(
         folder,
         system,
@@ -106,7 +105,7 @@ def drawing_of(
         case.drawn,
         tracked,
         case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
-        case.elements if output.colour == "von-mises" or not framed else None,
+        coloured_elements(case, system),
         case.bases,
         case.units,
         pictures=output.pictures,

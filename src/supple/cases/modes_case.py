@@ -14,6 +14,7 @@ from supple.cases.case import Case
 from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
+from supple.cases.page import case_texts
 from supple.cases.reductions import DEFAULT_ACCURACY
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
@@ -57,7 +58,7 @@ def modes_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> tuple[MachineModes, dict[str, Any]]:
-    """Modes of a case's machine; writes `CASE-modes.json`, and pictures and animations of the shapes.
+    """Modes of a case's machine; writes `CASE-modes.json`, a page, and pictures and animations of the shapes.
 
     Modes that are off by 1 % or more are listed with their error, and not drawn.
 
@@ -84,6 +85,20 @@ def modes_case(
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     write_json(folder / f"{case.path.stem}-modes.json", numbers)
+    if case.tables.output.report:
+        from supple.report import write_modes_report
+
+        write_modes_report(
+            folder / f"{case.path.stem}-modes.html",
+            modes,
+            case.drawn,
+            axes=numbers["axes"],
+            chosen=_drawn(modes),
+            title=f"{case.title}: modes",
+            bases=case.bases,
+            inputs=case_texts(case),
+            units=case.units,
+        )
     if case.tables.output.pictures or case.tables.output.animation:
         _draw(case, modes, folder, progress)
     return modes, numbers
@@ -99,7 +114,7 @@ def campbell_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CampbellDiagram:
-    """Modes over the rate of the case's spin; writes `CASE-campbell.json` and a picture.
+    """Modes over the rate of the case's spin; writes `CASE-campbell.json`, a page and a picture.
 
     Bodies reduced to an accuracy keep to it at the first and the last rate.
     Raises CaseError where the case has no spin, and as for `modes_case`.
@@ -122,25 +137,34 @@ def campbell_case(
     )
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
-    write_json(
-        folder / f"{case.path.stem}-campbell.json",
-        {
-            "title": case.title,
-            "units": unit_names(case.units),
-            "axes": diagram.axes,
-            "rates": diagram.rates.tolist(),
-            "frequencies": _shown(case, diagram.frequencies).tolist(),
-            "damping_ratios": diagram.damping_ratios.tolist(),
-            "likeness": diagram.likeness.tolist(),
-            "errors": _known(diagram.errors),
-            "names": list(diagram.names),
-            "whirl": [[SENSES[sense] for sense in row] for row in diagram.sense.tolist()],
-            "frequencies in space": _known(_shown(case, diagram.in_space)),
-            "critical speeds": [
-                {"rate": each.rate, "whirl": SENSES[each.sense]} for each in diagram.critical_speeds
-            ],
-        },
-    )
+    numbers = {
+        "title": case.title,
+        "units": unit_names(case.units),
+        "axes": diagram.axes,
+        "rates": diagram.rates.tolist(),
+        "frequencies": _shown(case, diagram.frequencies).tolist(),
+        "damping_ratios": diagram.damping_ratios.tolist(),
+        "likeness": diagram.likeness.tolist(),
+        "errors": _known(diagram.errors),
+        "names": list(diagram.names),
+        "whirl": [[SENSES[sense] for sense in row] for row in diagram.sense.tolist()],
+        "frequencies in space": _known(_shown(case, diagram.in_space)),
+        "critical speeds": [
+            {"rate": each.rate, "whirl": SENSES[each.sense]} for each in diagram.critical_speeds
+        ],
+    }
+    write_json(folder / f"{case.path.stem}-campbell.json", numbers)
+    if case.tables.output.report:
+        from supple.report import write_campbell_report
+
+        write_campbell_report(
+            folder / f"{case.path.stem}-campbell.html",
+            diagram,
+            axes=diagram.axes,
+            title=f"{case.title}: Campbell diagram",
+            inputs=case_texts(case),
+            units=case.units,
+        )
     if case.tables.output.pictures:
         from supple.viz import plot_campbell
 
@@ -239,14 +263,19 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     }
 
 
+def _drawn(modes: MachineModes) -> list[int]:
+    """Numbers of the modes whose shapes are shown."""
+    wrong = np.zeros(len(modes.eigenvalues)) if modes.error is None else modes.error.relative
+    return np.flatnonzero(wrong < LARGEST_ERROR).tolist()
+
+
 def _draw(case: Case, modes: MachineModes, folder: Path, progress: StepProgress) -> None:
     from supple.viz import animate_run, draw_machine, mode_titles
 
     titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)
     system = replace(modes.machine.system, loads=())
     size = system_length(system)
-    wrong = np.zeros(len(modes.eigenvalues)) if modes.error is None else modes.error.relative
-    for number in np.flatnonzero(wrong < LARGEST_ERROR).tolist():
+    for number in _drawn(modes):
         motion = mode_motion(modes, number, amplitude=AMPLITUDE * size)
         stem = f"{case.path.stem}-mode-{number + 1}"
         if case.tables.output.pictures:

@@ -16,6 +16,7 @@ from supple.cases.existing_results import readings_paths, refuse_overwrite, repo
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
+from supple.cases.page import write_run_page
 from supple.cases.result_machine import CASE_FILE, path_from
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
@@ -185,6 +186,17 @@ def _run_case(
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)
     _write_report(case, folder, result.rounds, result.numbers)
+    write_run_page(
+        case,
+        folder,
+        system,
+        solution,
+        tracked=tracked,
+        readings=readings,
+        numbers=numbers,
+        rounds=result.rounds,
+        progress=progress,
+    )
     beside.finish(drawing_of(case, system, solution, tracked, folder), progress)
     return result
 

@@ -15,6 +15,7 @@ from supple.cases.drawing import check_drawing
 from supple.cases.going_on import StartState, gone_on
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
+from supple.cases.page import case_texts, coloured_elements
 from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.integrate import StepProgress
@@ -137,7 +138,7 @@ def static_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> StaticResult:
-    """Find the equilibrium of a case, write its numbers (`CASE-static.json`) and a picture.
+    """Find the equilibrium of a case, write its numbers (`CASE-static.json`), a page and a picture.
 
     folder : made if it is not there
     time : at which loads and laws are taken
@@ -177,6 +178,20 @@ def static_case(
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     write_json(folder / f"{case.path.stem}-static.json", numbers)
+    if case.tables.output.report:
+        from supple.report import write_static_report
+
+        write_static_report(
+            folder / f"{case.path.stem}-static.html",
+            found,
+            case.drawn,
+            numbers,
+            title=f"{case.title}: equilibrium",
+            elements=coloured_elements(case, found.system),
+            bases=case.bases,
+            inputs=case_texts(case),
+            units=case.units,
+        )
     if case.tables.output.pictures:
         from supple.viz import draw_machine
 

@@ -85,7 +85,7 @@ def run(
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
+    """Simulate a case file; write results (HDF5, JSON), report (HTML), pictures (PNG) and animation (GIF)."""
     # Imported here: the solvers take seconds to load, which help and version need not wait for.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.run_case import run_case

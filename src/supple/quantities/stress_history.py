@@ -106,8 +106,7 @@ def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Ar
     Errors as of `von_mises_history`. Stress modes are made once where they fit in a GiB.
     """
     if _has_modes(body):
-        per_node = 6 * stress_layers(model).count * (body.r * (body.r + 3) // 2 + _n_condensed(body))
-        if per_node * len(body.nodes) <= _KEPT_NUMBERS:
+        if _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
             return tensor_modes(STRESS, body, model, None).von_mises
     nodes = np.arange(len(body.nodes))
 
@@ -162,9 +161,13 @@ def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
 
 def _slices_of_modes(body: ReducedBody, model: FiniteElementModel, n_nodes: int) -> Iterator[slice]:
     """Nodes of which the modes are held at a time."""
+    return _slices(n_nodes, _MODE_NUMBERS // (_numbers_of_modes(body, model) or 1))
+
+
+def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
+    """In the modes of a node."""
     n_condensed = 0 if body.condensed is None else body.condensed.fields.shape[1]
-    numbers = body.r * (body.r + 3) // 2 + n_condensed
-    return _slices(n_nodes, _MODE_NUMBERS // (6 * stress_layers(model).count * numbers or 1))
+    return 6 * stress_layers(model).count * (body.r * (body.r + 3) // 2 + n_condensed)
 
 
 def _recovered(

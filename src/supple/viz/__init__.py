@@ -14,7 +14,6 @@ from supple.viz.eigenvalue_error import *
 from supple.viz.glyphs import *
 from supple.viz.machine_picture import *
 from supple.viz.mesh_plot import *
-from supple.viz.mesh_skin import *
 from supple.viz.mode_shapes import *
 from supple.viz.response_errors import *
 from supple.viz.rms_error import *

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from supple.mesh import skin_of
 from supple.quantities import node_positions, stress_modes
 from supple.reduction import CraigBampton, modal_derivatives, rayleigh_ritz
 from supple.units import SI
@@ -25,7 +26,6 @@ from supple.viz import (
     plot_rms_error,
     plot_self_correction,
     plot_time_history,
-    skin_of,
 )
 from supple_benchmarks.blade.full_run import FullRun
 from supple_benchmarks.blade.run import BladeRun
