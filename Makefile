@@ -69,13 +69,13 @@ $(VENV)/bin/python:
 	@"$(PYTHON)" -m venv $(VENV)
 
 # Stamps, renewed when the dependencies change: the demo needs no developer tools.
-$(VENV)/.ready: EXTRAS := fast
+$(VENV)/.ready: EXTRAS := fast,plot
 $(VENV)/.ready: pyproject.toml | $(VENV)/bin/python
 	@echo "Installing supple and its dependencies into $(VENV) (once; about 800 MB, a minute or two)"
 	@$(INSTALL) || { $(INSTALL_FAILED); }
 	@touch $@
 
-$(VENV)/.ready-dev: EXTRAS := fast,dev
+$(VENV)/.ready-dev: EXTRAS := fast,plot,dev
 $(VENV)/.ready-dev: pyproject.toml | $(VENV)/bin/python
 	@echo "Installing supple and the developer tools into $(VENV) (once; about 1.4 GB)"
 	@$(INSTALL) || { $(INSTALL_FAILED); }

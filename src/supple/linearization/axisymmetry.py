@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 __all__ = ["turn_generator"]
@@ -62,7 +62,7 @@ def _turned_by_a_sector(body: Any, axis: Array, point: Array) -> tuple[Array, in
     radii = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)
     if radii.max() <= SAME_PLACE * size:
         return np.arange(len(places)), ON_AXIS
-    tree, outer = cKDTree(places), int(np.argmax(radii))
+    tree, outer = KDTree(places), int(np.argmax(radii))
     # As many sectors as nodes lie on the circle of the outermost one, or a divisor.
     ring = int(
         np.sum(

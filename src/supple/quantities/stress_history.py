@@ -105,9 +105,8 @@ def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Ar
 
     Errors as of `von_mises_history`. Stress modes are made once where they fit in a GiB.
     """
-    if _has_modes(body):
-        if _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
-            return tensor_modes(STRESS, body, model, None).von_mises
+    if _has_modes(body) and _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
+        return tensor_modes(STRESS, body, model, None).von_mises
     nodes = np.arange(len(body.nodes))
 
     def by_blocks(coordinates: Array) -> Array:

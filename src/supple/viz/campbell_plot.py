@@ -77,9 +77,9 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
         for order in range(1, N_ORDERS + 1):
             axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
             # Amid the diagram: its right edge belongs to the names of the modes.
-            middle = [0.55 * each[0] + 0.45 * each[-1] for each in (speeds, order * orders)]
-            if middle[1] < top:
-                axes.annotate(f"{order}P", middle, color="0.4", fontsize=7, ha="center")
+            middle, height = (0.55 * each[0] + 0.45 * each[-1] for each in (speeds, order * orders))
+            if height < top:
+                axes.annotate(f"{order}P", (middle, height), color="0.4", fontsize=7, ha="center")
         for name, mode in zip(diagram.names, frequencies.T, strict=True):
             axes.plot(speeds, mode, marker="o", markersize=2.5)
             beside: dict[str, Any] = {

@@ -5,13 +5,18 @@ from __future__ import annotations
 from base64 import b64encode
 from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 __all__ = ["Picture"]
 
 _TYPES = {".png": "image/png", ".gif": "image/gif", ".svg": "image/svg+xml", ".jpg": "image/jpeg"}
 
 
-class Picture(type(Path())):
+# Before Python 3.12 the class of a path depends on the system.
+_Path = Path if TYPE_CHECKING else type(Path())
+
+
+class Picture(_Path):
     """Path of a picture: a notebook shows what is in the file, all else takes it as a path."""
 
     def _repr_html_(self) -> str | None:
