@@ -144,6 +144,22 @@ def test_which_supports_hold(deck, control, expected):
     assert held(only) == {(10, 1)}
 
 
+def test_sets_of_which_nothing_chooses_one(deck):
+    """Of constraints and masses they are left out without case control; with it Nastran takes none."""
+    cards = "MPC,4,10,1,1.,20,1,-1.\nMPC,5,10,2,1.,20,2,-1.\nNSM1,6,PSHELL,1.,7\nNSM1,7,PSHELL,1.,7\n"
+    assert [(each.card, each.count) for each in deck(SQUARE + cards).left_out] == [("NSM1", 2), ("MPC", 2)]
+    assert not deck("SOL 103\nCEND\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n").left_out
+
+
+@pytest.mark.parametrize(
+    ("command", "left"),
+    [("TEMP(INIT) = 4", 1), ("TEMPERATURE(MATERIAL)=4", 1), ("TEMP = 4", 1), ("TEMP(LOAD) = 4", 0), ("", 0)],
+)
+def test_materials_at_a_temperature(deck, command, left):
+    read = deck(f"SOL 103\nCEND\n{command}\nBEGIN BULK\n" + SQUARE + "MATT1,5,3\nENDDATA\n")
+    assert [each.card for each in read.left_out] == ["MATT1"] * left
+
+
 def test_supports_in_local_axes(deck):
     read = deck("CORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,60,,3.,4.,0.,3\nSPC1,1,2,60\n" + SQUARE)
     (terms,) = read.held

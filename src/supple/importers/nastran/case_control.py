@@ -11,6 +11,7 @@ from supple.importers.plain_number import is_plain_digits
 __all__ = ["CaseControl", "read_case_control"]
 
 _COMMAND = re.compile(r"\s*([A-Z][A-Z0-9]*)\s*(?:\([^)]*\))?\s*=\s*(.+?)\s*$", re.IGNORECASE)
+_HEATED = re.compile(r"\s*TEMP(?:E[A-Z]*)?\s*(?:\((?!LOAD)[^)]*\))?\s*=", re.IGNORECASE)
 _SUBCASE = re.compile(r"\s*SUBCASE\b", re.IGNORECASE)
 _OF_THE_BODY = ("SPC", "MPC", "NSM", "K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2PP")
 
@@ -22,11 +23,13 @@ class CaseControl:
     present : whether there is any
     chosen  : {command: value as written, in upper case}
     varied  : commands of which a later subcase selects something else
+    heated  : whether materials are taken at a temperature
     """
 
     present: bool
     chosen: Mapping[str, str]
     varied: tuple[str, ...]
+    heated: bool = False
 
     def number(self, command: str) -> int | None:
         """The set a command selects; None where it selects none."""
@@ -54,4 +57,5 @@ def read_case_control(above: Sequence[str]) -> CaseControl:
             chosen[command] = value
         if chosen.setdefault(command, value) != value:
             varied[command] = None
-    return CaseControl(after_cend or bool(chosen), chosen, tuple(varied))
+    heated = any(_HEATED.match(text) for text in above)
+    return CaseControl(after_cend or bool(chosen), chosen, tuple(varied), heated)

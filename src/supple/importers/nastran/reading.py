@@ -113,6 +113,9 @@ class Reading:
                 if sets:
                     why = "case control chooses none" if self.case.present else "no case control chooses"
                     self.note(f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}.")
+                if command != "SPC" and not self.case.present:  # supports are left to joints in any case
+                    for card in self.file.named(command, f"{command}1", f"{command}L", f"{command}L1"):
+                        self.leave_out(card, "left out: no case control chooses one of its sets")
                 return set()
             return set(sets)
         if command in self.case.varied:
