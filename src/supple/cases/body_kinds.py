@@ -37,6 +37,7 @@ from supple.importers.toml import (
     KeyPath,
     Matrix,
     Mistakes,
+    NonNegative,
     Positive,
     Raw,
     Vector,
@@ -106,6 +107,10 @@ class Shell(Homogeneous):
     """Homogeneous flat-shell triangles on every cell of the mesh."""
 
     thickness: Positive = Field(description="wall thickness, a length")
+    shear_factor: NonNegative = Field(
+        0.0,
+        description="k of the transverse shear stiffness k G t, such as 0.8333; rigid in shear if left out",
+    )
     kinematics: Kinematics = Field(
         "green-lagrange",
         description="membrane strain; von-karman only for flat structures bending out of their plane",
@@ -113,7 +118,7 @@ class Shell(Homogeneous):
 
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
         """Shells of one thickness."""
-        section = HomogeneousSection(material, self.thickness)
+        section = HomogeneousSection(material, self.thickness, shear_factor=self.shear_factor)
         return shell_model(mesh, section, kinematics=_KINEMATICS[self.kinematics])
 
 
