@@ -13,6 +13,7 @@ from pydantic import Field
 
 from supple.body import (
     BodySource,
+    MatrixFiles,
     RigidBody,
     deck_source,
     elements_source,
@@ -193,7 +194,7 @@ class Matrices(ElasticKind):
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
         """The matrices, and the nodes of the mesh file."""
-        return labelled_matrices_source(
+        files = MatrixFiles(
             nodes=folder / mesh,
             stiffness=folder / self.stiffness,
             mass=folder / self.mass,
@@ -203,8 +204,8 @@ class Matrices(ElasticKind):
             mass_name=self.mass_name,
             damping_name=self.damping_name,
             recovery_name=self.recovery_name,
-            rigid_tolerance=self.rigid_tolerance,
         )
+        return labelled_matrices_source(files, rigid_tolerance=self.rigid_tolerance)
 
 
 class Superelement(ElasticKind):
