@@ -16,6 +16,7 @@ from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
 from supple.fem.attached import RigidPiece
+from supple.fem.beam_section import LineSection, RodSection
 from supple.fem.beam_stress import FIRST, SECOND, stress_by_forces
 from supple.fem.model import FiniteElementModel
 from supple.fem.section_stress import (
@@ -228,8 +229,8 @@ def beam_force_recovery(model: FiniteElementModel, cell: int) -> StressRecovery:
     Raises ModelError where there is no such cell.
     """
     for section, block in zip(model.sections, model.blocks, strict=True):
-        own = np.flatnonzero(section.cells == cell) if section.cell_type is CellType.LINE2 else ()
-        if len(own):
+        own = np.flatnonzero(section.cells == cell)
+        if section.cell_type is CellType.LINE2 and own.size:
             forces = section_forces(model, section.of(own), block.of(own))
             return StressRecovery(model.mesh.n_nodes, (forces,), StressLayers(1, 0, 0), _pieces(model))
     raise ModelError(f"there is no beam or rod number {cell}; the mesh has {len(_lines(model))} LINE2 cells")
@@ -244,7 +245,12 @@ def stress_layers(model: FiniteElementModel) -> StressLayers:
         if section.cell_type is not CellType.LINE2
     ]
     lines = [section for section in stating if section.cell_type is CellType.LINE2]
-    points = [len(stress_by_forces(section.property, end)) for section in lines for end in (FIRST, SECOND)]
+    points = [
+        len(stress_by_forces(section.property, end))
+        for section in lines
+        if isinstance(section.property, LineSection | RodSection)
+        for end in (FIRST, SECOND)
+    ]
     at_nodes = np.bincount(
         np.concatenate([np.zeros(0, dtype=np.int64), *(s.nodes(model.mesh).ravel() for s in lines)])
     )

@@ -35,6 +35,10 @@ class BeamSkin(NamedTuple):
     ends: IntArray
 
 
+MOST_OUTLINED = 1000
+"""Beams of a body that are drawn with their outlines; of more, which are thin lines, the boxes around."""
+
+
 def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | None) -> BeamSkin:
     """The prisms of the beams of one section, open where the section is hollow.
 
@@ -44,7 +48,10 @@ def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | Non
     assert isinstance(given, LineSection | RodSection)
     corners = section.corners(model.mesh)
     line = rod_line(corners) if isinstance(given, RodSection) else line_of(model.mesh, section)
-    (loops, hole), at_second = (outlines(given, end) for end in (0, 1))
+    fine = len(model.mesh.cells[section.cell_type]) <= MOST_OUTLINED
+    (loops, hole), at_second = (
+        outlines(given, end) if fine else _box(*outlines(given, end)) for end in (0, 1)
+    )
     if [len(loop) for loop in at_second[0]] != [len(loop) for loop in loops] or len(at_second[1]) != len(
         hole
     ):
@@ -93,6 +100,12 @@ def outlines(given: LineSection | RodSection, end: int) -> tuple[tuple[_Loop, ..
     if not isinstance(own, CoupledBeamSection):
         radii = np.where(radii > 0, radii, np.sqrt(area / np.pi))
     return (centre + _circle() @ (vectors * radii) @ vectors.T,), none
+
+
+def _box(loops: tuple[_Loop, ...], hole: _Loop) -> tuple[tuple[_Loop, ...], _Loop]:
+    """The rectangle around a section, in place of its outline."""
+    low, high = (pick(np.concatenate(loops), axis=0) for pick in (np.min, np.max))
+    return (np.array([high, (low[0], high[1]), low, (high[0], low[1])]),), hole[:0]
 
 
 def _circle() -> Array:

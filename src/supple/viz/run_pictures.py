@@ -11,7 +11,7 @@ import numpy as np
 from supple.arguments import checked_arguments
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel, has_stress
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import Solution
 from supple.machine import At, System
 from supple.methods.explicit import ENERGIES, OBSTACLES, Energies
 from supple.methods.intrinsic import IntrinsicBody
@@ -19,27 +19,28 @@ from supple.quantities import (
     TrackedMotion,
     deflections,
     joint_loads,
-    largest_stress,
     node_positions,
-    observer,
     observer_of,
-    von_mises_by_end,
 )
-from supple.reduction import BodyModes, ReducedBody, clamped_modes
+from supple.reduction import BodyModes, ReducedBody
 from supple.results import without_noise
 from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
-from supple.results.run_summary import N_DRAWN_MODES
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import Traces, animate
+from supple.viz.body_pictures import (
+    draw_deformed,
+    draw_intrinsic_modes,
+    draw_modes,
+    draw_stress,
+    instants_of,
+)
 from supple.viz.body_surface import BodySurface, Look, body_surface
 from supple.viz.camera import Camera
 from supple.viz.contact_clearance import clear_of_contact
-from supple.viz.contour import plot_contour, stress_field
 from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
 from supple.viz.machine_picture import plot_machine
-from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
-from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
+from supple.viz.mesh_plot import plot_mesh
 from supple.viz.scene import Actor, obstacle_actor, scene_of
 from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
@@ -50,10 +51,6 @@ Elements = Mapping[str, FiniteElementModel]
 
 N_FRAMES = 60
 FRAMES_PER_SECOND = 12.0
-# A picture of the deformed body searches so many instants for the largest deflection.
-N_INSTANTS = 200
-# Deflections smaller than this share of the body's diagonal are drawn enlarged to it.
-VISIBLE = 0.08
 
 
 @checked_arguments
@@ -106,16 +103,16 @@ def draw_run(
         )
         if body.name in reduced:
             pictures.append(
-                _draw_modes(path("modes"), reduced[body.name], modes.get(body.name), surface, units)
+                draw_modes(path("modes"), reduced[body.name], modes.get(body.name), surface, units)
             )
         if body.name in lines:
-            pictures.append(_draw_intrinsic_modes(path("modes"), lines[body.name], surface, units))
+            pictures.append(draw_intrinsic_modes(path("modes"), lines[body.name], surface, units))
         if not body.has_frame:
             continue
-        pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
+        pictures.append(draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
         if elements is not None and has_stress(elements[body.name]):
             model = elements[body.name]
-            pictures.append(_draw_stress(path("stress"), body, model, surface, solution, units))
+            pictures.append(draw_stress(path("stress"), body, model, surface, solution, units))
     machine = draw_machine(folder / "machine.png", system, solution, meshes, units=units)
     if machine is not None:
         pictures.append(machine)
@@ -152,7 +149,7 @@ def animate_run(
 
     colouring : by default the stress where there are `elements`, and else the deflection
     """
-    chosen = _instants(solution.times, N_FRAMES)
+    chosen = instants_of(solution.times, N_FRAMES)
     chosen_colouring = colouring or (DEFLECTION if elements is None else stress_colouring(elements))
     label, factor = chosen_colouring.label(units)
     drawn, traced, coloured = _drawn(system, meshes), [], {}
@@ -278,137 +275,6 @@ def _points(
     return [Glyphs(np.empty((len(rows), 0, 2, 3)), (Mark(POINT_STYLE, own),)) for own in places]
 
 
-def _draw_modes(
-    path: Path, body: ReducedBody, modes: BodyModes | None, surface: BodySurface, units: UnitSystem
-) -> Path:
-    """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
-    if modes is not None:
-        titles = mode_titles(modes.frequencies / (2 * np.pi), units)
-        return _plot_modes(path, surface, modes.shapes, modes.rotations, titles)
-    if body.interfaces:
-        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_DRAWN_MODES)
-        titles = _of_basis(mode_titles(modes.frequencies / (2 * np.pi), units))
-        return _plot_modes(path, surface, modes.shapes, modes.rotations, titles)
-    values, vectors = np.linalg.eigh(body.stiffness)
-    titles = _of_basis(mode_titles(np.sqrt(values[:N_DRAWN_MODES]) / (2 * np.pi), units))
-    return _plot_modes(path, surface, *_linear_shapes(body, vectors[:, :N_DRAWN_MODES].T), titles)
-
-
-def _linear_shapes(body: BodyForm, amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Displacements (m, N, 3) and rotations, where nodes have them, by coordinates (m, r)."""
-    shapes = body.expand_rates(np.zeros_like(amplitudes), amplitudes)
-    if body.dofs_per_node < 6:
-        return shapes, None
-    return shapes, body.nodal_fields(amplitudes)[0].T.reshape(len(amplitudes), -1, 6)[..., 3:]
-
-
-def _plot_modes(
-    path: Path, surface: BodySurface, shapes: np.ndarray, rotations: np.ndarray | None, titles: list[str]
-) -> Path:
-    return plot_mode_shapes(
-        path,
-        surface.rest,
-        surface.skin,
-        _of_one_sign(surface.shaped(shapes, rotations)),
-        titles,
-        glyphs=lambda places: surface.glyphs(places[:, : surface.mesh.n_nodes]),
-    )
-
-
-def _of_basis(titles: list[str]) -> list[str]:
-    return [f"basis, {title}" for title in titles]
-
-
-def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
-    """Modes (m, N, 3), which have no sign, with their largest component positive.
-
-    Of several that are as large the first one counts, so that rounding does not turn a picture over.
-    """
-    components = shapes.reshape(len(shapes), -1)
-    size = np.abs(components)
-    first = np.argmax(size >= 0.999 * size.max(axis=1, keepdims=True), axis=1)
-    signs = np.where(components[np.arange(len(shapes)), first] < 0.0, -1.0, 1.0)
-    return shapes * signs[:, None, None]
-
-
-def _draw_intrinsic_modes(path: Path, body: IntrinsicBody, surface: BodySurface, units: UnitSystem) -> Path:
-    """Its lowest elastic modes on the support of its root."""
-    number = min(N_DRAWN_MODES, body.n_coordinates)
-    titles = mode_titles(body.modes.omega[body.modes.n_rigid :][:number] / (2 * np.pi), units)
-    return _plot_modes(path, surface, *_linear_shapes(body, np.eye(body.n_coordinates)[:number]), titles)
-
-
-def _draw_deformed(
-    path: Path,
-    body: BodyForm,
-    run: tuple[System, Solution],
-    bases: Mapping[str, At],
-    surface: BodySurface,
-    units: UnitSystem,
-) -> Path:
-    """The body when it is bent most, enlarged if that were too little to see."""
-    system, solution = run
-    instants, motion = _sampled(body, solution)
-    displaced = deflections(body, motion, observer_of(system, solution, body.name, bases, instants))
-    worst = int(np.argmax(np.linalg.norm(displaced, axis=2).max(axis=1)))
-    then = instants[[worst]]
-    moved = solution.bodies[body.name].at(then)
-    seen_from = observer_of(system, solution, body.name, bases, then) or observer(body, moved)
-    scale, enlarged = _enlargement(body, displaced[worst])
-    points = surface.deflections(body, moved, seen_from)[0]
-    return plot_mesh(
-        path,
-        surface.rest + scale * points,
-        surface.skin,
-        colour_by=displacement_magnitude(points, units),
-        undeformed=surface.rest,
-        glyphs=surface.glyphs((body.nodes + scale * displaced[worst])[None]),
-        title=_title(body, float(solution.times[then[0]]), enlarged, units),
-        units=units,
-    )
-
-
-def _enlargement(body: BodyForm, displaced: np.ndarray) -> tuple[float, str]:
-    """Factor that makes displacements (N, 3) large enough to see, and what to say of it."""
-    size = float(np.linalg.norm(displaced, axis=1).max())
-    diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
-    scale = max(1.0, VISIBLE * diagonal / size) if size > 0 else 1.0
-    return scale, "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
-
-
-def _title(body: BodyForm, time: float, enlarged: str, units: UnitSystem) -> str:
-    return f"{as_written(body.name)} at {measured(f't = {time:.4g}', units.time)}, deflection {enlarged}"
-
-
-def _draw_stress(
-    path: Path,
-    body: BodyForm,
-    model: FiniteElementModel,
-    surface: BodySurface,
-    solution: Solution,
-    units: UnitSystem,
-) -> Path:
-    """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
-    motion = solution.bodies[body.name]
-    worst = largest_stress(body, model, motion.coordinates).instant
-    then = motion.at(np.array([worst]))
-    stress = von_mises_by_end(body, model, then.coordinates)[0]
-    displaced = deflections(body, then)[0]
-    scale, enlarged = _enlargement(body, displaced)
-    points = surface.deflections(body, then, observer(body, then))[0]
-    return plot_contour(
-        path,
-        surface.rest + scale * points,
-        surface.skin,
-        stress_field(surface.at_points(stress[None])[0], units),
-        node_ids=surface.mesh.node_ids[surface.nodes],
-        undeformed=surface.rest,
-        glyphs=surface.glyphs((body.nodes + scale * displaced)[None]),
-        title=_title(body, float(solution.times[worst]), enlarged, units),
-        units=units,
-    )
-
-
 def _obstacle_offsets(system: System, solution: Solution, chosen: np.ndarray) -> np.ndarray:
     """How far each obstacle has moved, (t, o, 3)."""
     if not system.rigid_contacts:
@@ -475,14 +341,3 @@ def _joint_panels(system: System, solution: Solution, units: UnitSystem) -> list
         for i, axis in enumerate("xyz")
         for what, unit in columns
     ]
-
-
-def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, FloatingMotion]:
-    """Instants to search for the largest value, and the motion of a body then."""
-    instants = _instants(solution.times, N_INSTANTS)
-    return instants, solution.bodies[body.name].at(instants)
-
-
-def _instants(times: np.ndarray, number: int) -> np.ndarray:
-    """Places of at most so many times, spread evenly over all."""
-    return np.unique(np.linspace(0, len(times) - 1, number).astype(int))
