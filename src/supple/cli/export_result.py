@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,7 +123,7 @@ def _write_picture(
     stress: bool,
 ) -> None:
     case = found.case
-    of_picture = {
+    of_picture: dict[str, Any] = {
         "elements": _with_stress(case.elements, bodies) if stress else {},
         "bodies": bodies or None,
         "bases": case.bases,
