@@ -132,6 +132,15 @@ def test_reduced_bodies_of_another_run_are_refused(result):
         result_machine(result)
 
 
+@pytest.mark.parametrize("name", ["strip.h5", "strip-reduced.h5"])
+def test_the_files_of_the_result_are_not_written_over(result, name):
+    before = (result.parent / name).read_bytes()
+    done = exported(result, "-o", result.parent / name)
+    assert done.exit_code == 2
+    assert "the result is of this file" in " ".join(done.output.split())
+    assert (result.parent / name).read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("arguments", "cause"),
     [
@@ -142,6 +151,7 @@ def test_reduced_bodies_of_another_run_are_refused(result):
         (("a.csv", "--times", "0:1"), "takes FROM:TO:NUMBER"),
         (("a.csv", "--times", "0:1:3"), "no instant 0.5: it goes from 0 to 0.4"),
         (("a.vtu", "--time", "-1"), "no instant -1"),
+        (("a.vtu", "--time", "nan"), "no instant nan"),
         (("a.vtkhdf", "--body", "strap"), "did you mean 'strip'"),
     ],
 )
