@@ -6,12 +6,14 @@ import csv
 import shutil
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 from scipy.io import loadmat
 from typer.testing import CliRunner
 
 from supple.cases import read_case
+from supple.cases.modes_case import mode_case
 from supple.cases.result_machine import CASE_FILE, path_from, result_machine
 from supple.cli.main import app
 from supple.errors import ResultFileError
@@ -130,6 +132,15 @@ def test_reduced_bodies_of_another_run_are_refused(result):
         result_machine(result)
 
 
+@pytest.mark.parametrize("name", ["strip.h5", "strip-reduced.h5"])
+def test_the_files_of_the_result_are_not_written_over(result, name):
+    before = (result.parent / name).read_bytes()
+    done = exported(result, "-o", result.parent / name)
+    assert done.exit_code == 2
+    assert "the result is of this file" in " ".join(done.output.split())
+    assert (result.parent / name).read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("arguments", "cause"),
     [
@@ -140,6 +151,7 @@ def test_reduced_bodies_of_another_run_are_refused(result):
         (("a.csv", "--times", "0:1"), "takes FROM:TO:NUMBER"),
         (("a.csv", "--times", "0:1:3"), "no instant 0.5: it goes from 0 to 0.4"),
         (("a.vtu", "--time", "-1"), "no instant -1"),
+        (("a.vtu", "--time", "nan"), "no instant nan"),
         (("a.vtkhdf", "--body", "strap"), "did you mean 'strip'"),
     ],
 )
@@ -149,3 +161,20 @@ def test_mistakes_are_named(result, tmp_path, arguments, cause):
     assert done.exit_code == 2, done.output
     assert cause in " ".join(done.output.split())
     assert not (tmp_path / name).exists()
+
+
+@pytest.mark.slow
+def test_a_mode_is_written_as_a_motion(case_folder, tmp_path):
+    """One period of it, as pictures have it."""
+    for name in ("a.vtkhdf", "a.vtu"):
+        done = exported(case_folder / "strip.toml", "-o", tmp_path / name, "--mode", 1, "--body", "strip")
+        assert done.exit_code == 0, done.output
+    system, motion = mode_case(read_case(case_folder / "strip.toml"), 1, time=0.0)
+    positions = system.bodies[0].body.positions(motion.bodies["strip"])
+    with h5py.File(tmp_path / "a.vtkhdf") as file:
+        points, moved = (file[f"VTKHDF/{name}"][()] for name in ("Points", "PointData/displacement"))
+    assert abs(moved).max() > 0.02
+    np.testing.assert_allclose(points + moved.reshape(24, -1, 3), positions, atol=1e-7)
+    assert read_mesh(tmp_path / "a.vtu").n_cells
+    wrong = exported(case_folder / "strip.toml", "-o", tmp_path / "a.csv", "--mode", 1)
+    assert "--mode is of a case" in wrong.output

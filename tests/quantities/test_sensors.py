@@ -45,6 +45,7 @@ from supple.quantities import (
     StressSensor,
     VelocitySensor,
     VonMises,
+    read_in_parts,
     read_sensors,
 )
 from supple.simulation import equilibrium, simulate
@@ -101,6 +102,19 @@ def test_the_angle_of_a_joint_is_the_law_of_its_motion_over_whole_turns(spun):
     np.testing.assert_allclose([slide, speed], 0.0, atol=1e-8)
     turning = read(AngularVelocitySensor("root", At("blade", "root")), spun)
     np.testing.assert_allclose(turning[:, 2], rate, atol=1e-9)
+
+
+def test_readings_of_parts_are_those_of_the_whole(spun):
+    """Two turns, counted across the parts."""
+    system, whole = spun
+    sensors = [JointMotionSensor("hub", "hub"), PositionSensor("tip", Place("blade", "tip"))]
+    parts = (whole.at(slice(start, start + 150)) for start in range(0, len(whole.times), 150))
+    found, expected = read_in_parts(sensors, system, parts), read_sensors(sensors, system, whole)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one.times, other.times)
+        np.testing.assert_allclose(one.values, other.values, rtol=1e-12, atol=1e-12)
+    with pytest.raises(ModelError, match="there is no instant to read"):
+        read_in_parts(sensors, system, [])
 
 
 def test_a_deflection_is_a_position_seen_from_the_root(spun):

@@ -51,3 +51,9 @@ def test_a_damaged_chunk_is_found_before_it_is_given_out(path, monkeypatch):
     with pytest.raises(ResultFileError, match="damaged"):
         given.extend(parts)  # HDF5's own sums may find it, or the seal
     assert len(given) <= 7
+
+
+def test_a_run_without_output_times_is_named(tmp_path):
+    ResultFile.create(tmp_path / "run.h5", case="made up").close()
+    with pytest.raises(ResultFileError, match="holds no output times"):
+        ResultParts(tmp_path / "run.h5")

@@ -20,7 +20,7 @@ from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
 from supple.error import Missed, correct_statically
 from supple.errors import CaseError
-from supple.integrate import StepProgress
+from supple.integrate import Solution, StepProgress
 from supple.linearization import (
     CampbellDiagram,
     LinearMachine,
@@ -38,7 +38,7 @@ from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
-__all__ = ["campbell_case", "modes_case"]
+__all__ = ["campbell_case", "mode_case", "modes_case"]
 
 AMPLITUDE = 0.1
 """Of a drawn mode, as a share of the machine's size."""
@@ -75,11 +75,7 @@ def modes_case(
     check_drawing(case)
     warn_of_units(case)
     progress("linearising", 0.0)
-    system, spin = analysed_system(case, allow_code=allow_code), spin_of(case)
-    fulls = None if errors or case.starts else ()
-    if case.starts:
-        system = _accurate(case, system, (spin,), n_modes, time)
-    modes = machine_modes(linearize(system, time=time, spin=spin, fulls=fulls), n_modes)
+    modes = found_modes(case, n_modes, time=time, errors=errors, allow_code=allow_code)
     progress("linearising", 1.0)
     numbers = {"title": case.title, "time": time, **_numbers(case, modes)}
     with file_errors("make the folder", folder):
@@ -102,6 +98,25 @@ def modes_case(
     if case.tables.output.pictures or case.tables.output.animation:
         _draw(case, modes, folder, progress)
     return modes, numbers
+
+
+def found_modes(case: Case, n_modes: int, *, time: float, errors: bool, allow_code: bool) -> MachineModes:
+    """Modes of a case's machine; parameters and errors as of `modes_case`."""
+    system, spin = analysed_system(case, allow_code=allow_code), spin_of(case)
+    fulls = None if errors or case.starts else ()
+    if case.starts:
+        system = _accurate(case, system, (spin,), n_modes, time)
+    return machine_modes(linearize(system, time=time, spin=spin, fulls=fulls), n_modes)
+
+
+def mode_case(case: Case, number: int, *, time: float) -> tuple[System, Solution]:
+    """A mode of a case's machine, without its controllers, as a motion; errors as of `modes_case`.
+
+    number : from 1, the slowest; its phase 0 comes first
+    """
+    modes = found_modes(case, number, time=time, errors=False, allow_code=False)
+    system = modes.machine.system
+    return system, mode_motion(modes, number - 1, amplitude=AMPLITUDE * system_length(system))
 
 
 def campbell_case(

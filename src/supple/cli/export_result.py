@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from supple.errors import ArgumentError, ModelError, ResultFileError
 from supple.export import TABLE_SUFFIXES, write_readings, write_vtkhdf, write_vtu
 from supple.fem import FiniteElementModel, stress_recovery
 from supple.quantities import read_in_parts
+from supple.simulation.kept_bodies import kept_path
 from supple.storage import ResultParts
 from supple.terminal import console, say, worded
 from supple.units import measured
@@ -51,8 +53,10 @@ def export_result(
     with console.status("reading") as status:
         found = result_machine(path, case_file, lambda step, detail="": status.update(worded(step, detail)))
         check_not_an_input(found.case, [target])
-        if target.exists() and target.samefile(path):
-            raise ResultFileError(f"cannot write {target}: it is the result itself; give another name (-o)")
+        if target.resolve() in {path.resolve(), *_bodies_beside(found, path)}:
+            raise ResultFileError(
+                f"cannot write {target}: the result is of this file, which would be lost; write another (-o)"
+            )
         rows = _rows(found.run.times, suffix, time, times)
         run = ResultParts(path, rows)
         status.update("writing")
@@ -63,6 +67,11 @@ def export_result(
             _write_picture(target, suffix, found, run, bodies, stress=stress)
     instants = f"{len(rows)} instants" if len(rows) > 1 else f"t = {run.times[0]:g}"
     say(f"{instants if len(rows) > 1 else measured(instants, found.case.units.time)} written to {target}")
+
+
+def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
+    """Files of the reduced bodies that its motion means."""
+    return {kept_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
 
 
 def _check_options(
@@ -91,17 +100,13 @@ def _rows(
         wanted = _spread(times)
     else:
         return np.arange(len(there))
-    beyond = wanted[(wanted < there[0] - _step(there)) | (wanted > there[-1] + _step(there))]
+    half = float(np.diff(there).max(initial=0.0)) / 2
+    beyond = wanted[~((wanted >= there[0] - half) & (wanted <= there[-1] + half))]
     if beyond.size:
         raise ArgumentError(
             f"the run has no instant {beyond[0]:g}: it goes from {there[0]:g} to {there[-1]:g}"
         )
-    return np.unique(np.abs(there - wanted[:, None]).argmin(axis=1))
-
-
-def _step(there: NDArray[np.float64]) -> float:
-    """Half an output step, by which an instant may be off."""
-    return float(np.diff(there).max(initial=0.0)) / 2
+    return np.unique(np.searchsorted((there[1:] + there[:-1]) / 2, wanted))
 
 
 def _spread(times: str) -> NDArray[np.float64]:
@@ -122,7 +127,7 @@ def _write_picture(
     stress: bool,
 ) -> None:
     case = found.case
-    of_picture = {
+    of_picture: dict[str, Any] = {
         "elements": _with_stress(case.elements, bodies) if stress else {},
         "bodies": bodies or None,
         "bases": case.bases,

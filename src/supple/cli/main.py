@@ -176,7 +176,7 @@ def export(
             "-o",
             "--output",
             help="File to write. Of a result: FILE.vtkhdf (ParaView), .vtu (one instant), .csv, .mat, .outb, "
-            ".nc or .h5 (tables). Of a case: a deck, FILE.inp.",
+            ".nc or .h5 (tables). Of a case: a deck, FILE.inp; of a mode FILE.vtkhdf or .vtu.",
         ),
     ],
     body: Annotated[
@@ -186,6 +186,10 @@ def export(
     time: Annotated[
         float | None,
         typer.Option(help="Instant of a .vtu or of a deck's loads; the end of the run if left out."),
+    ] = None,
+    mode: Annotated[
+        int | None,
+        typer.Option(min=1, help="Which mode of a case's machine, for ParaView; 1: the slowest."),
     ] = None,
     times: Annotated[
         str | None, typer.Option(help="FROM:TO:NUMBER: so many instants of a result; all if left out.")
@@ -201,12 +205,16 @@ def export(
     ] = False,
     debug: Debug = False,
 ) -> None:
-    """Write a run for ParaView or as a table; or of a case a body under its loads as a deck.
+    """Write a run for ParaView or as a table; of a case a mode, or a body under its loads as a deck.
 
     A deck (Abaqus, CalculiX) is of one body, clamped where joints hold it.
     """
     with reported_errors(debug=debug), reported_warnings():
-        if path.suffix.lower() == ".toml":
+        if mode is not None:
+            from supple.cli.export_mode import export_mode
+
+            export_mode(path, output, mode, bodies=body, time=time or 0.0)
+        elif path.suffix.lower() == ".toml":
             from supple.cli.export_case import export_case
 
             export_case(path, output, body=body, time=time, abaqus=abaqus)

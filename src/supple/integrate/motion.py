@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar, Protocol, Self, TypeVar
+from types import MappingProxyType
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
 from supple.integrate.error_statement import ErrorStatement
+from supple.optional_packages import optional_package
 from supple.summary import Summarized, Summary
 
 __all__ = ["FloatingMotion", "Motion", "StackedMotion", "motion_from_arrays", "register_motion"]
@@ -51,6 +53,8 @@ class StackedMotion(Summarized):
     """A motion all of whose fields are arrays with one row per output time."""
 
     kind: ClassVar[str]
+    dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    """Of a field, behind the time; ("axis",) of those that are not named."""
 
     def summary(self) -> Summary:
         """Of every array its shape and the largest size of a value."""
@@ -70,6 +74,19 @@ class StackedMotion(Summarized):
         """The fields by name."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
+    def to_xarray(self, times: np.ndarray) -> Any:
+        """An `xarray.Dataset` of the fields over `time`.
+
+        times : (t,), of the solution that the motion is of
+        Raises MissingPackageError where xarray is not installed.
+        """
+        xarray = optional_package("xarray", "a data set", "xarray")
+        variables = {
+            name: (("time", *self.dimensions.get(name, ("axis",))), array)
+            for name, array in self.arrays().items()
+        }
+        return xarray.Dataset(variables, coords={"time": times})
+
 
 @register_motion
 @dataclass(frozen=True, repr=False)
@@ -77,6 +94,14 @@ class FloatingMotion(StackedMotion):
     """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
 
     kind: ClassVar[str] = "floating"
+    dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {
+            "rotation": ("axis", "body_axis"),
+            "coordinates": ("coordinate",),
+            "coordinate_rates": ("coordinate",),
+            "coordinate_accelerations": ("coordinate",),
+        }
+    )
 
     position: np.ndarray
     """(t, 3) frame origin, global components."""

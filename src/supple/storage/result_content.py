@@ -194,8 +194,9 @@ class ResultContent:
 
     @property
     def times(self) -> Array:
-        """All output times, (t,); errors as of `header`."""
+        """All output times, (t,); errors as of `solution`."""
         n_times = self.header.n_times
+        self._check_not_empty()
         return self._checked("times", np.dtype(np.float64), (), rows=n_times)[:n_times]
 
     def _check_sound(self, number: int, span: tuple[int, int]) -> None:

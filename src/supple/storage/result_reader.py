@@ -48,7 +48,7 @@ def read_solution(path: Path | str) -> Solution:
 
 
 def read_times(path: Path | str) -> NDArray[np.float64]:
-    """The output times (t,) alone; errors as for `read_header`."""
+    """The output times (t,) alone; errors as for `read_solution`."""
     return _read(Path(path), lambda content: content.times)
 
 

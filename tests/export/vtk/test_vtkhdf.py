@@ -12,7 +12,8 @@ from supple.export import write_vtkhdf
 from supple.export.vtk import vtkhdf
 from supple.export.vtk.cells import cells_of
 from supple.export.vtk.pieces import pieces_of
-from supple.machine import Placed, System
+from supple.integrate import FloatingMotion, Solution, Statistics
+from supple.machine import GROUND, Placed, Revolute, System
 from supple.mesh import CellType, Mesh, block
 from supple.quantities import deflections, observer_of, von_mises_history
 from supple.results.explicit_fields import element_means
@@ -151,6 +152,21 @@ def test_chosen_bodies_and_instants(machine, meshes, tmp_path):
     assert list(found) == ["full"]
     assert set(found["full"]) == {"points", "displacement", "deflection", "body"}
     assert found["full"]["displacement"].shape == (2, len(meshes["full"].nodes), 3)
+
+
+def test_a_body_may_be_named_as_the_joints_are(tmp_path):
+    bar = RigidBody("joints", 1.0, np.ones(3), np.eye(3), {"pin": np.zeros(3)})
+    system = System([Placed(bar)], [Revolute(name="pin", first=GROUND, second="joints.pin", axis=(0, 0, 1))])
+    moved = np.array([[3.0, 0.0, 0.0]])
+    still, none = np.zeros((1, 3)), np.zeros((1, 0))
+    motion = FloatingMotion(moved, np.eye(3)[None], none, still, still, none, still, still, none)
+    path = write_vtkhdf(
+        tmp_path / "a.vtkhdf", system, Solution(np.zeros(1), {"joints": motion}, {}, Statistics())
+    )
+    with h5py.File(path) as file:
+        displacement = file["VTKHDF/PointData/displacement"][()]
+        assert file["VTKHDF/NumberOfPoints"][1] == 1
+    np.testing.assert_array_equal(displacement, np.tile(moved, (len(displacement), 1)))
 
 
 def test_a_full_disk_leaves_what_was_there(machine, meshes, tmp_path, monkeypatch):

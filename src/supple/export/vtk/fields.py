@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -39,7 +38,7 @@ class Field:
     width : numbers of a value
     kind : of the numbers in a file
     absent : value of the pieces that have no such field
-    evaluators : by name of the piece
+    evaluators : by piece; the others have no such field
     """
 
     name: str
@@ -47,7 +46,7 @@ class Field:
     width: int
     kind: np.dtype
     absent: float
-    evaluators: Mapping[str, Evaluator]
+    evaluators: Mapping[Piece, Evaluator]
 
 
 def fields_of(
@@ -58,28 +57,24 @@ def fields_of(
     units: UnitSystem,
 ) -> tuple[Field, ...]:
     """Displacement and deflection; where there are such, stress, plastic strain and deleted cells."""
-    bodies = {piece.name: piece for piece in pieces if piece.body is not None}
-    framed = {name: piece for name, piece in bodies.items() if _form(piece).has_frame}
-    deleting = {name: piece for name, piece in bodies.items() if name not in framed}
+    bodies = [piece for piece in pieces if piece.body is not None]
+    framed = [piece for piece in bodies if _form(piece).has_frame]
+    deleting = [piece for piece in bodies if not _form(piece).has_frame]
     unit, factor = units.stress_shown
     fields = [
-        _field(
-            labelled("displacement", units.length),
-            3,
-            {piece.name: _displacement(piece) for piece in pieces},
-        ),
+        _field(labelled("displacement", units.length), 3, {piece: _displacement(piece) for piece in pieces}),
         _field(
             labelled("deflection", units.length),
             3,
-            {name: _deflection(system, piece, bases) for name, piece in framed.items()},
+            {piece: _deflection(system, piece, bases) for piece in framed},
         ),
         _field(
             labelled("von Mises stress", unit),
             1,
             {
-                name: _stress(piece, elements[name], factor)
-                for name, piece in bodies.items()
-                if name in elements
+                piece: _stress(piece, elements[piece.name], factor)
+                for piece in bodies
+                if piece.name in elements
             },
         ),
         Field(
@@ -88,7 +83,7 @@ def fields_of(
             width=1,
             kind=np.dtype("<f4"),
             absent=np.nan,
-            evaluators={name: _of_elements(piece, "plastic_strain") for name, piece in deleting.items()},
+            evaluators={piece: _of_elements(piece, "plastic_strain") for piece in deleting},
         ),
         Field(
             GHOSTS,
@@ -96,15 +91,15 @@ def fields_of(
             width=1,
             kind=np.dtype("u1"),
             absent=0,
-            evaluators={name: _hidden(piece) for name, piece in deleting.items()},
+            evaluators={piece: _hidden(piece) for piece in deleting},
         ),
     ]
     return tuple(field for field in fields if field.evaluators)
 
 
-def _field(name: str, width: int, evaluators: Mapping[str, Evaluator]) -> Field:
-    kind = np.dtype("<f4")
-    return Field(name, False, width, kind, np.nan, MappingProxyType(dict(evaluators)))
+def _field(name: str, width: int, evaluators: Mapping[Piece, Evaluator]) -> Field:
+    """At points, in single precision."""
+    return Field(name, False, width, np.dtype("<f4"), np.nan, evaluators)
 
 
 def _form(piece: Piece) -> Any:

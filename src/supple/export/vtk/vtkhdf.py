@@ -173,7 +173,7 @@ def _write_part(
 
 def values_of(field: Field, piece: Piece, part: Solution, positions: Array) -> NDArray:
     """Values (t, n) or (t, n, width) of a field on a piece, as they stand in a file."""
-    evaluate = field.evaluators.get(piece.name)
+    evaluate = field.evaluators.get(piece)
     if evaluate is not None:
         return np.asarray(evaluate(part, positions)).astype(field.kind)
     shape = (len(part.times), _n_rows(piece, field), field.width)[: 2 + (field.width > 1)]
