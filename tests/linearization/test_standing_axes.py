@@ -116,7 +116,7 @@ class TestRigidRotor:
         diagram = campbell_diagram(self.machine(soft), [Spin(rate, X) for rate in rates], n_modes=6)
         _, centre = self.exact(1.0, soft)
         found = [each.rate for each in diagram.critical_speeds]
-        # A backward tilt of the soft side crosses too; lines are exact for what does not depend on W.
+        # A backward tilt crosses too; straight lines are exact for what does not depend on W.
         for each in centre:
             assert min(abs(np.array(found) - each)) < 1e-6 * each
         assert len(found) == (1 if like else 3)

@@ -105,12 +105,14 @@ def _frequency(value: float) -> str:
 
 def _mode_table(numbers: dict[str, Any]) -> _Table:
     unit = numbers["units"].get("frequency", "")
+    turns = numbers["axes"] != STANDING
     whirls = any(mode["frequency in space"] is not None for mode in numbers["modes"])
     rows = []
     for number, mode in enumerate(numbers["modes"], start=1):
         body, share = max(mode["kinetic_share"].items(), key=lambda item: item[1])
         space = mode["frequency in space"]
-        whirl = [mode["whirl"], "" if space is None else _frequency(space)] if whirls else []
+        whirl = [mode["whirl"]] if whirls else []
+        whirl += ["" if space is None else _frequency(space)] if whirls and turns else []
         rows.append(
             [
                 str(number),
@@ -123,8 +125,8 @@ def _mode_table(numbers: dict[str, Any]) -> _Table:
                 "unstable" if mode["unstable"] else "",
             ]
         )
-    in_space = ["whirl", headed("in space", unit)] if whirls else []
-    heads = ["mode", "motion", headed("frequency", unit), *in_space, "error, %", "damping, %"]
+    whirl = ["whirl", headed("in space", unit)][: 1 + turns] if whirls else []
+    heads = ["mode", "motion", headed("frequency", unit), *whirl, "error, %", "damping, %"]
     floquet = " (Floquet's modes, of equations that change as it turns)" if numbers["periodic"] else ""
     title = f"Modes of the machine, in axes {numbers['axes']}{floquet}"
     return title, [*heads, "moves most", "stability"], rows

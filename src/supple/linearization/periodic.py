@@ -8,7 +8,7 @@ Harmonics of the matrices and of the mode give one quadratic eigenvalue problem 
 
 Each mode appears once for every harmonic, at s + i h r; of these that one is kept whose motion has its mean
 harmonic nearest to zero: its frequency is the one at which most of the motion is seen.
-Source: [Hill1886]; [Genta2005] section 6.4 for rotors.
+Source: Hill's determinant; [Hammond1974] for rotors whose equations stay periodic.
 """
 
 from __future__ import annotations

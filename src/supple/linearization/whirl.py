@@ -79,10 +79,12 @@ def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
         axes, arm = placed.rotation.T, placed.position - spin.point
         rigid[start : start + 3, :3] = rigid[start + 3 : start + 6, 3:] = axes
         rigid[start : start + 3, 3:] = np.cross(arm, axes)
-    whole = np.stack([rigid[:, :3] @ directions.T, rigid[:, 3:] @ directions.T])
-    weighted = machine.full_mass @ shapes
-    sizes = np.sqrt(np.einsum("jnd,jnd->j", whole, machine.full_mass @ whole) / 2)
-    moments = np.einsum("jnd,nk->djk", whole, weighted) / sizes[:, None]
+    # Columns: translation along both, rotation about both.
+    whole = np.hstack([rigid[:, :3] @ directions.T, rigid[:, 3:] @ directions.T])
+    squares = np.einsum("nj,nj->j", whole, machine.full_mass @ whole)
+    sizes = np.sqrt(np.repeat(squares.reshape(2, 2).mean(axis=1), 2))
+    moments = (whole / sizes).T @ (machine.full_mass @ shapes)
+    moments = moments.reshape(2, 2, -1).transpose(1, 0, 2)
     points = [_on_axis(machine, placed, shapes, directions) for placed, _ in turning]
     found = np.concatenate([moments, *points], axis=1)
     return found[0], found[1]
