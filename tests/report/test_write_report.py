@@ -1,15 +1,17 @@
 """What a page holds of a run: places of nodes and marks, curves, tables; and nothing that it would fetch."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from fixtures.moving_machines import MESH, eroding, two_bodies
+from fixtures.moving_machines import MESH, N_TIMES, eroding, two_bodies
 from fixtures.report_page import ReadPage
 
 import supple as sp
 from supple.integrate import Solution, Statistics
-from supple.machine import GROUND, At
+from supple.machine import GROUND, At, DeadForce, FollowerPressure
+from supple.mesh import CellType
 from supple.quantities import deflections, joint_loads, tracked_motion, von_mises_history
 from supple.report import write_report
 from supple.units import SI
@@ -149,3 +151,21 @@ def test_a_run_that_stopped_says_why(tmp_path, machine):
 
 def test_ground_is_no_body(page):
     assert GROUND.body not in [body["name"] for body in page.head["scene"]["bodies"]]
+
+
+def test_a_pressure_is_its_sum_and_a_force_on_each_node_too(tmp_path, clamped_blade):
+    """A flat patch of 0.1 by 1 m whose normal turns with the blade; five newtons on each of two nodes."""
+    system, solution = two_bodies(clamped_blade)
+    faces = MESH.cells[CellType.TRIANGLE3]
+    loads = [
+        FollowerPressure(body="blade", faces=faces, pressure=30.0),
+        DeadForce(body="blade", at=[0, 1], force=(0.0, 5.0, 0.0)),
+    ]
+    still = replace(system, loads=loads)
+    flat = {"blade": replace(solution.bodies["blade"], coordinates=0 * solution.bodies["blade"].coordinates)}
+    run = replace(solution, bodies=solution.bodies | flat)
+    page = ReadPage(write_report(tmp_path / "run.html", still, run, {"blade": MESH}))
+    pressure, force = (page.array(arrow["values"]).T for arrow in page.head["scene"]["arrows"])
+    normal = solution.bodies["blade"].rotation[:, :, 2]
+    assert np.abs(pressure) == pytest.approx(np.abs(30.0 * 0.1 * normal), abs=1e-5)
+    assert force == pytest.approx(np.tile([0.0, 10.0, 0.0], (N_TIMES, 1)))

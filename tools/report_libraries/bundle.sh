@@ -4,7 +4,7 @@
 set -eu
 cd "$(dirname "$0")"
 npm ci --ignore-scripts
-page=../../src/supple/report/page
+assets=../../src/supple/report/assets
 {
   for library in three uplot; do
     printf '/* %s %s\n\n' "$library" "$(node -p "require('./node_modules/$library/package.json').version")"
@@ -13,5 +13,5 @@ page=../../src/supple/report/page
   done
   npx esbuild libraries.js --bundle --minify --format=iife --global-name=Libraries --target=es2021 \
     --legal-comments=none --log-level=warning
-} > "$page/libraries.js"
-cp node_modules/uplot/dist/uPlot.min.css "$page/libraries.css"
+} > "$assets/libraries.js"
+cp node_modules/uplot/dist/uPlot.min.css "$assets/libraries.css"

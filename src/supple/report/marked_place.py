@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from supple.body import BodyForm
 from supple.integrate import Solution
-from supple.machine import GROUND, At, DeadForce, ForceElement, Pose, System
+from supple.machine import GROUND, At, DeadForce, ForceElement, NodalLoad, Pose, System
 from supple.quantities import node_positions
 from supple.quantities.end_motion import both_ends
 
@@ -88,7 +88,7 @@ def links_of(system: System, solution: Solution) -> Iterator[Link]:
 def arrows_of(system: System, solution: Solution) -> Iterator[Arrow]:
     """Forces and torques at one interface, or at some nodes, over time."""
     for load in system.loads:
-        if isinstance(load, DeadForce):
+        if isinstance(load, NodalLoad):
             yield _arrow_of_nodes(system, solution, load)
         elif isinstance(load, ForceElement) and _acts_alone(load):
             ends = both_ends(system, solution, load, load.label)
@@ -122,18 +122,36 @@ def _place(system: System, end: At, pose: Pose) -> MarkedPlace:
     return MarkedPlace(end.body, points, system.placed(end.body).body.interface(end.interface).position, axes)
 
 
-def _arrow_of_nodes(system: System, solution: Solution, load: DeadForce) -> Arrow:
-    """The sum of the forces, at the interface or the mean of the nodes."""
+def _arrow_of_nodes(system: System, solution: Solution, load: NodalLoad) -> Arrow:
+    """The sum of its forces, at the interface or at the mean of the nodes."""
     body: BodyForm = system.placed(load.body).body
     motion = solution.bodies[load.body]
-    values = np.asarray(
-        jax.vmap(lambda time: jnp.asarray(load.law(time), dtype=float))(jnp.asarray(solution.times))
-    )
-    if isinstance(load.at, str):
-        points, rest = body.interface_motion(motion, load.at).position, body.interface(load.at).position
+    if isinstance(load, DeadForce) and isinstance(load.at, str):
+        places = body.interface_motion(motion, load.at).position[:, None]
+        rest = body.interface(load.at).position
     else:
-        points = node_positions(body, motion, load.nodes).mean(axis=1)
-        rest = body.nodes[load.nodes].mean(axis=0)
-        values = values.sum(axis=1) if values.ndim == 3 else values * len(load.nodes)
+        places, rest = node_positions(body, motion, load.nodes), body.nodes[load.nodes].mean(axis=0)
+    dimensions = len(load.value_shapes[0])
+    values = np.asarray(_sums(type(load), dimensions, load.law, load.facets, places, solution.times))
+    points = places.mean(axis=1)
     axes = np.broadcast_to(np.eye(3), (len(points), 3, 3))
     return Arrow(load.label, "force", MarkedPlace(load.body, points, rest, axes), values)
+
+
+@partial(jax.jit, static_argnums=(0, 1))
+def _sums(
+    kind: type[NodalLoad], dimensions: int, law: Any, facets: Any, places: Any, times: Any
+) -> jax.Array:
+    """Sums (t, 3) of the forces on all facets, whose nodes are at places (t, k, 3) in space.
+
+    dimensions : of the law's value for one facet; one more where each facet has its own
+    """
+
+    def at(instant: tuple[jax.Array, jax.Array]) -> jax.Array:
+        corners, time = instant
+        value = jnp.asarray(law(time), dtype=float)
+        of_each = 0 if value.ndim > dimensions else None
+        forces = jax.vmap(kind.facet_forces, (0, None, of_each))(corners[facets], jnp.eye(3), value)
+        return forces.sum(axis=(0, 1))
+
+    return jax.lax.map(at, (jnp.asarray(places), jnp.asarray(times)))

@@ -152,17 +152,16 @@ def _possible(
 def _scales(
     bodies: Sequence[MovingBody], colourings: Mapping[str, Colouring], units: UnitSystem
 ) -> dict[str, FieldScale]:
-    """Of the fields that there are, the deflection first."""
+    """Of the fields that there are: stress, which is there only where it is asked for, comes first."""
+    largest = {"deflection": [body.largest_displacement for body in bodies]}
+    for name in colourings:
+        largest[name] = [body.fields[name].largest for body in bodies if name in body.fields]
     scales = {}
-    if bodies:
-        label, factor = DEFLECTION.label(units)
-        scales["deflection"] = FieldScale(label, factor, 0.0, max(b.largest_displacement for b in bodies))
-    for name, colouring in colourings.items():
-        fields = [body.fields[name] for body in bodies if name in body.fields]
-        if fields:
+    for name, colouring in {**colourings, "deflection": DEFLECTION}.items():
+        if largest[name]:
             label, factor = colouring.label(units)
-            scales[name] = FieldScale(label, factor, 0.0, factor * max(each.largest for each in fields))
-    return scales
+            scales[name] = FieldScale(label, factor, 0.0, factor * max(largest[name]))
+    return dict(sorted(scales.items(), key=lambda item: item[0] == "plastic strain"))
 
 
 def _obstacles(system: System, solution: Solution, seen: Array) -> Iterator[MovingObstacle]:

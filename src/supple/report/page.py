@@ -101,7 +101,7 @@ def write_page(path: Path | str, page: Page) -> Path:
 
 
 def _source(name: str) -> str:
-    return files("supple.report").joinpath("page", name).read_text(encoding="utf-8")
+    return files("supple.report").joinpath("assets", name).read_text(encoding="utf-8")
 
 
 def _player() -> str:

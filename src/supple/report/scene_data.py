@@ -20,7 +20,7 @@ __all__ = ["chart_data", "scene_data"]
 Array = NDArray[np.float64]
 
 _LEVELS = 32767
-_STEP = 1e-5
+_STEP = 1.5e-5
 """Of a field's largest number: the step that amplitudes times shapes are rounded to, if 16 bits reach it."""
 _STEP_OF_FIELD = 1e-3
 """The same of fields that colour."""

@@ -117,7 +117,7 @@ function clicks(player) {
 function keys(player) {
   const press = (id) => () => element(id).click();
   const actions = { " ": () => player.play(), ArrowLeft: press("back"), ArrowRight: press("on"), l: press("loop"), L: press("loop"),
-    Home: () => player.seek(0), End: () => player.seekRow(player.clip.number - 1), Escape: () => player.pick(-1, -1) };
+    Home: () => player.seek(0), End: () => player.seekRow(player.clip.number - 1), Escape: () => player.pick(NaN, NaN) };
   for (const [key, view] of Object.entries({ f: "fit", x: "+x", y: "+y", z: "+z", X: "-x", Y: "-y", Z: "-z" })) actions[key] = () => player.view.look(view);
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "SELECT", "SUMMARY", "BUTTON"].includes(event.target.tagName)) return;

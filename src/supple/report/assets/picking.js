@@ -42,7 +42,8 @@ function projected(body, camera, root, gain) {
 function weightsIn(screen, [a, b, c], x, y) {
   const [ax, ay, bx, by, cx, cy] = [a, b, c].flatMap((node) => [screen[3 * node] - x, screen[3 * node + 1] - y]);
   const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
-  if (!area) return null;
+  // What is behind the camera is projected, too, beyond the depth of all that is seen.
+  if (!area || Math.max(screen[3 * a + 2], screen[3 * b + 2], screen[3 * c + 2]) > 1) return null;
   const weights = [(bx * cy - by * cx) / area, (cx * ay - cy * ax) / area, (ax * by - ay * bx) / area];
   return weights.every((w) => w >= 0) ? weights : null;
 }

@@ -51,7 +51,7 @@ class Curves {
     tip.className = "tip";
     tip.hidden = true;
     chart.graph = new uPlot({
-      width: Math.max(260, plot.clientWidth || this.list.clientWidth - 8), height: 190, scales: { x: { time: false } },
+      width: Math.max(260, plot.clientWidth || this.list.clientWidth - 8), height: document.body.classList.contains("played") ? 190 : 420, scales: { x: { time: false } },
       axes: [{ ...axis(data.over || timeLabel()), size: 34, values: ticks }, { ...axis(data.label), size: 64, values: ticks }],
       series: [{ label: data.over || timeLabel(), value: shown },
         ...data.names.map((label, i) => ({ label, stroke: CURVES[i % CURVES.length], width: 1.4, value: shown, dash: i < CURVES.length ? [] : [6, 4], points: { show: data.abscissa.length < 30 } }))],
