@@ -201,6 +201,8 @@ def test_matrices_beside_elements(deck):
     ]
     direct = deck(control.replace("K2GG = 2.0*", "K2PP = ") + SQUARE + cards + "ENDDATA\n")
     assert "K2PP = KADD" in direct.left_out[0].meaning
+    (absent,) = deck(control + SQUARE + cards.replace("KADD", "KSUM") + "ENDDATA\n").left_out
+    assert (absent.card, absent.meaning) == ("K2GG", "case control adds KADD, and the file has no such DMIG")
 
 
 # --- parameters
