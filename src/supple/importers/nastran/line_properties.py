@@ -111,7 +111,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
             _number(card, word, start) for word, start in zip((*row[2:8], *[""] * 6)[:6], at_a, strict=True)
         ]
         if place == 1.0:
-            at_b, points_b = values, points or points_a
+            at_b, points_b = values, points if any(points) else points_a
         else:
             between = True
     if between:
