@@ -163,7 +163,7 @@ def test_the_centrifugal_force_of_a_rotating_beam():
 
 
 def test_a_distributed_load_converges():
-    """Clamped at both ends: M = q L^2 / 12 with the square of the length of elements, V = q L / 2 linearly."""
+    """Clamped at both ends: M = q L^2 / 12 with the square of an element's length, V = q L / 2 linearly."""
     errors = []
     for n in (4, 8, 16):
         model = shell_model(straight(n, 1.0), RECTANGLE)
