@@ -87,12 +87,12 @@ def modes_case(
         write_modes_report(
             folder / f"{case.path.stem}-modes.html",
             modes,
-            case.drawn,
+            case.meshes,
             axes=numbers["axes"],
             chosen=_drawn(modes),
             title=f"{case.title}: modes",
             bases=case.bases,
-            inputs=case_texts(case),
+            inputs=case_texts(case, case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures or case.tables.output.animation:
@@ -151,7 +151,7 @@ def campbell_case(
             diagram,
             axes=numbers["axes"],
             title=f"{case.title}: Campbell diagram",
-            inputs=case_texts(case),
+            inputs=case_texts(case, case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures:

@@ -11,6 +11,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import System
 from supple.quantities import Reading, TrackedMotion
+from supple.storage.run_inputs import Inputs
 
 __all__ = ["case_texts", "coloured_elements", "page_path", "write_run_page"]
 
@@ -36,6 +37,7 @@ def write_run_page(
     readings: Sequence[Reading],
     numbers: Mapping[str, Any],
     rounds: Sequence[Mapping[str, Any]],
+    inputs: Inputs,
     progress: StepProgress,
 ) -> None:
     """Write `report.html`, unless the case does without."""
@@ -48,7 +50,7 @@ def write_run_page(
         page_path(folder),
         system,
         solution,
-        case.drawn,
+        case.meshes,
         title=case.title,
         tracked=tracked,
         readings=readings,
@@ -56,14 +58,13 @@ def write_run_page(
         bases=case.bases,
         numbers=numbers,
         rounds=rounds,
-        inputs=case_texts(case),
+        inputs=case_texts(case, inputs),
         units=case.units,
     )
     progress("writing the report", 1.0)
 
 
-def case_texts(case: Case) -> dict[str, str]:
-    """The case file as it stands, and which contents of the files it names were read."""
-    digests = {name: value for name, value in case.inputs.items() if name.startswith("the file ")}
-    listed = "\n".join(f"{name.removeprefix('the file ')}  {value}" for name, value in digests.items())
-    return {case.path.name: case.text} | ({"files that it names": listed} if listed else {})
+def case_texts(case: Case, inputs: Inputs) -> dict[str, str]:
+    """The case file as it stands, and digests of the files it names, as they were when it was read."""
+    listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith("the file ")]
+    return {case.path.name: case.text} | ({"files that it names": "\n".join(listed)} if listed else {})

@@ -70,7 +70,7 @@ def run_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CaseResult:
-    """Run a case and write its results (HDF5, JSON) and, if it asks for them, its pictures into `folder`.
+    """Run a case and write its results (HDF5, JSON) and, if it asks for them, its report and pictures into `folder`.
 
     Parameters
     ----------
@@ -194,6 +194,7 @@ def _run_case(
         readings=readings,
         numbers=numbers,
         rounds=result.rounds,
+        inputs=inputs,
         progress=progress,
     )
     beside.finish(drawing_of(case, system, solution, tracked, folder), progress)

@@ -173,12 +173,12 @@ def static_case(
         write_static_report(
             folder / f"{case.path.stem}-static.html",
             found,
-            case.drawn,
+            case.meshes,
             numbers,
             title=f"{case.title}: equilibrium",
             elements=coloured_elements(case, found.system),
             bases=case.bases,
-            inputs=case_texts(case),
+            inputs=case_texts(case, case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures:

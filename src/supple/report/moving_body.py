@@ -129,7 +129,7 @@ def moving_body(
         rest,
         chosen if mesh is None else mesh.node_ids[chosen],
         surface,
-        surface.lines if len(surface.lines) else feature_edges(rest, surface.triangles),
+        np.concatenate([surface.lines, feature_edges(rest, surface.triangles)]),
         position,
         rotation,
         nodal_shapes(displacements(), tolerance=DISPLACEMENT_TOLERANCE),
