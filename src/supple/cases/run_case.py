@@ -70,7 +70,7 @@ def run_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CaseResult:
-    """Run a case; write its results (HDF5, JSON) and, if it asks for them, its report and pictures into a folder.
+    """Run a case; write its results (HDF5, JSON) and, where it asks for them, its report and pictures.
 
     Parameters
     ----------
