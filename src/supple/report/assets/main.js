@@ -96,6 +96,9 @@ function showClip(player) {
   element("clip-note").textContent = player.clip.note;
 }
 
+// What a value of a field may be off by, where that is to be seen.
+const within = ({ error }) => (error ? ` \u00b1 ${shownNumber(error, 2)}` : "");
+
 // What is known of the picked node, in words; its history as a chart.
 function showPicked(player, curves, anew) {
   const reading = player.reading(),
@@ -106,7 +109,7 @@ function showPicked(player, curves, anew) {
       unit = head.length,
       three = (values) => values.map((x) => shownNumber(x, 5)).join(", ");
     const fields = Object.entries(reading.fields).map(
-      ([name, value]) => `${scales[name].label}: ${shownNumber(value)}`,
+      ([name, value]) => `${scales[name].label}: ${shownNumber(value)}${within(scales[name])}`,
     );
     box.textContent = [
       `node ${reading.node} of ${reading.body}`,

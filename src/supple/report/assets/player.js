@@ -214,9 +214,9 @@ class Player {
     const displacement = [0, 1, 2].map((c) => body.displacement.at(node, c)),
       place = body.placeOf(node, 1);
     const fields = Object.fromEntries(
-      Object.entries(body.fields).map(([name, field]) => [name, this.scene.scales[name].factor * field.at(node, 0)]),
+      Object.keys(body.fields).map((name) => [name, this.valueAt(body, name, node)]),
     );
-    if (body.deforms) fields.deflection = Math.hypot(...displacement);
+    if (body.deforms) fields.deflection = this.scene.scales.deflection.factor * Math.hypot(...displacement);
     return {
       body: body.name,
       node: body.ids[node],
@@ -227,6 +227,12 @@ class Player {
     };
   }
 
+  // Of a field, now or at an instant; shapes that were left out leave small values below the lowest.
+  valueAt(body, name, node, instant) {
+    const { factor, low } = this.scene.scales[name];
+    return Math.max(low, factor * body.fields[name].at(node, 0, instant));
+  }
+
   // Displacements of the picked node over the clip, or the field that colours, as a chart.
   history() {
     if (!this.picked) return null;
@@ -234,18 +240,17 @@ class Player {
       { first, number } = this.clip,
       rows = Array.from({ length: number }, (_, i) => first + i);
     const abscissa = rows.map((row) => this.scene.start + this.times[row]);
-    const scale = this.scene.scales[this.field],
-      field = body.fields[this.field];
+    const scale = this.scene.scales[this.field];
     const title = `node ${body.ids[node]} of ${body.name}`;
-    if (field)
+    if (body.fields[this.field])
       return {
         title: `${title}, ${this.field}`,
         label: scale.label,
-        note: "",
+        note: `to ${shownNumber(scale.error, 2)}`,
         over: "",
         abscissa,
         names: [this.field],
-        columns: [rows.map((row) => scale.factor * field.at(node, 0, row))],
+        columns: [rows.map((row) => this.valueAt(body, this.field, node, row))],
       };
     const columns = [0, 1, 2].map((c) => rows.map((row) => body.displacement.at(node, c, row)));
     return {
