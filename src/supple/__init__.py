@@ -32,6 +32,9 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.error import SelfCorrection as SelfCorrection
     from supple.error import self_correct as self_correct
     from supple.error import state_errors as state_errors
+    from supple.export import write_readings as write_readings
+    from supple.export import write_vtkhdf as write_vtkhdf
+    from supple.export import write_vtu as write_vtu
     from supple.fem import HomogeneousSection as HomogeneousSection
     from supple.fem import Isotropic as Isotropic
     from supple.fem import shell_model as shell_model
@@ -87,6 +90,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.methods.intrinsic import LoadPath as LoadPath
     from supple.methods.intrinsic import condense as condense
     from supple.quantities import node_positions as node_positions
+    from supple.quantities import read_sensors as read_sensors
     from supple.quantities import stress_modes as stress_modes
     from supple.reduction import AttachmentModes as AttachmentModes
     from supple.reduction import CompressedDerivatives as CompressedDerivatives
@@ -100,6 +104,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import reduce as reduce
     from supple.report import write_report as write_report
     from supple.results import rms_error as rms_error
+    from supple.simulation import Start as Start
     from supple.simulation import equilibrium as equilibrium
     from supple.simulation import simulate as simulate
     from supple.simulation import simulate_batch as simulate_batch
@@ -136,21 +141,22 @@ _NAMES = {
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
     "supple.methods.intrinsic": "condense LoadPath",
     "supple.methods.explicit": "modal_subdomain explicit_subdomain",
-    "supple.simulation": "simulate simulate_batch equilibrium",
+    "supple.simulation": "simulate simulate_batch equilibrium Start",
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",
     "supple.report": "write_report",
-    "supple.quantities": "node_positions stress_modes",
+    "supple.quantities": "node_positions read_sensors stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
+    "supple.export": "write_vtkhdf write_vtu write_readings",
     "supple.viz": "plot_mesh plot_contour animate displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""
 
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 
-__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+__all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> Any:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
 from supple.cases.page import coloured_elements
+from supple.errors import CaseError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import At, System
@@ -17,7 +19,7 @@ from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
 from supple.units import UnitSystem
 
-__all__ = ["Drawing", "drawing_of"]
+__all__ = ["Drawing", "check_drawing", "drawing_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +33,7 @@ class Drawing:
     folder: Path
     system: System
     solution: Solution
-    meshes: Mapping[str, Mesh]
+    meshes: Mapping[str, Mesh | FiniteElementModel | None]
     tracked: Mapping[str, TrackedMotion]
     modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
@@ -70,6 +72,19 @@ class Drawing:
                 units=self.units,
                 progress=lambda share: progress("drawing the animation", share),
             )
+
+
+def check_drawing(case: Case) -> None:
+    """CaseError where a case asks for pictures and no library draws them: before anything is computed."""
+    output = case.tables.output
+    if not (output.pictures or output.animation):
+        return
+    missing = [name for name in ("matplotlib", "PIL") if find_spec(name) is None]
+    if missing:
+        raise CaseError(
+            f"{case.path}: pictures need {' and '.join(missing)}, not installed here: "
+            "pip install 'supple[plot]', or give pictures = false and animation = false in [output]"
+        )
 
 
 def drawing_of(

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from supple.cases.case import Case
+from supple.cases.drawing import check_drawing
+from supple.cases.going_on import StartState, gone_on
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
 from supple.cases.page import case_texts, coloured_elements
@@ -67,7 +69,8 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, *, allow_code: bool = False) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case asks for it, or at rest.
+    """The machine as its run starts: as it is placed, assembled if the case asks for it, at rest, or as an
+    earlier run had it.
 
     Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
 
@@ -80,14 +83,12 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
         that fails
     ConvergenceError    no equilibrium; joints that do not fit
     """
-    wanted, system = case.tables.simulation, case.system
+    wanted = case.tables.simulation
     if wanted.kinematic:
         _check_fixed_sizes(case)
-    if wanted.assemble:
-        found = assemble(system, time=case.run.start)
-        case.notify(_assembly_line(found))
-        system = found.system
-    system = case.controlled(system, allow_code=allow_code)
+    system = case.controlled(assembled_system(case), allow_code=allow_code)
+    if isinstance(wanted.start, StartState):
+        return gone_on(wanted.start, case, system)
     if wanted.start == "placed":
         return system
     case.notify("searching the equilibrium")
@@ -97,6 +98,15 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
     return replace(found, controllers=controllers)
+
+
+def assembled_system(case: Case) -> System:
+    """The machine as it is placed, assembled if the case asks for it; errors as `starting_system`."""
+    if not case.tables.simulation.assemble:
+        return case.system
+    found = assemble(case.system, time=case.run.start)
+    case.notify(_assembly_line(found))
+    return found.system
 
 
 def _assembly_line(found: AssembledMachine) -> str:
@@ -141,6 +151,7 @@ def static_case(
     SelfCorrectionError     a body that does not reach its accuracy
     ConvergenceError        no equilibrium
     """
+    check_drawing(case)
     warn_of_units(case)
     system = analysed_system(case, allow_code=allow_code)
 

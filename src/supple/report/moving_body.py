@@ -119,6 +119,8 @@ def moving_body(
         for rows in _rows(len(position), len(body.nodes), _FIELD_NUMBERS):
             found = colouring.values(body, motion.at(rows), None)
             assert found is not None
+            if found.ndim == 3:  # of faces, and of each beam's end: where there are faces, theirs are seen
+                found = found[:, :, 0] if len(surface.triangles) else found.max(axis=2)
             for some in _rows(len(found), len(body.nodes)):
                 yield found[some][:, chosen, None]
 

@@ -1,6 +1,12 @@
 """Pictures: the only importer of matplotlib."""
 
+from importlib.util import find_spec
+
+if not (find_spec("matplotlib") and find_spec("PIL")):
+    raise ImportError("matplotlib and pillow draw the pictures; pip install 'supple[plot]'")
+
 from supple.viz.animation import *
+from supple.viz.body_surface import *
 from supple.viz.camera import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -88,7 +89,7 @@ def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
         nodal = (body.expansion @ vectors).T
         return nodal.reshape(len(nodal), len(body.nodes), -1)[:, :, :3]
 
-    look = {"skin": skin_of(mesh), "camera": _camera()}
+    look: dict[str, Any] = {"skin": skin_of(mesh), "camera": _camera()}
     modes = mode_titles(basis.frequencies / (2 * np.pi), SI)
     return [
         plot_mode_shapes(folder / "modes.png", mesh.nodes, modes=shapes(basis.vectors), titles=modes, **look),

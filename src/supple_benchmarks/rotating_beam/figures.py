@@ -31,7 +31,7 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
     full = [one for one in run.full if one.omega == omega and one.kinematics == kinematics]
     roms = [one for one in run.reduced if one.full.omega == omega and one.full.kinematics == kinematics]
     exact = run.exact[omega]
-    motions = [("exact beam", exact)]
+    motions: list[tuple[str, TipMotion]] = [("exact beam", exact)]
     motions += [(f"full, {one.frame}", one.tip) for one in full]
     motions += [(_label(one), one.tip) for one in roms if one.derivatives != "picked"]
     strokes = [REFERENCE] + [SOLID] * (len(motions) - 1)
