@@ -58,10 +58,9 @@ def with_progress_bar(
             if kwargs.get("progress") is not None:
                 return work(*args, **kwargs)
             with progress_bar(title) as share:
-                filled: Any = kwargs
                 if share is not None and adapter is not None:
-                    filled = {**kwargs, "progress": adapter(share)}
-                return work(*args, **filled)
+                    kwargs.update(progress=adapter(share))
+                return work(*args, **kwargs)
 
         return watched
 
