@@ -58,9 +58,10 @@ def with_progress_bar(
             if kwargs.get("progress") is not None:
                 return work(*args, **kwargs)
             with progress_bar(title) as share:
-                if share is not None and adapter is not None:
-                    kwargs.update(progress=adapter(share))
-                return work(*args, **kwargs)
+                if share is None or adapter is None:
+                    return work(*args, **kwargs)
+                reporting: Callable[..., T] = work
+                return reporting(*args, **{**kwargs, "progress": adapter(share)})
 
         return watched
 
