@@ -107,7 +107,10 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 
 
 def deck_links(deck: Deck) -> IntArray:
-    """Pairs (L, 2) of nodes that something beside cells connects; a node with itself where it is alone."""
+    """Pairs (L, 2) of nodes that something beside cells connects, ties and means from their reference node.
+
+    A node is paired with itself where it is alone.
+    """
     stars = [np.array(nodes, dtype=np.int64) for nodes in _stars(deck)]
     pairs = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in stars]
     return np.concatenate([np.empty((0, 2), dtype=np.int64), *pairs])
@@ -123,9 +126,9 @@ def _stars(deck: Deck) -> Iterator[IntArray]:
         nodes = terms.freedoms[order] // 6
         yield from _split(nodes, terms.rows[order])
     for tie in deck.rigid:
-        yield np.unique(np.append(tie.nodes, tie.reference))
+        yield np.append(tie.reference, tie.nodes)
     for mean in deck.means:
-        yield np.unique(np.append(mean.nodes, mean.reference))
+        yield np.append(mean.reference, mean.nodes)
 
 
 def _split(values: IntArray, by: IntArray) -> Iterable[IntArray]:

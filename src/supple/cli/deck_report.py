@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts
 from supple.errors import SuppleError
-from supple.importers.deck import Deck
+from supple.importers.deck import BeamProperty, Deck, Property
 from supple.results.descriptions import Row
 
 __all__ = ["DeckReport", "deck_report", "deck_rows", "write_report"]
@@ -121,7 +121,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     for name, count in element_counts(deck).items():
         yield f"elements {name}", str(count)
     for name, given in deck.properties.items():
-        yield f"property {name}", type(given).__name__.removesuffix("Property").lower()
+        yield f"property {name}", _kind(given)
     if mass is not None:
         yield "mass", f"{mass.mass:.6g}"
         yield "centre", _listed(mass.centre)
@@ -141,6 +141,17 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
         yield f"LEFT OUT {each.card}", f"{each.count}, first on line {each.line}: {each.meaning}"
     for note in (*deck.notes, *report.faults):
         yield "note", note
+
+
+def _kind(given: Property) -> str:
+    """What a property is of; of beams also at how many points their stress is recovered."""
+    kind = type(given).__name__.removesuffix("Property").lower()
+    if not isinstance(given, BeamProperty):
+        return kind
+    points = given.first.geometry.points if given.first.geometry else ()
+    return (
+        f"{kind}, stress at {len(points)} points" if points else f"{kind}, without points of stress recovery"
+    )
 
 
 def _named(deck: Deck) -> Iterator[Row]:

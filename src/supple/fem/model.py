@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import chain
 
@@ -18,6 +18,7 @@ from supple.fem.attached import Attached
 from supple.fem.attached_parts import attached_parts, point_masses
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
 from supple.fem.beam_section import LineSection, RodSection
+from supple.fem.coarse_curvature import warn_of_coarse_curvature
 from supple.fem.mass import CellMass, consistent_mass, mass_matrix, shell_mass
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
@@ -29,6 +30,7 @@ from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellS
 from supple.fem.shell_triangle import shell_triangle
 from supple.fem.solid_element import SOLID_ELEMENTS, solid_element, solid_mass, solid_strain
 from supple.mesh import CellType, DividedMesh, Mesh, MeshPart
+from supple.mesh.facet_curvature import facet_curvature
 
 __all__ = [
     "FiniteElementModel",
@@ -318,7 +320,8 @@ def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_n
             given,
             section.directions,
         )
-    return shell_triangle(corners, nodal_freedoms(nodes, 6), given, kinematics, section.directions)
+    dofs = nodal_freedoms(nodes, 6)
+    return shell_triangle(corners, dofs, given, kinematics, section.directions, section.surface_curvature)
 
 
 def line_of(mesh: Mesh, section: Section) -> BeamLine:
@@ -344,6 +347,8 @@ def _model(
     mass_of: MassRule = consistent_mass,
 ) -> FiniteElementModel:
     d = dofs_per_node
+    given = _on_their_surface(mesh, given)
+    warn_of_coarse_curvature(mesh, [each for each in given if each.cell_type is CellType.TRIANGLE3])
     cells = [section.nodes(mesh) for section in given]
     sparsity = node_sparsity(
         [*cells, *(cell_nodes(spring.dofs, d) for spring in attached.springs)], mesh.n_nodes, d
@@ -365,6 +370,22 @@ def _model(
     )
 
 
+def _on_their_surface(mesh: Mesh, given: tuple[Section, ...]) -> tuple[Section, ...]:
+    """The sections, with the curvature of the surface where they are shells, curved, and have none."""
+    shells = [section for section in given if section.cell_type is CellType.TRIANGLE3]
+    if all(section.surface_curvature is not None for section in shells):
+        return given
+    cells = np.concatenate([section.cells for section in shells])
+    found = np.zeros((len(mesh.cells[CellType.TRIANGLE3]), 3, 3))
+    found[cells] = facet_curvature(mesh.nodes, mesh.cells[CellType.TRIANGLE3][cells])
+    return tuple(
+        replace(section, surface_curvature=found[section.cells])
+        if section in shells and section.surface_curvature is None and found[section.cells].any()
+        else section
+        for section in given
+    )
+
+
 def _cell_masses(mesh: Mesh, given: tuple[Section, ...]) -> tuple[CellMass, ...]:
     return tuple(_cell_mass(mesh, section) for section in given)
 
@@ -378,7 +399,7 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     if isinstance(section.property, Isotropic | Anisotropic):
         element = SOLID_ELEMENTS[section.cell_type]
         return CellMass(nodes, solid_mass(element, corners, section.property.density))
-    return shell_mass(corners, nodes, section.property)
+    return shell_mass(corners, nodes, section.property, section.mass_share)
 
 
 def nodal_freedoms(

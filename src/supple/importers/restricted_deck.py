@@ -62,7 +62,7 @@ def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> 
 
 def kept_elements(given: DeckElements, own: NDArray[np.bool_]) -> DeckElements:
     """Some (C,) of the cells."""
-    arrays = ("nodes", "ids", "lines", "directions", "offsets", "released")
+    arrays = ("nodes", "ids", "lines", "directions", "offsets", "released", "mass_share")
     values = {name: getattr(given, name) for name in arrays}
     return replace(given, **{name: None if array is None else array[own] for name, array in values.items()})
 

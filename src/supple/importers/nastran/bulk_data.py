@@ -182,7 +182,7 @@ def _quick_real(word: str) -> float:
     return value
 
 
-def read_bulk_data(path: str | Path) -> BulkFile:
+def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> BulkFile:
     """Cards of a Nastran file: from BEGIN BULK to ENDDATA, or the whole file where it has neither.
 
     A PARAM may stand above BEGIN BULK, too, among the cards of case control. What follows ENDDATA is no
@@ -192,13 +192,15 @@ def read_bulk_data(path: str | Path) -> BulkFile:
     replication (=, ==, *(x), =n) are understood. A continuation stands right below the line it continues, or
     anywhere with the label which that line announces.
 
+    absent : collects the INCLUDE of files that are not there; without it they are an error
+
     Raises
     ------
     ImportFormatError   missing or binary file, or one that includes itself; what is no card; a continuation
                         of nothing
     """
     path = Path(path)
-    above, sections, ended = _sections(path)
+    above, sections, ended = _sections(path, absent)
     main = [line for line in above if _PARAM_ABOVE.match(line[2])]
     of_parts: dict[tuple[str, str], list[RawLine]] = {}
     for kind, name, lines in sections:
@@ -395,10 +397,12 @@ def _name_of(text: str) -> str:
     return text[:8].partition(" ")[0].rstrip("*").upper()
 
 
-def _sections(path: Path) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
+def _sections(
+    path: Path, absent: list[BulkCard] | None
+) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
     """Lines above the cards; lines of cards by kind and name of their part; whether ENDDATA ends them."""
     inclusions = Inclusions("export the model as text (.bdf)")
-    lines = _meaning(path, path.parent, inclusions.lines(path), inclusions, 0)
+    lines = _meaning(path, path.parent, inclusions.lines(path), inclusions, absent, 0)
     last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
     ended, lines = last < len(lines), lines[:last]
     starts = [i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)]
@@ -414,7 +418,14 @@ def _sections(path: Path) -> tuple[list[RawLine], list[tuple[str, str, list[RawL
     return above, found, ended
 
 
-def _meaning(path: Path, main: Path, read: list[str], inclusions: Inclusions, depth: int) -> list[RawLine]:
+def _meaning(
+    path: Path,
+    main: Path,
+    read: list[str],
+    inclusions: Inclusions,
+    absent: list[BulkCard] | None,
+    depth: int,
+) -> list[RawLine]:
     """Lines without comments and blank ones, with those of included files in place."""
     found: list[RawLine] = []
     lines = enumerate(read, start=1)
@@ -436,8 +447,11 @@ def _meaning(path: Path, main: Path, read: list[str], inclusions: Inclusions, de
         target = included_file(name.strip("'\" "), path.parent, main)
         if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
             continue  # executive or case control, which describes no body
+        if absent is not None and not is_file(target):
+            absent.append(BulkCard("INCLUDE", (str(target),), path, number))
+            continue
         below = inclusions.included(path, number, target, depth + 1)
-        found += _meaning(target, main, below, inclusions, depth + 1)
+        found += _meaning(target, main, below, inclusions, absent, depth + 1)
     return found
 
 

@@ -119,7 +119,7 @@ class ExplicitSubdomain(ElementPart):
 
     @property
     def _density(self) -> float:
-        return self.model.sections[0].property.density  # type: ignore[union-attr] - of solids
+        return self.model.sections[0].property.density  # ty: ignore[missing-union-attribute] - of solids
 
 
 @checked_arguments
