@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import isclose, prod
+from math import isclose, pi, prod
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -74,6 +74,11 @@ def headed(what: str, unit: str) -> str:
 def measured(number: str, unit: str) -> str:
     """A number with its unit, or alone."""
     return f"{number} {unit}" if unit else number
+
+
+def plain_number(value: float, digits: int = 3) -> str:
+    """A number to some significant digits, without a power of ten where its whole part has more: "1050"."""
+    return f"{value:.0f}" if 10**digits <= abs(value) < 1e9 else f"{value:.{digits}g}"
 
 
 @dataclass(frozen=True)
@@ -206,6 +211,16 @@ class UnitSystem:
         """Frequencies are read in Hz, whatever time is in."""
         factor = self.in_si(time=-1)
         return Shown("", 1.0) if factor is None else Shown("Hz", _ratio(factor, 1.0))
+
+    @property
+    def rotation_shown(self) -> Shown:
+        """Speeds of rotation are read in rpm where the unit of time is known."""
+        factor = self.in_si(time=-1)
+        return (
+            Shown("rad per unit of time", 1.0)
+            if factor is None
+            else Shown("rpm", _ratio(factor * 30, 1.0) / pi)
+        )
 
     def _named(self, known: Mapping[str, float], *, otherwise: str = "", **powers: int) -> str:
         factor = self.in_si(**powers)

@@ -73,7 +73,7 @@ class _LinesLaw(TableLaw):
 
 def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
     """The rule that a table can be read, as what it is used for, and lasts as long as the run."""
-    duration = table(raw, "simulation").get("duration")
+    duration, begin = table(raw, "simulation").get("duration"), _begin(raw)
     for section in ("joint", "load", "element"):
         for path, item in tables(raw, section):
             file = table(item, "law").get("file")
@@ -88,17 +88,23 @@ def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
             except (ImportFormatError, ModelError) as error:
                 yield place, str(error)
                 continue
-            if made.begin > 0.0:
+            if made.begin > begin:
                 yield (
                     place,
                     f"the table begins at t = {made.begin:g}, after the run does; extend it backwards",
                 )
-            if isinstance(duration, int | float) and made.end < duration * (1.0 - 1e-12):
+            if isinstance(duration, int | float) and made.end < (begin + duration) * (1.0 - 1e-12):
                 yield (
                     place,
-                    f"the table ends at t = {made.end:g}, before the run does (t = {duration:g}); extend the "
-                    "table or shorten the run",
+                    f"the table ends at t = {made.end:g}, before the run does (t = {begin + duration:g}); "
+                    "extend the table or shorten the run",
                 )
+
+
+def _begin(raw: Raw) -> float:
+    """The time at which the run begins."""
+    time = table(table(raw, "simulation"), "start").get("time", 0.0)
+    return time if isinstance(time, int | float) else 0.0
 
 
 _LAWS = (Constant, ConstantRate, Ramp, Sine, SpinUp)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from supple.cases.body_kinds import is_explicit
 from supple.cases.explicit_method import ExplicitMethod
+from supple.cases.going_on import StartState
 from supple.cases.table import Key, table_of
-from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, table, tables
+from supple.importers.toml import WORD_OR_TABLE, CheckedTable, Mistakes, Positive, Raw, table, tables
 from supple.integrate import MOST_OUTPUT_TIMES, AdaptiveStep, FixedStep, GeneralizedAlpha, Kinematic, Run
 
 _TOLERANCE = "local error allowed per step, relative to the system's size"
@@ -39,9 +40,11 @@ class Simulation(CheckedTable):
     rho_inf: float = Field(
         0.8, ge=0.0, le=1.0, description="spectral radius at infinity of generalized-alpha"
     )
-    start: Literal["placed", "equilibrium"] = Field(
-        "placed", description="as the bodies are placed, or in the equilibrium downhill from there"
-    )
+    start: Annotated[
+        Annotated[Literal["placed", "equilibrium"], Tag(WORD_OR_TABLE[0])]
+        | Annotated[StartState, Tag(WORD_OR_TABLE[1])],
+        Discriminator(lambda given: WORD_OR_TABLE[not isinstance(given, str)]),
+    ] = Field("placed", description="as the bodies are placed, in the equilibrium downhill, or from a state")
 
     assemble: bool = Field(False, description="move the bodies rigidly until all joints fit")
     explicit: ExplicitMethod | None = None
@@ -53,10 +56,11 @@ class Simulation(CheckedTable):
         """The run."""
         fixed = FixedStep(self.step) if self.step else None
         step = self.adaptive.build() if self.adaptive else fixed
+        begin = self.start.time if isinstance(self.start, StartState) else 0.0
         if self.explicit is not None:
-            return Run(self.duration, self.output_step, step, self.explicit.build())
+            return Run(self.duration, self.output_step, step, self.explicit.build(), start=begin)
         method = Kinematic() if self.kinematic else GeneralizedAlpha(self.rho_inf)
-        return Run(self.duration, self.output_step, step=step, method=method)
+        return Run(self.duration, self.output_step, step=step, method=method, start=begin)
 
 
 def _steps_are_given_once(raw: Raw) -> Mistakes:
@@ -126,12 +130,19 @@ def _a_kinematic_run_takes_no_steps_of_an_integrator(raw: Raw) -> Mistakes:
     for key in ("adaptive", "rho_inf"):
         if key in given:
             yield ("simulation", key), "a kinematic run integrates nothing: leave it out"
-    if given.get("start") == "equilibrium":
+    if given.get("start", "placed") != "placed":
         yield ("simulation", "start"), "a kinematic run starts where the joints put it: leave it out"
+
+
+def _a_state_is_assembled(raw: Raw) -> Mistakes:
+    given = table(raw, "simulation")
+    if isinstance(given.get("start"), dict) and given.get("assemble") is True:
+        yield ("simulation", "assemble"), "bodies stand as they did at the instant of start; remove the key"
 
 
 RULES = (
     _a_kinematic_run_takes_no_steps_of_an_integrator,
+    _a_state_is_assembled,
     _steps_are_given_once,
     _an_explicit_march_has_its_own_steps,
     _first_step_is_not_too_long,

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from supple import cases
 from supple.errors import CaseError
+from supple.results.mode_tables import mode_table, speed_tables
 from supple.terminal import Steps, print_table, progress_bars, say
-from supple.units import headed
 
 
 def modes_case(
@@ -38,7 +37,7 @@ def modes_case(
                 progress=steps.share,
             )
             steps.finish()
-        print_table(*_mode_table(numbers))
+        print_table(*mode_table(numbers))
     else:
         with bars:
             diagram = cases.campbell_case(
@@ -51,21 +50,8 @@ def modes_case(
                 progress=steps.share,
             )
             steps.finish()
-        unit, factor = case.units.frequency_shown
-        frequencies = factor * diagram.frequencies / (2 * np.pi)
-        heads = [
-            "rad per unit of time",
-            *(headed(f"mode {i + 1}", unit) for i in range(frequencies.shape[1])),
-        ]
-        rows = [
-            [f"{rate:.5g}", *(f"{each:.5g}" for each in row)]
-            for rate, row in zip(diagram.rates, frequencies, strict=True)
-        ]
-        if diagram.errors is not None:
-            heads.append("largest error, %")
-            for row, off in zip(rows, diagram.errors, strict=True):
-                row.append(_largest_error(off))
-        print_table("Frequencies over speed, in axes that turn with the machine", heads, rows)
+        for table in speed_tables(diagram, case.units):
+            print_table(*table)
     say(f"Results are in {folder}/")
 
 
@@ -79,42 +65,3 @@ def _speeds(text: str) -> np.ndarray:
         raise CaseError(
             f"--rates '{text}' is not FROM:TO:NUMBER, such as 0:2:9 (two speeds or more)"
         ) from error
-
-
-def _mode_table(numbers: dict[str, Any]) -> tuple[str, list[str], list[list[str]]]:
-    unit = numbers["units"].get("frequency", "")
-    rows = []
-    for number, mode in enumerate(numbers["modes"], start=1):
-        body, share = max(mode["kinetic_share"].items(), key=lambda item: item[1])
-        rows.append(
-            [
-                str(number),
-                f"{mode['frequency']:.5g}",
-                _error(mode),
-                f"{100 * mode['damping_ratio']:.3g}",
-                f"{body} ({100 * share:.0f} %)",
-                "unstable" if mode["unstable"] else "",
-            ]
-        )
-    heads = ["mode", headed("frequency", unit), "error, %", "damping, %", "moves most", "stability"]
-    return f"Modes of the machine, in axes {numbers['axes']}", heads, rows
-
-
-def _error(mode: dict[str, Any]) -> str:
-    """Of a frequency, in percent."""
-    if mode["none of the machine's"]:
-        return "no such mode"
-    return "unknown" if mode["error"] is None else _percent(mode["error"])
-
-
-def _largest_error(errors: np.ndarray) -> str:
-    """Of the frequencies at one speed, in percent, and of which mode."""
-    if np.isnan(errors).all():
-        return "unknown"
-    worst = int(np.nanargmax(errors))
-    shown = _percent(errors[worst]) if np.isfinite(errors[worst]) else "no such mode"
-    return f"{shown} (mode {worst + 1})"
-
-
-def _percent(error: float) -> str:
-    return "< 0.01" if 100 * error < 0.01 else f"{100 * error:.2g}"

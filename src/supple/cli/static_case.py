@@ -6,8 +6,7 @@ from pathlib import Path
 
 from supple import cases
 from supple.reduction import ReducedBody
-from supple.results.rest_tables import rest_error_table
-from supple.results.run_tables import motion_tables
+from supple.results.rest_tables import rest_error_table, rest_tables
 from supple.terminal import Steps, print_table, progress_bars, say
 
 _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
@@ -26,7 +25,7 @@ def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_co
         )
         steps.finish()
     numbers = result.numbers
-    for table in motion_tables(numbers):
+    for table in rest_tables(numbers):
         print_table(*table)
     if result.found.errors:
         print_table(*rest_error_table(numbers))

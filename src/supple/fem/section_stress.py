@@ -133,7 +133,8 @@ def section_stress(model: FiniteElementModel, section: Section, block: Quadratic
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
     axes = element_axes(corners, given, section.directions)
-    layers = layer_strain(corners, axes, given, 0.5 * given.thickness * np.array(LAYERS))
+    heights = 0.5 * given.thickness * np.array(LAYERS)
+    layers = layer_strain(corners, axes, given, heights, section.surface_curvature)
     to_global = _plane_to_global(axes) @ given.material.plane_stress
     return _made(nodes, block, to_global[:, None] @ layers, to_nodes)
 

@@ -165,6 +165,7 @@ class DeckElements:
     released : (C, 12) freedoms of beam ends, in the beam's axes, that carry no force
     reduced : whether HEXA20 cells have reduced integration
     incompatible : whether HEXA8 cells have incompatible motions
+    mass_share : (C,) the share of the area of shells that has mass; None where all has
     """
 
     name: str
@@ -178,6 +179,7 @@ class DeckElements:
     released: NDArray[np.bool_] | None = None
     reduced: bool = False
     incompatible: bool = False
+    mass_share: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,8 @@ from supple.linearization.linear_machine import *
 from supple.linearization.linearize import *
 from supple.linearization.machine_modes import *
 from supple.linearization.mode_motion import *
+from supple.linearization.mode_names import *
 from supple.linearization.ports import *
 from supple.linearization.sparse_machine import *
 from supple.linearization.state_space import *
+from supple.linearization.whirl import *

@@ -5,8 +5,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -14,14 +15,24 @@ from scipy.optimize import linear_sum_assignment
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.errors import BasisWarning, ModelError
-from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.linear_machine import STANDING, Array, LinearMachine
 from supple.linearization.linearize import linearize
 from supple.linearization.machine_modes import MachineModes, machine_modes
+from supple.linearization.mode_names import mode_names
 from supple.linearization.sparse_machine import SparseMachine
+from supple.linearization.whirl import whirl
 from supple.machine import Spin, System
+from supple.progress import by_fraction, with_progress_bar
 from supple.simulation.full_rest import known_fulls
 
-__all__ = ["CampbellDiagram", "campbell_diagram", "modal_assurance"]
+__all__ = ["CampbellDiagram", "CriticalSpeed", "campbell_diagram", "modal_assurance"]
+
+
+class CriticalSpeed(NamedTuple):
+    """A speed, rad per unit of time, at which unbalance excites a whirl, and the sense of that."""
+
+    rate: float
+    sense: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,18 +40,48 @@ class CampbellDiagram:
     """Modes over speed, each followed by the likeness of its shape.
 
     rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      of a mode each column, in turning axes; NaN where
-        it is no longer there
+    eigenvalues : complex (ns, nm)      of a mode each column, in `axes`; NaN where it is no longer there
     errors : (ns, nm) | None            relative, of the eigenvalues, by what the bases cost; infinite for a
         mode of the bases alone, NaN where there is no mode or no full equilibrium; None where no full bodies
         are known
     likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
+    axes : str                          in which the frequencies are seen, in words
+    sense : (ns, nm)                    of whirl: 1 as the spin turns, -1 against it, 0 of neither or unknown
+    in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN of modes that do not
+                                        move the rotor across its axis, or without one frequency in space
+    names : (nm,)                       of the modes, by their motion at the last speed (`mode_names`)
     """
 
     rates: Array
     eigenvalues: Any
     likeness: Array
     errors: Array | None = None
+    axes: str = STANDING
+    sense: Array = field(default_factory=lambda: np.zeros((0, 0), dtype=int))
+    in_space: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    names: tuple[str, ...] = ()
+
+    @property
+    def critical_speeds(self) -> tuple[CriticalSpeed, ...]:
+        """Speeds at which a whirl has the rate of the spin, so that unbalance excites it; by straight lines.
+
+        Backward whirl counts in axes that stand alone, where unlike bearings mix both senses.
+        """
+        found = []
+        pairs = zip(self.rates, self.in_space, self.sense, strict=True)
+        for (rate, w, sense), (after, later, sense_later) in pairwise(pairs):
+            known, known_later = (np.flatnonzero(np.isfinite(each)) for each in (w, later))
+            unlike = sense[known][:, None] * sense_later[known_later] < 0
+            apart = abs(w[known][:, None] - later[known_later]) + unlike * (
+                1 + 2 * np.nanmax(later, initial=0)
+            )
+            for row, column in zip(*linear_sum_assignment(apart), strict=True):
+                mode, own = int(known_later[column]), int(sense_later[known_later[column]])
+                ahead = w[known[row]] - abs(rate), later[mode] - abs(after)
+                if ahead[0] * ahead[1] < 0 and (own >= 0 or self.axes == STANDING):
+                    share = ahead[0] / (ahead[0] - ahead[1])
+                    found.append(CriticalSpeed(float(rate + share * (after - rate)), own))
+        return tuple(found)
 
     @property
     def frequencies(self) -> Array:
@@ -72,6 +113,7 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
 
 
 @checked_arguments
+@with_progress_bar("finding modes by speed", by_fraction)
 def campbell_diagram(
     system: System,
     spins: Sequence[Spin],
@@ -105,6 +147,9 @@ def campbell_diagram(
     said: list[list[str]] = []
     before: MachineModes | None = None
     wanted = n_modes
+    senses: list[Array] = []
+    in_space: list[Array] = []
+    axes, names = STANDING, np.array([])
     for number, spin in enumerate(spins):
         with _basis_warnings() as words:
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
@@ -131,6 +176,13 @@ def campbell_diagram(
             shapes = modes.machine.coordinates_of(before.shapes)
         shapes[:, rows] = modes.independent[:, chosen]
         followed.append(eigenvalues)
+        own = whirl(modes)
+        senses.append(np.nan_to_num(_placed(wanted, rows, own.sense[chosen].astype(float))).astype(int))
+        in_space.append(_placed(wanted, rows, own.frequencies[chosen]))
+        axes = modes.machine.axes if spin.rate else axes
+        if number == len(spins) - 1:
+            names = np.full(wanted, "", dtype=object)
+            names[rows] = mode_names(_some(modes, chosen))
         known = np.where(np.isnan(eigenvalues), 0.0 if before is None else before.eigenvalues, eigenvalues)
         before = replace(modes, eigenvalues=known, independent=shapes)
         progress((number + 1) / len(spins))
@@ -141,6 +193,21 @@ def campbell_diagram(
         np.array(followed),
         np.array(likeness).reshape(len(spins) - 1, len(followed[0])),
         known if known_fulls(system, fulls) else None,
+        axes,
+        np.array(senses),
+        np.array(in_space),
+        tuple(names),
+    )
+
+
+def _some(modes: MachineModes, chosen: np.ndarray) -> MachineModes:
+    """Some modes, by their numbers."""
+    return replace(
+        modes,
+        eigenvalues=modes.eigenvalues[chosen],
+        independent=modes.independent[:, chosen],
+        states=modes.states[:, chosen],
+        error=None,
     )
 
 

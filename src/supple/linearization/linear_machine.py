@@ -11,6 +11,7 @@ import numpy as np
 
 from supple.equations.control_linearization import LinearControl
 from supple.integrate import Solution, Statistics
+from supple.linearization.periodic import Periodic
 from supple.machine import Spin, System
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["LinearMachine"]
 
 Array = np.ndarray
+TURNING, STANDING = "turning with the machine", "standing in space"
+"""In which frequencies are seen: forward whirl at w in space is w less the spin in axes that turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +61,9 @@ class LinearMachine:
     full_mass : (n, n)          of `p`, the joints' constraints not considered
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the same with all coordinates of its reduced bodies, if known
+    is_in_space : bool          whether y sees what turns from axes that stand; then `basis` holds at
+                                the angle at which the system is placed
+    periodic  : Periodic | None     the matrices over a turn, where they change; their means are above
     """
 
     system: System
@@ -70,6 +76,14 @@ class LinearMachine:
     full_mass: Array
     control: LinearControl
     full: FullMachine | None = None
+    is_in_space: bool = False
+    periodic: Periodic | None = None
+
+    @property
+    def axes(self) -> str:
+        """In which its motions and frequencies are seen, in words."""
+        turns = self.spin is not None and self.spin.rate != 0 and not self.is_in_space
+        return TURNING if turns else STANDING
 
     @property
     def size(self) -> int:

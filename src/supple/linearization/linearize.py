@@ -3,36 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
 from scipy.sparse import block_diag, csr_array, eye_array
-from scipy.spatial.transform import Rotation
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
 from supple.equations import StaticSearch
 from supple.equations.control_linearization import LinearControl
-from supple.equations.static_search import carried_state
 from supple.equations.steady_motion import (
     LinearEquations,
 )
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
-from supple.machine import GROUND, Joint, JointFriction, PrescribedRotation, Spin, System
+from supple.linearization.standing_axes import CONSTANT, in_standing_axes
+from supple.linearization.turned_machine import equations_turned_on
+from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
-from supple.simulation.equations_of import equations_of
 from supple.simulation.equilibrium import warn_of_rest
 from supple.simulation.full_rest import full_rest, known_fulls, rest_errors
-from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest, resting_state
+from supple.simulation.resting_state import RestingState, placed_at_rest, resting_state
 
 __all__ = ["linearize"]
 
-_CONSTANT = 1e-6
-"""Equations that change by more than this part as the machine turns on have no eigenvalues."""
 _TURNED_ON = 0.7
 """rad, after which they are compared: no fraction of a turn that a machine is likely to repeat."""
 
@@ -53,6 +49,10 @@ def linearize(
 
     The loops of controllers are closed, and their states stand beside the motion (`LinearMachine`).
 
+    A machine that turns is seen in axes that turn along, as long as the equations do not change there; else
+    in axes that stand (`in_standing_axes`), where a rotor on unlike bearings, or three or more equal blades
+    on a yielding tower, have constant equations; what changes there too has Floquet modes (`Periodic`).
+
     Full bodies leave it sparse, `A p = 0` with the conditions of their frames: a `SparseMachine`, of which
     `machine_modes` finds the slowest modes.
 
@@ -66,7 +66,8 @@ def linearize(
 
     Raises
     ------
-    ModelError          a machine whose equations change as it turns
+    ModelError          a machine whose rest changes as it turns; with full bodies or controllers, one whose
+        equations do
     ConvergenceError    no equilibrium
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
@@ -86,7 +87,12 @@ def linearize(
         basis = _free_motions(equations)
     projected = _Projected.of(equations, basis)
     if spin is not None and spin.rate:
-        _check_constant(found, projected, basis, time, spin)
+        what, change = _change(found, projected, basis, time, spin)
+        if change > CONSTANT:
+            refusal = _refusal(what, change)
+            if sparse is not None:
+                raise ModelError(refusal)
+            return in_standing_axes(found, time, spin, refusal)
     if sparse is not None:
         return sparse
     return LinearMachine(
@@ -153,44 +159,11 @@ def _free_motions(equations: LinearEquations) -> Array:
     return size[:, None] * scipy.linalg.null_space(equations.constraint * size)
 
 
-def _turned_on(found: RestingState, time: float, spin: Spin) -> System:
-    """The machine later in its turn, its driven joints with it."""
-    turn = Rotation.from_rotvec(_TURNED_ON * spin.axis).as_matrix()
-    turning = found.turning.angular_velocities @ spin.axis != 0
-    system = placed_at_rest(found)
-    bodies = [
-        replace(
-            placed,
-            position=spin.point + turn @ (placed.position - spin.point),
-            rotation=turn @ placed.rotation,
-        )
-        if moves
-        else placed
-        for placed, moves in zip(system.bodies, turning, strict=True)
-    ]
-
-    def driven_on(joint: Joint) -> Joint:
-        if not isinstance(joint, PrescribedRotation):
-            return joint
-        first, second = (
-            end != GROUND and bool(turning[system.body_index(end.body)])
-            for end in (joint.first, joint.second)
-        )
-        sense = np.sign(np.dot(joint.axis, spin.axis)) * (float(second) - float(first))
-        return replace(joint, angle=float(joint.law(time)) + sense * _TURNED_ON)
-
-    return replace(system, bodies=tuple(bodies), joints=tuple(map(driven_on, system.joints)))
-
-
-def _check_constant(
+def _change(
     found: RestingState, projected: _Projected, basis: Array, time: float, spin: Spin
-) -> None:
-    """ModelError where the equations, or what is in balance, change as the machine turns."""
-    system = _turned_on(found, time, spin)
-    system = replace(system, bodies=tuple(map(at_rest, system.bodies)))
-    later = equations_of(system, found.turning, time, found.equations.model.active)
-    state, unbalanced = carried_state(later, time)
-    equations = later.linear_equations(state, time)
+) -> tuple[str, float]:
+    """What changes most of the equations, or of what is in balance, as the machine turns, and by how much."""
+    equations, unbalanced = equations_turned_on(found, time, spin, _TURNED_ON)
     again, jacobian, masses = _Projected.of(equations, basis), equations.constraint, equations.mass.diagonal()
     size = np.sqrt(np.abs(np.diag(projected.stiffness)) + spin.rate**2 * np.diag(projected.mass))
     changes = {
@@ -205,15 +178,16 @@ def _check_constant(
     reach = abs(basis).sum(axis=1) + 1 / np.sqrt(masses)
     largest["joints"] = opened / float(np.max(abs(jacobian) @ reach, initial=1e-300))
     largest["balance"] = unbalanced
-    what = max(largest, key=lambda name: largest[name])
-    if largest[what] > _CONSTANT:
-        raise ModelError(
-            f"the linear equations change as the machine turns by {_TURNED_ON:g} rad (the {what} by "
-            f"{largest[what]:.2g} of its size), so that it has no eigenvalues: gravity or loads across the "
-            "axis, and joints or springs between turning and standing parts that are not alike in all "
-            "directions, must be left out, as must controllers that see the angle of the turn; or name the "
-            "bodies that turn, Spin(bodies=..)"
-        )
+    return max(largest.items(), key=lambda item: item[1])
+
+
+def _refusal(what: str, change: float) -> str:
+    return (
+        f"the linear equations change as the machine turns by {_TURNED_ON:g} rad (the {what} by "
+        f"{change:.2g} of its size), and neither axes that stand nor Floquet's theory take them: gravity "
+        "or loads across the axis, controllers, bodies with all coordinates, and joints that leave other "
+        "motions free later in the turn must be left out; or name the bodies that turn, Spin(bodies=..)"
+    )
 
 
 def _changed(control: LinearControl, again: LinearControl, size: Array, rate: float) -> float:

@@ -12,8 +12,10 @@ from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.mode_error import ModeError, mode_error
+from supple.linearization.periodic import floquet_modes
 from supple.linearization.slowest_motions import slowest_motions
 from supple.linearization.sparse_machine import SparseMachine
+from supple.summary import Summarized, Summary
 
 __all__ = ["MachineModes", "machine_modes"]
 
@@ -24,8 +26,8 @@ _ROUNDING = 512.0
 """Of stiffness in units of the floating-point precision: what may be left of terms that cancel."""
 
 
-@dataclass(frozen=True, eq=False)
-class MachineModes:
+@dataclass(frozen=True, eq=False, repr=False)
+class MachineModes(Summarized):
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
     With controllers they are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`; a mode in
@@ -45,6 +47,17 @@ class MachineModes:
     independent: Any
     states: Any
     error: ModeError | None = None
+
+    def summary(self) -> Summary:
+        """Frequency, damping and the body that moves most, mode by mode."""
+        names = [placed.body.name for placed in self.machine.system.bodies]
+        most = self.kinetic_shares.argmax(axis=0)
+        each = zip(self.frequencies / (2 * np.pi), self.damping_ratios, most, strict=True)
+        rows = [
+            (f"mode {i}", f"{hertz:.5g} cycles per unit of time, damping {ratio:.3g}, most in {names[body]}")
+            for i, (hertz, ratio, body) in enumerate(each, 1)
+        ]
+        return Summary(f"{len(rows)} modes of a machine of {len(names)} bodies", rows)
 
     @property
     def shapes(self) -> np.ndarray:
@@ -94,6 +107,9 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     Two poles of a machine that moves freely lie at s = 0, exactly only to round-off: those that rounding
     cannot tell from 0 are said to be 0, with as many modes as there are shapes.
 
+    Of equations that change periodically they are Floquet's modes (`floquet_modes`): the shape is that of the
+    harmonic at which most of the motion is seen, and the eigenvalue goes with it.
+
     Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
     or gyroscopic terms these are the slowest of which iteration shows any.
 
@@ -112,7 +128,7 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     n_modes = None if n_modes is None else int(n_modes)
     if isinstance(machine, SparseMachine):
         machine = machine.along(slowest_motions(machine, n_modes, _pairs))
-    values, y, z = _pairs(machine)
+    values, y, z = _pairs(machine) if machine.periodic is None else _floquet(machine, n_modes)
     values, y, z = values[:n_modes], y[:, :n_modes], z[:, :n_modes]
     largest = np.take_along_axis(y, np.argmax(abs(y), axis=0)[None], axis=0)[0]
     turned = np.where(largest == 0, 1.0, abs(largest) / np.where(largest == 0, 1.0, largest))
@@ -122,6 +138,16 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     error = mode_error(machine.full, values, modes.shapes, _slowest)
     error.warn(values)
     return replace(modes, error=error)
+
+
+def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any]:
+    """Eigenvalues, motions (k, ..) of the harmonic at which most is seen, and no states, slowest first."""
+    assert machine.periodic is not None
+    graded = _slow_first(machine)
+    found = floquet_modes(machine.periodic.along(graded), n_modes)
+    y = graded @ found.principal
+    sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
+    return found.eigenvalues, y / np.where(sizes > 0, sizes, 1.0), np.zeros((0, y.shape[1]))
 
 
 def _slowest(machine: SparseMachine, n_modes: int) -> tuple[Any, Any]:
@@ -149,7 +175,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     values: Any
     left: Any
     right: Any
-    values, left, right = scipy.linalg.eig(balanced, left=True)  # pyright: ignore[reportAssignmentType]
+    values, left, right = scipy.linalg.eig(balanced, left=True)
     motions = graded @ scipy.linalg.solve_triangular(lower.T, scales[:k, None] * right[:k])
     zero = _is_zero(values, left, right, unit / np.sqrt(k)) | _is_rigid(machine, values, motions)
     values, vectors = _one_of_each(np.where(zero, 0.0, values), right, scales, k)

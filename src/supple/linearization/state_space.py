@@ -90,6 +90,11 @@ def state_space(
             f"a machine with full bodies has {2 * machine.size} states, too many for a state space: reduce "
             "its bodies, reduce(body, frame, basis), whose responses converge with their columns"
         )
+    if machine.periodic is not None:
+        raise ModelError(
+            "the equations of the machine change periodically as it turns, and a state space has constant "
+            "ones: machine_modes has its Floquet modes"
+        )
     for name, ports in (("inputs", inputs), ("outputs", outputs)):
         check_sequence(f"state_space, {name}", ports, "a list of ports, also of a single one")
         if not ports:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
@@ -20,6 +20,8 @@ __all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_his
 Array = NDArray[np.float64]
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
+# Of modes that are kept for many calls (1 GiB).
+_KEPT_NUMBERS = 2**27
 # Instants at which all nodes are searched for the largest stress; nodes that are followed at all instants.
 _SEARCHED = 100
 
@@ -98,6 +100,24 @@ def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Arr
     return found
 
 
+def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Array], Array]:
+    """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), to be called many times.
+
+    Errors as of `von_mises_history`. Stress modes are made once where they fit in a GiB.
+    """
+    if _has_modes(body) and _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
+        return tensor_modes(STRESS, body, model, None).von_mises
+    nodes = np.arange(len(body.nodes))
+
+    def by_blocks(coordinates: Array) -> Array:
+        found = np.zeros((len(coordinates), len(nodes)))
+        for block in tensor_blocks(STRESS, body, model, coordinates, nodes):
+            found[block.times, block.nodes] = STRESS.equivalent(block.field).max(axis=2)
+        return found
+
+    return by_blocks
+
+
 class LargestStress(NamedTuple):
     """The largest von Mises stress of a body over a run."""
 
@@ -140,9 +160,13 @@ def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
 
 def _slices_of_modes(body: ReducedBody, model: FiniteElementModel, n_nodes: int) -> Iterator[slice]:
     """Nodes of which the modes are held at a time."""
+    return _slices(n_nodes, _MODE_NUMBERS // (_numbers_of_modes(body, model) or 1))
+
+
+def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
+    """In the modes of a node."""
     n_condensed = 0 if body.condensed is None else body.condensed.fields.shape[1]
-    numbers = body.r * (body.r + 3) // 2 + n_condensed
-    return _slices(n_nodes, _MODE_NUMBERS // (6 * stress_layers(model).count * numbers or 1))
+    return 6 * stress_layers(model).count * (body.r * (body.r + 3) // 2 + n_condensed)
 
 
 def _recovered(

@@ -1,14 +1,65 @@
-"""The error of an equilibrium as a table of words."""
+"""An equilibrium, which is one state, and its error as tables of words."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from supple.results.run_tables import TextTable
+from supple.results.round_off import without_noise
+from supple.results.run_tables import TextTable, body_table
 from supple.units import headed
 
-__all__ = ["rest_error_table"]
+__all__ = ["rest_error_table", "rest_tables"]
+
+
+def rest_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+    """Bodies, joint forces, places and deflections, an axis a row; numbers as of `summarize`."""
+    tables = [_joint_table(numbers), *_place_tables(numbers)]
+    return [body_table(numbers), *(table for table in tables if table.rows)]
+
+
+def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
+    """Force and moment on the second end of each joint, along the axes of the joint."""
+    joints, units = numbers["joints"], numbers["units"]
+    scales = {
+        what: [joint.get(f"largest {what}", 0.0) for joint in joints.values()] for what in ("force", "moment")
+    }
+    rows = []
+    for name, joint in joints.items():
+        shown = [
+            without_noise(joint[f"last {what}"], like=scales[what]) if f"last {what}" in joint else [None] * 3
+            for what in ("force", "moment")
+        ]
+        rows += _by_axis([name, joint["acts on"]], *shown)
+    heads = ("joint", "acts on", "axis of the joint", *(headed(what, units.get(what, "")) for what in scales))
+    return TextTable("Joints", heads, rows)
+
+
+def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
+    """Where tracked places are, along global axes, and how far those of elastic bodies are deflected."""
+    length, places = numbers["units"].get("length", ""), numbers["tracked"]
+    positions, deflections = [], []
+    for name, place in places.items():
+        positions += _by_axis([name], without_noise(place["last position"]))
+        if place["elastic"]:
+            moved = without_noise(place["last deflection"], like=place["last position"])
+            deflections += _by_axis([name, place["seen from"]], moved)
+    return [
+        TextTable("Positions", ("place", "global axis", headed("position", length)), positions),
+        TextTable("Deflections", ("place", "seen from", "axis", headed("deflection", length)), deflections),
+    ]
+
+
+def _by_axis(head: Sequence[str], *values: Any) -> list[list[str]]:
+    """A row for each of x, y, z, the first with the head."""
+    return [
+        [
+            *(head if axis == 0 else [""] * len(head)),
+            letter,
+            *("" if each[axis] is None else f"{each[axis]:.5g}" for each in values),
+        ]
+        for axis, letter in enumerate("xyz")
+    ]
 
 
 def rest_error_table(numbers: Mapping[str, Any]) -> TextTable:

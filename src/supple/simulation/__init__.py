@@ -9,3 +9,4 @@ from supple.simulation.kept_bodies import *
 from supple.simulation.kept_run import *
 from supple.simulation.recorded_run import *
 from supple.simulation.simulate import *
+from supple.simulation.start import *

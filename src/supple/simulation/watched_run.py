@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import Any
 
 from supple.algebra.jax_settings import before_compiled_code
@@ -19,6 +20,7 @@ from supple.machine import System
 from supple.methods.explicit.yielding import yield_watch
 from supple.methods.intrinsic.report_truncation import report_truncation
 from supple.simulation.engines import engine_for, is_explicit
+from supple.simulation.recorded_columns import measured_columns
 
 __all__ = ["check_laws_cover", "report_resolution", "warn_of_unseen_laws", "watched_run"]
 
@@ -54,7 +56,7 @@ def watched_run(
     for own, found in zip(watches, peaks, strict=True):
         own.report(found)
     report_resolution(system, run, solution)
-    return report_truncation(system, run, solution)
+    return replace(report_truncation(system, run, solution), columns=measured_columns(system))
 
 
 def report_resolution(system: System, run: Run, solution: Solution) -> None:

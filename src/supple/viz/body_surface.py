@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel, beam_end_ranks
 from supple.mesh import CellType, Mesh
+from supple.mesh.skin import Skin, skin_of
 from supple.quantities.tracked_motion import Observer, displacement_from_axes
 from supple.viz.beam_skin import beam_skin
 from supple.viz.glyphs import MASS_STYLE, Glyphs, Mark
-from supple.viz.mesh_skin import Skin, skin_of
 
 __all__ = ["BodySurface", "Look", "body_surface"]
 

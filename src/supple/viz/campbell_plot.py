@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
-from supple.units import UNNAMED, UnitSystem, labelled
+from supple.units import UNNAMED, UnitSystem, labelled, plain_number
 from supple.viz.style import TEXT_WIDTH, new_figure, save_figure, textbook_style
 
 __all__ = ["plot_campbell"]
@@ -18,6 +19,15 @@ Array = NDArray[np.float64]
 
 N_ORDERS = 4
 """Multiples of the speed that are drawn."""
+
+
+class CriticalSpeed(Protocol):
+    """A speed at which unbalance excites a whirl."""
+
+    @property
+    def rate(self) -> float:
+        """Rad per unit of time."""
+        ...
 
 
 class FollowedModes(Protocol):
@@ -33,30 +43,58 @@ class FollowedModes(Protocol):
         """(ns, nm) rad per unit of time."""
         ...
 
+    @property
+    def axes(self) -> str:
+        """In which they are seen, in words."""
+        ...
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Of the modes."""
+        ...
+
+    @property
+    def critical_speeds(self) -> Sequence[CriticalSpeed]:
+        """At which unbalance excites a whirl."""
+        ...
+
 
 @checked_arguments
 def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem = UNNAMED) -> Path:
-    """Draw frequencies over speed, in the same unit, and the multiples of the speed that excite them.
+    """Draw named frequencies over speed (rpm), the multiples of it that excite them, and critical speeds.
 
     Raises ResultFileError where the file cannot be written.
     """
     unit, factor = units.frequency_shown
     factor /= 2 * np.pi
-    rates = factor * np.asarray(diagram.rates)
+    shown, by_rate = units.rotation_shown
+    speeds, orders = by_rate * np.asarray(diagram.rates), factor * abs(np.asarray(diagram.rates))
     frequencies = factor * np.asarray(diagram.frequencies)
+    top = 1.1 * float(np.nanmax(frequencies, initial=0.0)) or 1.0
     with textbook_style():
         figure = new_figure(0.7 * TEXT_WIDTH)
         axes = figure.subplots()
         for order in range(1, N_ORDERS + 1):
-            axes.plot(rates, order * rates, color="0.7", linewidth=0.7)
-            # Amid the diagram: its right edge belongs to the names of the modes.
-            middle = 0.55 * rates[0] + 0.45 * rates[-1]
-            axes.annotate(f"{order}P", (middle, order * middle), color="0.4", fontsize=7, ha="center")
-        for number, mode in enumerate(frequencies.T, start=1):
-            axes.plot(rates, mode, marker="o", markersize=2.5)
-            beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": 7}
-            axes.annotate(f"mode {number}", (rates[-1], mode[-1]), annotation_clip=False, **beside)
-        axes.set_ylim(0, 1.1 * float(np.nanmax(frequencies, initial=0.0)) or 1.0)
-        axes.set_xlabel(labelled("speed", unit))
-        axes.set_ylabel(labelled("frequency in turning axes", unit))
+            axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
+            # One beside the other, amid the diagram: its right edge belongs to the names of the modes.
+            place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
+            x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
+            axes.annotate(f"{order}P", (x, y), color="0.4", fontsize=7, ha="center")
+        for name, mode in zip(diagram.names, frequencies.T, strict=True):
+            axes.plot(speeds, mode, marker="o", markersize=2.5)
+            beside: dict[str, Any] = {
+                "xytext": (4, 0),
+                "textcoords": "offset points",
+                "va": "center",
+                "fontsize": 7,
+            }
+            axes.annotate(name, (speeds[-1], mode[-1]), annotation_clip=False, **beside)
+        for critical in diagram.critical_speeds:
+            speed = by_rate * critical.rate
+            axes.axvline(speed, color="0.5", linewidth=0.7, linestyle=":")
+            words = f"critical, {plain_number(speed, 4)} {shown}"
+            axes.annotate(words, (speed, 0.98 * top), rotation=90, va="top", ha="right", fontsize=6)
+        axes.set_ylim(0, top)
+        axes.set_xlabel(labelled("speed", shown))
+        axes.set_ylabel(labelled(f"frequency in axes {diagram.axes}", unit))
         return save_figure(figure, path)

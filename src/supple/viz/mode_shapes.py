@@ -10,11 +10,11 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.units import UNNAMED, UnitSystem, measured
+from supple.mesh.skin import Skin
+from supple.units import UNNAMED, UnitSystem, measured, plain_number
 from supple.viz.camera import Camera
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_outline
-from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import page_around, render, show
 from supple.viz.style import COLOUR_MAP, TEXT_WIDTH, new_figure, save_figure, textbook_style
 
@@ -29,7 +29,7 @@ def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
     """Such as "mode 1:  0.675 Hz", of frequencies (m,), one over the unit of time."""
     unit, factor = units.frequency_shown
     return [
-        measured(f"mode {i}:  {factor * frequency:.3g}", unit)
+        measured(f"mode {i}:  {plain_number(factor * frequency)}", unit)
         for i, frequency in enumerate(frequencies, start=1)
     ]
 

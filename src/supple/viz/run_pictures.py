@@ -24,6 +24,7 @@ from supple.quantities import (
 )
 from supple.reduction import BodyModes, ReducedBody
 from supple.results import without_noise
+from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import Traces, animate
@@ -36,13 +37,11 @@ from supple.viz.body_pictures import (
 )
 from supple.viz.body_surface import BodySurface, Look, body_surface
 from supple.viz.camera import Camera
-from supple.viz.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
 from supple.viz.machine_picture import plot_machine
 from supple.viz.mesh_plot import plot_mesh
-from supple.viz.obstacle_surface import obstacle_actor
-from supple.viz.scene import Actor, scene_of
+from supple.viz.scene import Actor, obstacle_actor, scene_of
 from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
 

@@ -48,7 +48,7 @@ def test_a_bar_and_a_beam_of_one_section(deck):
 
 
 def test_a_tapered_beam(deck):
-    """Values at B, those it leaves blank as at A; stations between are noted."""
+    """Values at B, those it leaves blank as at A; stations off the line between the ends are left out."""
     text = "PBEAM,4,5,.01,2.-5,1.-5,0.,3.-5,6.\n,NO,.5,.02\n,NO,1.,.04,8.-5\n"
     made = beam(deck, text, "CBEAM,1,4,1,2,1.,0.,0.")
     assert made.second is not None
@@ -58,6 +58,20 @@ def test_a_tapered_beam(deck):
     assert shaped.second is not None
     assert shaped.second.area == pytest.approx(4 * shaped.first.area) == pytest.approx(np.pi * 0.04)
     assert shaped.second.mass_per_length == pytest.approx(7850 * np.pi * 0.04 + 6)
+    start, end = "PBEAM,4,5,.01,2.-5,1.-5,0.,3.-5,6.\n", ",NO,1.,.04,8.-5,1.-5,0.,3.-5,6.\n"
+    for middle, left in [
+        (",NO,.5,.025,5.-5\n", []),
+        (",NO,.5\n", []),
+        (",NO,.5,.02\n", ["PBEAM"]),
+    ]:
+        given = GRIDS + MATERIAL + "CBEAM,1,4,1,2,1.,0.,0.\n" + start + middle + end
+        assert [each.card for each in deck(given).left_out] == left
+    relief = GRIDS + MATERIAL + "CBEAM,1,4,1,2,1.,0.,0.\n" + start + end
+    assert "shear relief" in deck(relief + ",.8,.8,.2\n").left_out[0].meaning
+    assert not deck(relief + ",0.,0.,.2\n").left_out
+    stations = "PBEAML,4,5,,ROD\n,.1,6.,NO,.5,.15,,NO,1.0\n,.2\n"
+    (half_way,) = deck(GRIDS + MATERIAL + "CBEAM,1,4,1,2,1.,0.,0.\n" + stations).left_out
+    assert half_way.card == "PBEAML"
 
 
 def test_masses_beside_the_neutral_axis(deck):

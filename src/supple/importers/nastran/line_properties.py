@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import pi
+from math import nan, pi
+
+import numpy as np
 
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, RodProperty
 from supple.importers.nastran.bulk_data import BulkCard
@@ -20,6 +22,8 @@ ROD_PROPERTY_CARDS = ("PROD", "PTUBE")
 
 # Points of stress recovery: distances along y and z.
 _POINTS = ("C1", "C2", "D1", "D2", "E1", "E2", "F1", "F2")
+# Of the larger end's value: a section between the ends that is farther from the straight line counts.
+_OFF_THE_LINE = 0.01
 
 # Rows that a station of a PBEAM takes: its section, and after YES its stress points.
 _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
@@ -104,22 +108,21 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
     names = ("A", "I1", "I2", "I12", "J", "NSM")
     at_a = [card.real(2 + i, what, 0.0) for i, what in enumerate(names)]
     stations, rest, points_a = _rows_of_beam(card)
-    at_b, points_b, between = at_a, points_a, False
+    at_b, points_b, between = at_a, points_a, []
     for row, points in stations:
-        place = _number(card, row[1], 1.0)
-        values = [
-            _number(card, word, start) for word, start in zip((*row[2:8], *[""] * 6)[:6], at_a, strict=True)
-        ]
+        place, words = _number(card, row[1], 1.0), (*row[2:8], *[""] * 6)[:6]
+        # What is blank is as at A at the end, and on the line between the ends elsewhere.
+        blank = at_a if place == 1.0 else [nan] * 6
+        values = [_number(card, word, default) for word, default in zip(words, blank, strict=True)]
         if place == 1.0:
             at_b, points_b = values, points if any(points) else points_a
         else:
-            between = True
-    if between:
-        reading.note("Sections of PBEAM are read at both ends; those between count as on the straight line.")
+            between.append((place, values))
+    _leave_out_between(card, at_a, at_b, between, reading)
     last = [_number(card, word, 0.0) if word else None for word in (*rest, *[""] * 16)[:16]]
     K1, K2 = (1.0 if value is None else value for value in last[:2])
-    if last[2] or last[3]:
-        reading.note("The shear relief S1, S2 of tapered PBEAM is not read.")
+    if (last[2] and K1) or (last[3] and K2):
+        reading.leave_out(card, "the shear relief S1, S2 of its taper is not read")
 
     def pair(place: int) -> tuple[list[float], list[float]]:
         """What is given at A, and at B, where blank as at A: fields A B, or 1A 2A 1B 2B."""
@@ -145,6 +148,22 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         )
     )
     return BeamProperty(material, first, None if first == second else second)
+
+
+def _leave_out_between(
+    card: BulkCard,
+    at_a: Sequence[float],
+    at_b: Sequence[float],
+    between: Sequence[tuple[float, Sequence[float]]],
+    reading: Reading,
+) -> None:
+    """Leave out what stations say between the ends, where it is not on the straight line between these."""
+    a, b = np.array(at_a), np.array(at_b)
+    for place, values in between:
+        straight = a + place * (b - a)
+        if (np.abs(values - straight) > _OFF_THE_LINE * np.maximum(np.abs(a), np.abs(b))).any():
+            reading.leave_out(card, "sections between its ends count as on the straight line between them")
+            return
 
 
 def _number(card: BulkCard, word: str, default: float) -> float:
@@ -220,17 +239,18 @@ def _shaped(
         at = card.real(place + 1, "X/XB", 1.0)
         stations.append((at, _sizes(card, place + 2, shape.sizes, stations[0][1])))
         place += shape.sizes + 3
-    if any(0 < at < 1 for at, _ in stations):
-        reading.note("Sections of PBEAML are read at both ends; those between count as on the straight line.")
-    made = []
-    for at, sizes in stations:
-        if at not in (0.0, 1.0):
-            continue
+    made: list[BeamValues] = []
+    for _, sizes in stations:
         section = shape.values(*sizes[:-1]) if min(sizes[:-1]) >= 0 else None
         if section is None or not section.area > 0:
             return f"the sizes {list(sizes[:-1])} do not make a section {word}"
         made.append(_of_shape(card, section, material, (sizes[-1] + added) * reading.mass_factor))
-    return BeamProperty(material, made[0], made[-1] if len(made) > 1 and made[-1] != made[0] else None)
+    places = [place for place, _ in stations]
+    second = made[places.index(1.0)] if 1.0 in places else made[0]
+    listed = [[s.area, s.I1, s.I2, s.J, s.mass_per_length] for s in (made[0], second, *made[1:])]
+    between = list(zip(places[1:], listed[2:], strict=True))
+    _leave_out_between(card, listed[0], listed[1], between, reading)
+    return BeamProperty(material, made[0], None if second == made[0] else second)
 
 
 def _sizes(card: BulkCard, place: int, count: int, default: tuple[float, ...] | None) -> tuple[float, ...]:

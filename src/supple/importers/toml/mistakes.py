@@ -15,7 +15,10 @@ from supple.importers.toml.checked_table import CheckedTable
 from supple.importers.toml.line_index import KeyPath, LineIndex
 from supple.importers.toml.raw_tables import did_you_mean
 
-__all__ = ["checked", "listed_mistakes"]
+__all__ = ["WORD_OR_TABLE", "checked", "listed_mistakes"]
+
+WORD_OR_TABLE = ("word", "table")
+"""Tags of a key that takes either."""
 
 _Schema = Mapping[str, Any]
 _Root = TypeVar("_Root", bound=CheckedTable)
@@ -126,6 +129,10 @@ def _follow(root: _Schema, location: tuple[int | str, ...]) -> tuple[KeyPath, _S
         alternatives = schema.get("discriminator", {}).get("mapping", {})
         if part in alternatives:
             schema = _resolve(root, {"$ref": alternatives[part]})
+            continue
+        if not alternatives and part in WORD_OR_TABLE and "oneOf" in schema:
+            option = next(each for each in schema["oneOf"] if ("$ref" in each) == (part == "table"))
+            schema = _resolve(root, option)
             continue
         path = (*path, part)
         if isinstance(part, int):

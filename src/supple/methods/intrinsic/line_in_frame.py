@@ -17,7 +17,7 @@ couplings of the line have no power.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import jax
@@ -41,6 +41,7 @@ from supple.methods.intrinsic.line_equations import (
 from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.line_system import wrenches_on
 from supple.methods.intrinsic.machine_loads import machine_loads
+from supple.methods.intrinsic.machine_of_lines import line_start
 from supple.methods.intrinsic.station_loads import StationLoad, StationMotion
 from supple.methods.intrinsic.strain_integration import Places, station_places
 from supple.programs.kept_programs import KeptProgram
@@ -146,7 +147,20 @@ def lines_in_frames(system: System) -> SeenMachine:
         arrays = FrameLine(body.model, body.line.tree.points[0], machine_loads(alone), stations)
         bodies.append(LineInFrame(system.body_index(body.name), placed, arrays, names))
         first += len(stations)
-    return SeenMachine(system, seen, tuple(bodies))
+    placed_all = [_with_frame_rates(each) if each in lines else each for each in system.bodies]
+    return SeenMachine(replace(system, bodies=placed_all), seen, tuple(bodies))
+
+
+def _with_frame_rates(placed: Placed) -> Placed:
+    """The body with velocities u of the q_1 that it is placed with (`line_start`), where it deforms."""
+    if not placed.coordinate_rates.any():
+        return placed
+    body = body_of(placed)
+    line = FrameLine(body.model, body.line.tree.points[0], (), ())
+    start = line_start(placed, None, 0.0)
+    u = np.asarray(_frame_rates(line, placed.coordinates, start.q1))
+    rates = {"velocity": placed.rotation @ u[:3], "angular_velocity": u[3:6], "coordinate_rates": u[6:]}
+    return replace(placed, **rates)
 
 
 def _frame_rows(line: FrameLine, coordinates: jax.Array) -> jax.Array:
@@ -162,6 +176,11 @@ def _frame_rows(line: FrameLine, coordinates: jax.Array) -> jax.Array:
         )
 
     return jax.jacfwd(seen)(jnp.zeros(model.velocities.shape[1]))
+
+
+def _frame_rates_at(line: FrameLine, coordinates: jax.Array, q1: jax.Array) -> jax.Array:
+    """`A q_1`."""
+    return _frame_rows(line, coordinates) @ q1
 
 
 def _along_axes(rotation: jax.Array, u: jax.Array) -> jax.Array:
@@ -204,7 +223,7 @@ def _missing(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
     first, _ = line_rates(model, q1, q2, wrench)
     pushed = jnp.zeros_like(q1) if wrench is None else -wrench.reshape(-1) @ model.velocities
     left, loads = jnp.linalg.solve(rows.T, jnp.stack([rates - first, pushed], axis=1)).T
-    return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # type: ignore[return-value]
+    return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # ty: ignore[invalid-explicit-return]
 
 
 def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> Places:
@@ -254,6 +273,7 @@ def _tangent_at(line: FrameLine, state: BodyState, forces: jax.Array) -> tuple[j
     return mass, damping, stiffness
 
 
+_frame_rates = KeptProgram(_frame_rates_at, STARTING)
 _stations = KeptProgram(_stations_at, STARTING)
 _forces = KeptProgram(_forces_at, STARTING)
 _tangent = KeptProgram(_tangent_at, STARTING)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.mesh import Mesh
+from supple.mesh.mesh import Mesh
 from supple.mesh.outer_faces import outer_faces
 
 __all__ = ["Skin", "skin_of"]

@@ -1,0 +1,85 @@
+"""The start of a run at an instant of an earlier one, whose result file and reduced bodies lie together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import Field
+
+from supple.cases.shared_rules import FileName
+from supple.errors import CaseError
+from supple.importers.toml import CheckedTable
+from supple.machine import Placed, System
+from supple.simulation import Start
+from supple.simulation.kept_bodies import kept_path
+from supple.simulation.recorded_columns import are_same_columns
+from supple.simulation.start import ProjectionLoss
+from supple.storage import read_header, read_reduced_body, read_solution
+from supple.units import UnitSystem
+
+if TYPE_CHECKING:
+    from supple.cases.case import Case
+
+
+class StartState(CheckedTable):
+    """An instant of an earlier run, at which this one begins."""
+
+    file: FileName = Field(description="result file of the earlier run")
+    time: float = Field(description="one of its output times, at which this run begins")
+
+
+def gone_on(state: StartState, case: Case, system: System) -> System:
+    """The machine of a case as it goes on, in the units of the case.
+
+    Raises
+    ------
+    CaseError           a file whose units are stated and those of the case not, or the other way round
+    ResultFileError     a file that cannot be read
+    ModelError          as `Start.place`
+    """
+    path = case.folder / state.file
+    header, solution = read_header(path), read_solution(path)
+    length, time = _scales(case, path, UnitSystem.parsed(str(header.metadata.get("units", ""))))
+    moved = list(_bodies_that_moved(case, system, path.parent, solution.columns))
+    start = Start(solution, state.time, System(moved) if moved else None, length=length, duration=time)
+    found = start.place(system)
+    losses = {name: loss for name, loss in found.losses.items() if max(loss.relative, loss.rate) > 0}
+    lost = "; ".join(f"body '{name}' {_words(loss)}" for name, loss in losses.items())
+    case.notify(f"goes on from {state.file} at t = {found.time:g}" + (f": {lost}" if lost else ""))
+    return found.system
+
+
+def _words(loss: ProjectionLoss) -> str:
+    return (
+        f"is projected on its basis, which lacks {100 * loss.relative:.2g} % of its deformation "
+        f"({loss.rms:.2g} RMS) and {100 * loss.rate:.2g} % of the rates"
+    )
+
+
+def _scales(case: Case, path: Path, there: UnitSystem) -> tuple[float, float]:
+    """Units of length and time of a file in those of the case."""
+    here, ratios = case.units, []
+    for name in ("length", "time"):
+        ours, theirs = here.in_si(**{name: 1}), there.in_si(**{name: 1})
+        if (ours is None) != (theirs is None):
+            silent, stated = (case.path, path) if ours is None else (path, case.path)
+            raise CaseError(
+                f"{silent} does not say which unit of {name} it is in, and {stated} does: state the same "
+                "units in both cases, so that a state of one is a state of the other"
+            )
+        ratios.append(1.0 if ours is None or theirs is None else theirs / ours)
+    return ratios[0], ratios[1]
+
+
+def _bodies_that_moved(
+    case: Case, system: System, folder: Path, columns: Mapping[str, Mapping[str, Any]]
+) -> Iterator[Placed]:
+    """Those of a case's bodies that the earlier run kept, and those that moved in full."""
+    fulls = case.fulls
+    for name in (placed.body.name for placed in system.bodies):
+        if (kept := kept_path(folder, name)).exists():
+            yield Placed(read_reduced_body(kept))
+        elif name in fulls and are_same_columns(columns.get(name, {}), Placed(fulls[name])):
+            yield Placed(fulls[name])

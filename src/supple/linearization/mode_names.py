@@ -1,0 +1,87 @@
+"""Names of modes, by what moves most and which way: flap, edge and torsion of blades, whirl of rotors."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from supple.linearization.machine_modes import MachineModes
+from supple.linearization.whirl import whirl
+from supple.machine import Placed, Spin
+
+__all__ = ["mode_names"]
+
+Array = np.ndarray
+
+AWAY = 0.25
+"""Of the largest radius: where the nodes of a blade are in the mean, at least; those of a rotor are not."""
+SECTIONS = 12
+"""Of a blade along its length: what moves within one, but not as one, is torsion."""
+
+
+def mode_names(modes: MachineModes) -> tuple[str, ...]:
+    """A name for each mode, numbered among those of one name, as "flap 1", "forward whirl 1", "tower 2".
+
+    Of blades that turn: flap along the axis of the spin, edge around it, stretch along the blade, torsion.
+    """
+    shares, senses = modes.kinetic_shares, whirl(modes).sense
+    counted: Counter[str] = Counter()
+    names = []
+    for number in range(len(modes.eigenvalues)):
+        name = _kind(modes, number, int(np.argmax(shares[:, number])), int(senses[number]))
+        counted[name] += 1
+        names.append(f"{name} {counted[name]}")
+    return tuple(names)
+
+
+def _kind(modes: MachineModes, number: int, body: int, sense: int) -> str:
+    spin, placed = modes.machine.spin, modes.machine.system.bodies[body]
+    if not modes.kinetic_shares[:, number].any():
+        return "controller"
+    name = placed.body.name
+    if spin is None or (spin.bodies is not None and name not in spin.bodies):
+        return name
+    radii = _radii(placed, spin)
+    if np.linalg.norm(radii.mean(axis=0)) > AWAY * np.linalg.norm(radii, axis=1).max(initial=0.0) > 0:
+        return _of_blade(modes, number, placed, spin, radii)
+    return {1: "forward whirl", -1: "backward whirl"}.get(sense, name)
+
+
+def _radii(placed: Placed, spin: Spin) -> Array:
+    """Of all nodes from the axis, (N, 3)."""
+    arms = placed.positions() - spin.point
+    return arms - np.outer(arms @ spin.axis, spin.axis)
+
+
+def _of_blade(modes: MachineModes, number: int, placed: Placed, spin: Spin, radii: Array) -> str:
+    """What most of the squares of the nodes' motions are, section by section."""
+    along = radii.mean(axis=0) / np.linalg.norm(radii.mean(axis=0))
+    moved = _moved(modes, number, placed)
+    places = radii @ along
+    edges = np.linspace(places.min(), places.max(), SECTIONS + 1)[1:-1]
+    sections = np.searchsorted(edges, places)
+    sizes = np.bincount(sections, minlength=SECTIONS)
+    sums = np.zeros((SECTIONS, 3), dtype=complex)
+    np.add.at(sums, sections, moved)
+    means = sums / np.maximum(sizes, 1)[:, None]
+    squares = {
+        name: float(sizes @ abs(means @ direction) ** 2)
+        for name, direction in (
+            ("flap", spin.axis),
+            ("edge", np.cross(spin.axis, along)),
+            ("stretch", along),
+        )
+    }
+    squares["torsion"] = float(np.sum(abs(moved - means[sections]) ** 2))
+    return max(squares, key=lambda name: squares[name])
+
+
+def _moved(modes: MachineModes, number: int, placed: Placed) -> Array:
+    """Complex motions (N, 3) of all nodes in space."""
+    shape: Any = modes.shapes[:, number]
+    rates = np.array([shape.real, shape.imag])
+    motion = modes.machine.motion_near(np.zeros_like(rates), rates).bodies[placed.body.name]
+    real, imaginary = placed.body.node_motion(motion, np.arange(len(placed.body.nodes))).velocity
+    return real + 1j * imaginary

@@ -1,0 +1,171 @@
+"""Linear equations that change periodically as a machine turns: Floquet modes by Hill's method.
+
+    M(psi) y'' + C(psi) y' + K(psi) y = 0,     psi = r t,     y = e^(s t) sum_h y_h e^(i h psi)
+
+Harmonics of the matrices and of the mode give one quadratic eigenvalue problem with constant coefficients,
+
+    sum_j [ (s + i j r)^2 M_(h-j) + (s + i j r) C_(h-j) + K_(h-j) ] y_j = 0.
+
+Each mode appears once for every harmonic, at s + i h r; of these that one is kept whose motion has its mean
+harmonic nearest to zero: its frequency is the one at which most of the motion is seen.
+Source: Hill's determinant; [Hammond1974] for rotors whose equations stay periodic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import linalg
+
+from supple.errors import AccuracyError
+
+__all__ = ["FloquetModes", "Periodic", "floquet_modes"]
+
+Array = np.ndarray
+
+ROUNDS = (4, 7, 11)
+"""Harmonics of a mode, one number after the other until enough."""
+LEFT = 1e-4
+"""Of a mode's norm: what its highest harmonics may hold; its square is the error of a frequency."""
+LARGEST = 4000
+"""States of the eigenvalue problem."""
+HALF = 1e-3
+"""How near to one half a mean harmonic may be for both neighbours to be taken."""
+ZERO = 3e-7
+"""Of the stiffness: eigenvalues that rounding cannot tell from zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Periodic:
+    """Fourier coefficients of the matrices of a machine over one turn, h = -H .. H.
+
+    rate : rad per unit of time
+    mass, damping, stiffness : complex (2 H + 1, k, k)
+    """
+
+    rate: float
+    mass: Array
+    damping: Array
+    stiffness: Array
+
+    @classmethod
+    def of_samples(cls, rate: float, mass: Array, damping: Array, stiffness: Array) -> Periodic:
+        """From samples (s, k, k) at evenly spaced angles of one turn."""
+        highest = (len(mass) - 1) // 2
+
+        def coefficients(samples: Array) -> Array:
+            spectrum = np.fft.fft(samples, axis=0) / len(samples)
+            return np.concatenate([spectrum[-highest:], spectrum[: highest + 1]])
+
+        return cls(rate, *map(coefficients, (mass, damping, stiffness)))
+
+    @property
+    def highest(self) -> int:
+        """H."""
+        return len(self.mass) // 2
+
+    def along(self, basis: Array) -> Periodic:
+        """For motions `basis @ y`."""
+        return Periodic(
+            self.rate, *(basis.T @ each @ basis for each in (self.mass, self.damping, self.stiffness))
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FloquetModes:
+    """Free motions `e^(s t) sum_h y_h e^(i h psi)`, slowest first.
+
+    eigenvalues : complex (m,)          above the real axis
+    harmonics : complex (2 h + 1, k, m)   y_h, from -h to h
+    """
+
+    eigenvalues: Any
+    harmonics: Any
+
+    @property
+    def principal(self) -> Any:
+        """`y_0` (k, m)."""
+        return self.harmonics[len(self.harmonics) // 2]
+
+
+def floquet_modes(periodic: Periodic, n_modes: int | None) -> FloquetModes:
+    """The slowest modes, all where no number is given.
+
+    Raises AccuracyError where the harmonics of a mode do not die out.
+    """
+    k = periodic.mass.shape[1]
+    found, last = None, np.inf
+    for number in ROUNDS:
+        if 2 * k * (2 * number + 1) > LARGEST and found is not None:
+            break
+        found = _with_harmonics(periodic, number)
+        shown = found.harmonics[:, :, :n_modes]
+        sizes = np.linalg.norm(shown, axis=1)
+        last = float(np.max(sizes[[0, -1]] / np.linalg.norm(sizes, axis=0), initial=0.0))
+        if last < LEFT:
+            return found
+    raise AccuracyError(
+        f"the periodic equations of the machine were not solved: a mode keeps {last:.1e} of its motion in "
+        "its highest harmonics; ask for fewer modes, or keep fewer modes of its bodies"
+    )
+
+
+def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
+    """Modes with harmonics up to a number."""
+    k, orders = periodic.mass.shape[1], np.arange(-number, number + 1)
+    frequency = 1j * periodic.rate * np.repeat(orders, k)
+    mass, damping, stiffness = (_blocks(each, orders) for each in _parts(periodic))
+    stiff = mass * frequency**2 + damping * frequency + stiffness
+    damped = 2 * mass * frequency + damping
+    factor = linalg.lu_factor(mass)
+    solved = linalg.lu_solve(factor, np.hstack([stiff, damped]))
+    size = len(mass)
+    middle = _mean(periodic.mass)
+    unit = float(np.sqrt(np.linalg.norm(linalg.solve(middle, _mean(periodic.stiffness))))) or 1.0
+    state = np.zeros((2 * size, 2 * size), dtype=complex)
+    state[:size, size:] = unit * np.eye(size)
+    state[size:, :size], state[size:, size:] = -solved[:, :size] / unit, -solved[:, size:]
+    values, vectors = linalg.eig(state)
+    harmonics = vectors[:size].reshape(len(orders), k, -1)
+    weights = np.einsum("hkm,kl,hlm->hm", harmonics.conj(), middle, harmonics).real
+    mean = orders @ weights / weights.sum(axis=0)
+    values = np.where(abs(values) < ZERO * unit, 0.0, values)
+    kept = np.flatnonzero((abs(mean) <= 0.5 + HALF) & ~_twins(values, mean, 1j * periodic.rate))
+    kept = kept[values[kept].imag >= 0]
+    kept = kept[_one_of_zeros(values[kept])]
+    order = kept[np.lexsort((-values[kept].real, abs(values[kept])))]
+    return FloquetModes(values[order], harmonics[:, :, order])
+
+
+def _twins(values: Array, mean: Array, shift: complex) -> Array:
+    """Which modes with a mean harmonic near -1/2 are others near 1/2, a harmonic on."""
+    other = np.flatnonzero(abs(mean - 0.5) <= HALF)
+    twins = abs(mean + 0.5) <= HALF
+    apart = abs(values[:, None] - shift - values[other]).min(axis=1, initial=np.inf)
+    return twins & (apart <= HALF * abs(shift))
+
+
+def _one_of_zeros(values: Array) -> Array:
+    """Of two zeros of a free motion one."""
+    zero = np.flatnonzero(values == 0)
+    return np.setdiff1d(np.arange(len(values)), zero[1::2])
+
+
+def _parts(periodic: Periodic) -> tuple[Array, Array, Array]:
+    return periodic.mass, periodic.damping, periodic.stiffness
+
+
+def _mean(coefficients: Array) -> Array:
+    """Of a matrix over the turn, (k, k)."""
+    return coefficients[len(coefficients) // 2].real
+
+
+def _blocks(coefficients: Array, orders: Array) -> Array:
+    """Block (h, j) is the coefficient h - j, zero beyond those that there are."""
+    highest, k = len(coefficients) // 2, coefficients.shape[1]
+    padded = np.concatenate([coefficients, np.zeros((1, k, k))])
+    between = orders[:, None] - orders
+    chosen = np.where(abs(between) <= highest, between + highest, len(coefficients))
+    return padded[chosen].transpose(0, 2, 1, 3).reshape(len(orders) * k, len(orders) * k)

@@ -1,0 +1,316 @@
+"""A machine that turns, seen in axes that stand in space: rotors on unlike bearings, blades on a tower.
+
+Small motions `p` of bodies that turn are measured in their own axes, where what stands changes with the angle
+psi of the turn. Other coordinates, `p = W(psi) z`, see both alike:
+
+- the rigid motion of one turning body, the hub, as a twist at the axis, in axes that stand; the other turning
+  bodies, relative to it, so that nothing between them changes;
+- of N >= 3 equal bodies evenly around the axis, multi-blade coordinates instead of each body's own,
+
+    q_b = a_0 + sum_n [ a_n cos n psi_b + b_n sin n psi_b ] (+ (-1)^b a_(N/2)),   psi_b = psi + 2 pi b / N;
+
+- of bodies that are alike all around the axis, deformation and relative motion in axes that stand
+  (`turn_generator`).
+
+With psi' = W' constant (rate r) and M, C, K at that angle,
+
+    M_z = W^T M W,    C_z = W^T (C W + 2 r M W'),    K_z = W^T (K W + r C W' + r^2 M W'').
+
+Where these do not change with psi either, their eigenvalues are exact. Else they are periodic (`Periodic`).
+Source: [ColemanFeingold1958]; [Johnson1980] chapter 8 for any number of blades.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg
+from scipy.spatial.transform import Rotation
+
+from supple.algebra.cross import cross_matrix
+from supple.equations.control_linearization import LinearControl
+from supple.errors import ModelError
+from supple.linearization.axisymmetry import turn_generator
+from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.periodic import Periodic
+from supple.linearization.turned_machine import equations_turned_on, turning_bodies
+from supple.machine import GROUND, Joint, Spin
+from supple.simulation.resting_state import RestingState, placed_at_rest
+
+__all__ = ["CONSTANT", "in_standing_axes"]
+
+CONSTANT = 1e-6
+"""Equations that change by more than this part as the machine turns on have no eigenvalues."""
+FEW, SAMPLES = 7, 16
+"""Angles of a turn at which equations are compared, and at which their harmonics are found."""
+FINE = 64
+"""Angles, at least, of the coordinates alone, whose derivatives are by their harmonics."""
+ROUNDING = 64 * np.finfo(float).eps
+"""Of the terms of a sum."""
+SAME_PLACE = 1e-6
+"""Of the size of the machine, and rad: where equal bodies may be off an even spacing."""
+
+
+class _Sampled(NamedTuple):
+    """Matrices (s, n, n), and rows (s, m, n) of the joints, at evenly spaced angles of one turn."""
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    constraint: Array
+
+
+def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
+    """The machine in coordinates that see what stands and what turns alike.
+
+    refusal : why it is not linearised in axes that turn along, for the error
+    Raises ModelError for a machine whose rest changes as it turns, with controllers, or whose joints leave
+    other motions free later in the turn.
+    """
+    if found.system.controllers:
+        raise ModelError(refusal)
+    groups = _equal_bodies(found, spin)
+    # A few angles show what is constant; the harmonics of what is not take more.
+    for number in (FEW, SAMPLES):
+        sampled = _sampled(found, time, spin, number, refusal)
+        seen = (_seen(sampled, spin, coordinates) for coordinates in _ways(found, spin, groups, number))
+        kept = [each for each in seen if each is not None]
+        if not kept:
+            raise ModelError(refusal)
+        for each in kept:
+            if each.change < CONSTANT:
+                return _machine(found, time, spin, each, None)
+    return _machine(found, time, spin, kept[0], Periodic.of_samples(spin.rate, *kept[0].matrices))
+
+
+def _machine(
+    found: RestingState, time: float, spin: Spin, seen: _Seen, periodic: Periodic | None
+) -> LinearMachine:
+    mass, damping, stiffness = _without_noise(*(matrix.mean(axis=0) for matrix in seen.matrices), spin.rate)
+    return LinearMachine(
+        system=placed_at_rest(found),
+        spin=spin,
+        time=time,
+        mass=(mass + mass.T) / 2,
+        damping=damping,
+        stiffness=stiffness,
+        basis=seen.motions,
+        full_mass=seen.full_mass,
+        control=_no_control(len(mass)),
+        is_in_space=True,
+        periodic=periodic,
+    )
+
+
+def _sampled(found: RestingState, time: float, spin: Spin, number: int, refusal: str) -> _Sampled:
+    angles = (2 * np.pi * np.arange(number) / number).tolist()
+    each = [equations_turned_on(found, time, spin, angle) for angle in angles]
+    if max(one.unbalanced for one in each) > CONSTANT:
+        raise ModelError(refusal)
+    equations: list[Any] = [one.equations for one in each]
+    return _Sampled(
+        *(np.array([getattr(one, name) for one in equations]) for name in ("mass", "damping", "stiffness")),
+        np.array([one.constraint for one in equations]),
+    )
+
+
+class _Coordinates(NamedTuple):
+    """`W` and its derivatives by the angle, (s, n, n)."""
+
+    values: Array
+    first: Array
+    second: Array
+
+    @classmethod
+    def of_fine(cls, W: Array, number: int) -> _Coordinates:
+        """At some of finer angles, whose harmonics give the derivatives exactly."""
+        harmonics = 1j * np.fft.fftfreq(len(W), 1 / len(W))[:, None, None]
+        spectrum = np.fft.fft(W, axis=0)
+        spectrum[abs(spectrum) < ROUNDING * abs(spectrum).max()] = 0.0
+        found = (W, *(np.fft.ifft(harmonics**order * spectrum, axis=0).real for order in (1, 2)))
+        return cls(*(each[:: len(W) // number] for each in found))
+
+
+class _Seen(NamedTuple):
+    """A machine in some coordinates z: motions `W(0) N` (n, k) of those that are free, and their matrices.
+
+    matrices : mass, damping and stiffness (s, k, k)
+    change : largest of these over the turn, over the size of each row and column
+    full_mass : (n, n) of p at the first angle
+    """
+
+    motions: Array
+    matrices: tuple[Array, Array, Array]
+    change: float
+    full_mass: Array
+
+
+def _ways(found: RestingState, spin: Spin, groups: list[list[int]], number: int) -> Iterator[_Coordinates]:
+    """Coordinates to try, those that are most likely to see nothing change first."""
+    fine = number * -(-FINE // number)
+    angles = 2 * np.pi * np.arange(fine) / fine
+    hub = _hub_in_space(found, spin, angles)
+    blades = _multi_blade(found, groups, angles)
+    round_bodies = _round_bodies(found, spin, [body for group in groups for body in group], angles)
+    for W in (hub @ (blades @ round_bodies), hub @ blades, hub):
+        yield _Coordinates.of_fine(W, number)
+
+
+def _seen(sampled: _Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | None:
+    """None where the joints leave other motions free as the machine turns."""
+    W, first, second = coordinates
+    rows = sampled.constraint @ W
+    size = 1 / np.sqrt(np.einsum("ij,ij->j", W[0], sampled.mass[0] @ W[0]))
+    basis = size[:, None] * scipy.linalg.null_space(rows[0] * size)
+    opened = float(np.max(abs(rows @ basis) @ np.ones(basis.shape[1]), initial=0.0))
+    if opened > CONSTANT * float(np.max(abs(rows) @ (abs(basis).sum(axis=1) + size), initial=1e-300)):
+        return None
+    rate, (M, C, K, _) = spin.rate, sampled
+    damped = C @ W + 2 * rate * M @ first
+    stiff = K @ W + rate * C @ first + rate**2 * M @ second
+    left = basis.T @ W.transpose(0, 2, 1)
+    matrices = (left @ (M @ W) @ basis, left @ damped @ basis, left @ stiff @ basis)
+    return _Seen(W[0] @ basis, matrices, _change(matrices, rate), M[0])
+
+
+def _without_noise(mass: Array, damping: Array, stiffness: Array, rate: float) -> Iterator[Array]:
+    """Zero for what rounding alone leaves between two motions, which would upset scales of eigenvalues."""
+    size = np.sqrt(np.abs(np.diag(stiffness)) + rate**2 * np.diag(mass))
+    for matrix, scale in ((mass, rate**2), (damping, abs(rate)), (stiffness, 1.0)):
+        yield np.where(scale * abs(matrix) < ROUNDING * np.outer(size, size), 0.0, matrix)
+
+
+def _change(matrices: tuple[Array, Array, Array], rate: float) -> float:
+    """Largest change over the turn, over the size of each row and column."""
+    mass, damping, stiffness = matrices
+    size = np.sqrt(np.abs(np.diag(stiffness[0])) + rate**2 * np.diag(mass[0]))
+    scales = (rate**2, abs(rate), 1.0)
+    changes = (
+        scale * abs(each - each[0]) / np.outer(size, size)
+        for scale, each in zip(scales, (mass, damping, stiffness), strict=True)
+    )
+    return float(max(np.max(each, initial=0.0) for each in changes))
+
+
+def _starts(found: RestingState) -> Array:
+    return np.array([part.start for part in found.equations.slices])
+
+
+def _hub(found: RestingState, turning: Array) -> int:
+    """The turning body that a joint, or else a force, holds to what stands; the first one where none does."""
+    system = found.system
+    elements: list[Any] = [*system.joints, *(load for load in system.loads if hasattr(load, "second"))]
+    for element in sorted(elements, key=lambda each: not isinstance(each, Joint)):
+        ends = [
+            None if end == GROUND else system.body_index(end.body) for end in (element.first, element.second)
+        ]
+        moving = [end for end in ends if end is not None and turning[end]]
+        if len(moving) == 1:
+            return moving[0]
+    return int(np.argmax(turning))
+
+
+def _hub_in_space(found: RestingState, spin: Spin, angles: Array) -> Array:
+    """`S` (s, n, n): the hub's rigid motion from its twist at the axis, in axes that stand."""
+    turning, starts = turning_bodies(found, spin), _starts(found)
+    n = found.equations.slices[-1].stop
+    with_hub, configuration = np.zeros((n, 6)), found.configuration
+    for body in np.flatnonzero(turning):
+        axes, arm = configuration.rotations[body].T, configuration.origins[body] - spin.point
+        start = starts[body]
+        with_hub[start : start + 3, :3] = with_hub[start + 3 : start + 6, 3:] = axes
+        with_hub[start : start + 3, 3:] = -axes @ cross_matrix(arm)
+    back = Rotation.from_rotvec(-angles[:, None] * spin.axis).as_matrix()
+    S = np.tile(np.eye(n), (len(angles), 1, 1))
+    hub = starts[_hub(found, turning)] + np.arange(6)
+    S[:, :, hub[:3]] = with_hub[:, :3] @ back
+    S[:, :, hub[3:]] = with_hub[:, 3:] @ back
+    return S
+
+
+def _equal_bodies(found: RestingState, spin: Spin) -> list[list[int]]:
+    """Turning bodies, three or more, of one size and evenly around the axis; in the order of their angle."""
+    turning, configuration = turning_bodies(found, spin), found.configuration
+    hub, slices = _hub(found, turning), found.equations.slices
+    length = float(found.equations.model.length)
+    left, groups = [int(body) for body in np.flatnonzero(turning) if body != hub], []
+    while left:
+        first = left[0]
+        alike = [each for each in left if _length(slices[each]) == _length(slices[first])]
+        places = {}
+        for body in alike:
+            turn = Rotation.from_matrix(configuration.rotations[body] @ configuration.rotations[first].T)
+            angle = float(turn.as_rotvec() @ spin.axis)
+            carried = spin.point + turn.apply(configuration.origins[first] - spin.point)
+            off = float(np.linalg.norm(carried - configuration.origins[body]))
+            about = np.linalg.norm(turn.as_rotvec() - angle * spin.axis)
+            if off < SAME_PLACE * length and about < SAME_PLACE:
+                places[body] = angle % (2 * np.pi)
+        order = sorted(places, key=lambda body: places[body])
+        spaced = 2 * np.pi * np.arange(len(order)) / len(order)
+        apart = abs(np.array([places[body] for body in order]) - spaced)
+        if len(order) >= 3 and apart.max() < SAME_PLACE:
+            groups.append(order)
+            left = [each for each in left if each not in order]
+        else:
+            left = left[1:]
+    return groups
+
+
+def _round_bodies(found: RestingState, spin: Spin, blades: list[int], angles: Array) -> Array:
+    """(s, n, n): motion of turning bodies that are alike all around, from that in axes that stand."""
+    turning, configuration = turning_bodies(found, spin), found.configuration
+    hub, slices = _hub(found, turning), found.equations.slices
+    T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))
+    for number in np.flatnonzero(turning):
+        if number in blades:
+            continue
+        body, rotation = found.system.bodies[number].body, configuration.rotations[number]
+        axis = rotation.T @ spin.axis
+        generator = turn_generator(body, axis, rotation.T @ (spin.point - configuration.origins[number]))
+        if generator is None:
+            continue
+        start = slices[number].start
+        back = Rotation.from_rotvec(-angles[:, None] * axis).as_matrix()
+        if number != hub:
+            T[:, start : start + 3, start : start + 3] = T[
+                :, start + 3 : start + 6, start + 3 : start + 6
+            ] = back
+        own = slice(start + 6, slices[number].stop)
+        T[:, own, own] = scipy.linalg.expm(-angles[:, None, None] * generator)
+    return T
+
+
+def _length(part: slice) -> int:
+    return part.stop - part.start
+
+
+def _multi_blade(found: RestingState, groups: list[list[int]], angles: Array) -> Array:
+    """`T` (s, n, n): the coordinates of equal bodies from multi-blade ones, which stand in their places."""
+    n = found.equations.slices[-1].stop
+    T = np.tile(np.eye(n), (len(angles), 1, 1))
+    for group in groups:
+        parts = [found.equations.slices[body] for body in group]
+        waves = _waves(len(group), angles)
+        own = np.eye(_length(parts[0]))
+        for row, part in enumerate(parts):
+            for column, other in enumerate(parts):
+                T[:, part, other] = waves[:, row, column, None, None] * own
+    return T
+
+
+def _waves(number: int, angles: Array) -> Array:
+    """Coefficients (s, N, N) of a_0, a_1, b_1, a_2, .. in each body's coordinate."""
+    at = angles[:, None] + 2 * np.pi * np.arange(number) / number
+    columns = [np.ones_like(at)]
+    for order in range(1, (number - 1) // 2 + 1):
+        columns += [np.cos(order * at), np.sin(order * at)]
+    if number % 2 == 0:
+        columns.append(np.tile((-1.0) ** np.arange(number), (len(angles), 1)))
+    return np.stack(columns, axis=2)
+
+
+def _no_control(size: int) -> LinearControl:
+    return LinearControl(np.zeros((size, 0)), np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)))

@@ -1,0 +1,68 @@
+"""A machine that turns steadily, later in its turn, and its linear equations there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from supple.equations.static_search import carried_state
+from supple.equations.steady_motion import LinearEquations
+from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
+from supple.methods.floating.full.linear_equations import SparseEquations
+from supple.simulation.equations_of import equations_of
+from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest
+
+__all__ = ["TurnedEquations", "equations_turned_on", "turning_bodies"]
+
+
+class TurnedEquations(NamedTuple):
+    """Linear equations, and the part of the forces that the joints cannot carry there."""
+
+    equations: LinearEquations | SparseEquations
+    unbalanced: float
+
+
+def turning_bodies(found: RestingState, spin: Spin) -> np.ndarray:
+    """Which bodies turn, (nb,)."""
+    return found.turning.angular_velocities @ spin.axis != 0
+
+
+def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> TurnedEquations:
+    """The equations of the machine turned on by an angle (rad) about the axis, its loads as they are."""
+    system = _turned_on(found, time, spin, angle)
+    system = replace(system, bodies=tuple(map(at_rest, system.bodies)))
+    later = equations_of(system, found.turning, time, found.equations.model.active)
+    state, unbalanced = carried_state(later, time)
+    return TurnedEquations(later.linear_equations(state, time), unbalanced)
+
+
+def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> System:
+    """The machine with what turns turned on, its driven joints with it."""
+    turn = Rotation.from_rotvec(angle * spin.axis).as_matrix()
+    turning = turning_bodies(found, spin)
+    system = placed_at_rest(found)
+    bodies = [
+        replace(
+            placed,
+            position=spin.point + turn @ (placed.position - spin.point),
+            rotation=turn @ placed.rotation,
+        )
+        if moves
+        else placed
+        for placed, moves in zip(system.bodies, turning, strict=True)
+    ]
+
+    def driven_on(joint: Joint) -> Joint:
+        if not isinstance(joint, PrescribedRotation):
+            return joint
+        first, second = (
+            end != GROUND and bool(turning[system.body_index(end.body)])
+            for end in (joint.first, joint.second)
+        )
+        sense = np.sign(np.dot(joint.axis, spin.axis)) * (float(second) - float(first))
+        return replace(joint, angle=float(joint.law(time)) + sense * angle)
+
+    return replace(system, bodies=tuple(bodies), joints=tuple(map(driven_on, system.joints)))

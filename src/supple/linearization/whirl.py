@@ -1,0 +1,108 @@
+"""How what turns moves across its axis: whirl with the spin or against it, and its frequency in space.
+
+Of a motion `Re( a e^(i w t) )` across the axis, `a_1 + i a_2` goes round as the spin does and `a_1 - i a_2`
+against it. In axes that turn along at W the parts are seen at w; in space they go round at w + W and w - W.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from supple.linearization.linear_machine import LinearMachine
+from supple.linearization.machine_modes import MachineModes
+from supple.machine import Placed
+
+__all__ = ["Whirl", "whirl"]
+
+Array = np.ndarray
+
+LEAST = 1e-6
+"""Of the kinetic energy of a mode: less across the axis is no whirl."""
+ROUND, TURNING_ROUND = 1e-3, 0.5
+"""Difference of both senses over their sum: of an orbit in space, however flat, and of one that is seen in
+axes that turn along, where a flat one is two motions in space."""
+ALIKE = 1e-6
+"""Of frequencies in axes that turn along: the motions of modes this near may be any sums of each other."""
+ON_AXIS = 1e-6
+"""Of the size of a body."""
+
+
+class Whirl(NamedTuple):
+    """Of each mode.
+
+    sense : (k,)            1 as the spin turns, -1 against it, 0 of neither, or not known
+    frequencies : (k,)      rad per unit of time, in space; NaN where nothing moves across the axis, or as one
+    """
+
+    sense: Array
+    frequencies: Array
+
+
+def whirl(modes: MachineModes) -> Whirl:
+    """Whirl of the turning bodies in each mode; of a machine without spin nothing is forward or backward."""
+    machine, w = modes.machine, modes.frequencies
+    if machine.spin is None:
+        return Whirl(np.zeros(len(w), dtype=int), np.full(len(w), np.nan))
+    across = _across(machine, modes.shapes)
+    forward, backward = (np.sum(abs(across[0] + sign * 1j * across[1]) ** 2, axis=0) for sign in (1, -1))
+    both = forward + backward
+    moves = (both > LEAST) & (w > 0)
+    part = (forward - backward) / np.where(both > 0, both, 1.0)
+    rate = abs(machine.spin.rate)
+    if machine.is_in_space or not rate:
+        sense = np.where(moves & (abs(part) > ROUND) & (rate > 0), np.sign(part), 0.0)
+        return Whirl(sense.astype(int), np.where(moves, w, np.nan))
+    apart = abs(w[:, None] - w) + np.diag(np.full(len(w), np.inf))
+    known = moves & (abs(part) > TURNING_ROUND) & (apart.min(axis=1, initial=np.inf) > ALIKE * w)
+    signed = np.where(part > 0, rate + w, rate - w)
+    return Whirl(np.where(known, np.sign(signed), 0.0).astype(int), np.where(known, abs(signed), np.nan))
+
+
+def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
+    """Motions (j, k) along two directions across the axis: of all that turns as one, of points on the axis.
+
+    In units of the kinetic energy of what moves so.
+    """
+    spin = machine.spin
+    assert spin is not None
+    axis = spin.axis * (np.sign(spin.rate) or 1.0)
+    first = np.cross(axis, np.eye(3)[np.argmin(abs(axis))])
+    first = first / np.linalg.norm(first)
+    directions = np.array([first, np.cross(axis, first)])
+    names = None if spin.bodies is None else set(spin.bodies)
+    starts = np.cumsum([0, *(6 + placed.body.n_coordinates for placed in machine.system.bodies)])
+    bodies = list(zip(machine.system.bodies, starts[:-1], strict=True))
+    turning = [(placed, start) for placed, start in bodies if names is None or placed.body.name in names]
+    rigid = np.zeros((len(shapes), 6))
+    for placed, start in turning:
+        axes, arm = placed.rotation.T, placed.position - spin.point
+        rigid[start : start + 3, :3] = rigid[start + 3 : start + 6, 3:] = axes
+        rigid[start : start + 3, 3:] = np.cross(arm, axes)
+    # Columns: translation along both, rotation about both.
+    whole = np.hstack([rigid[:, :3] @ directions.T, rigid[:, 3:] @ directions.T])
+    squares = np.einsum("nj,nj->j", whole, machine.full_mass @ whole)
+    sizes = np.sqrt(np.repeat(squares.reshape(2, 2).mean(axis=1), 2))
+    moments = (whole / sizes).T @ (machine.full_mass @ shapes)
+    moments = moments.reshape(2, 2, -1).transpose(1, 0, 2)
+    points = [_on_axis(machine, placed, shapes, directions) for placed, _ in turning]
+    found = np.concatenate([moments, *points], axis=1)
+    return found[0], found[1]
+
+
+def _on_axis(machine: LinearMachine, placed: Placed, shapes: Array, directions: Array) -> Array:
+    """Motions (2, p, k) of interfaces of a body on the axis, by the root of their share of its mass."""
+    spin, body = machine.spin, placed.body
+    assert spin is not None
+    arms = [placed.position + placed.rotation @ end.position - spin.point for end in body.interfaces]
+    size = float(np.ptp(body.nodes, axis=0).max(initial=0.0)) or 1.0
+    off = [float(np.linalg.norm(arm - (arm @ spin.axis) * spin.axis)) for arm in arms]
+    ends = [end.name for end, apart in zip(body.interfaces, off, strict=True) if apart < ON_AXIS * size]
+    if not ends:
+        return np.zeros((2, 0, shapes.shape[1]))
+    rates = np.concatenate([shapes.real.T, shapes.imag.T])
+    motion = machine.motion_near(np.zeros_like(rates), rates).bodies[body.name]
+    moved = np.array([body.interface_motion(motion, end).velocity @ directions.T for end in ends])
+    real, imaginary = np.split(moved.transpose(2, 0, 1), 2, axis=2)
+    return np.sqrt(body.mass / len(ends)) * (real + 1j * imaginary)

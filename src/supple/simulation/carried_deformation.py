@@ -1,0 +1,282 @@
+"""The deformation of a body, brought from one form or basis of it to another by its mass matrix.
+
+A frame of another kind is placed first, so that its six conditions hold for the same shape in space. What the
+columns V of a reduced body keep of the coordinates x that remain is their projection,
+
+    gamma = V^T M ( x - z(gamma) ),       V^T M V = 1,
+
+z what follows the coordinates outside the columns. Then the interfaces are put where they were, by the least
+motion in the mass norm, as far as the columns allow: joints stay closed, and pivots do not shift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+from scipy.spatial.transform import Rotation
+
+from supple.body import FlexibleBody, MeanAxisFrame
+from supple.errors import ModelError
+from supple.simulation.kept_basis import kept_basis
+
+__all__ = ["CarriedDeformation", "Deformation", "FloatingState", "ProjectionLoss", "carried_deformation"]
+
+Array = np.ndarray
+
+SAME_PLACE = 1e-6
+"""Of the size of a body: where its nodes may lie apart in two meshes that are the same."""
+MOST_ROUNDS, CONVERGED = 30, 1e-14
+"""Of searches for a frame and for coordinates with what follows them; relative change of the last."""
+DEAR = 1e-3
+"""Of the largest motion of an interface by a unit of the columns: less is not worth the deformation."""
+
+
+class Deformation(NamedTuple):
+    """Nodal freedoms (n_nodal,) in the body's frame, and their rates."""
+
+    nodal: Array
+    rates: Array
+
+
+class FloatingState(NamedTuple):
+    """Pose and velocities of a floating frame, as of `Placed`."""
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    angular_velocity: Array
+
+
+@dataclass(frozen=True)
+class ProjectionLoss:
+    """What the columns of a body lack of a deformation, in the norm of its mass.
+
+    rms : float         of the displacement, unit of length
+    relative : float    the same over the whole deformation
+    rate : float        of the deformation's rates, relative likewise
+    gap : float         the farthest that an interface moved, unit of length: joints close it by rigid motion
+    """
+
+    rms: float
+    relative: float
+    rate: float
+    gap: float
+
+
+class CarriedDeformation(NamedTuple):
+    """Where a body is in its new form."""
+
+    frame: FloatingState
+    coordinates: Array
+    rates: Array
+    loss: ProjectionLoss
+
+
+def deformation_of(body: Any, coordinates: Array, rates: Array) -> Deformation:
+    """Of coordinates (r,) and rates (r,), with what follows them outside the columns."""
+    linear, beside = body.nodal_fields(coordinates[None])
+    moving, _ = body.nodal_fields(rates[None])
+    if beside is None:
+        return Deformation(linear[:, 0], moving[:, 0])
+    return Deformation((linear + beside)[:, 0], moving[:, 0] + _following_rates(body, coordinates, rates))
+
+
+def carried_deformation(
+    then: Any, state: FloatingState, deformation: Deformation, now: Any, nodes: Array
+) -> CarriedDeformation:
+    """The state of a body in another form or basis.
+
+    Parameters
+    ----------
+    then, now : ReducedBody | FullBody | ModalSubdomain     the form that moved, and the one that goes on
+    nodes : (N, 3)      of the former, in the units of the latter
+
+    Raises ModelError for bodies of other meshes, and for a reduced one whose full body is not known.
+    """
+    _check_same_mesh(now, nodes)
+    body = _flexible(now)
+    normal = splu(csc_array(body.expansion.T @ body.expansion))
+
+    def coordinates_of(nodal: Array) -> Array:
+        return normal.solve(body.expansion.T @ nodal)
+
+    if _frame(then) != _frame(now) or now.kind == "full":
+        state, deformation = _seen_from(body, _frame(now), state, deformation, coordinates_of)
+    x, dx = (coordinates_of(each) for each in deformation)
+    if now.kind == "full":
+        return CarriedDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
+    vectors = kept_basis(now.full, now).vectors if now.kind == "reduced" else now.vectors
+    weighted = (body.mass @ vectors).T
+    back, ends, wanted = _interfaces(now, body)
+
+    def on_columns(whole: Array, beside: Callable[[Array], Array]) -> tuple[Array, Array]:
+        """Coordinates, and what they lack (n,)."""
+        gamma, following = np.zeros(vectors.shape[1]), np.zeros_like(whole)
+        for _ in range(MOST_ROUNDS):
+            before, gamma = gamma, weighted @ (whole - following)
+            gamma = gamma + back @ (wanted @ whole - ends @ gamma)
+            following = coordinates_of(beside(gamma))
+            if np.linalg.norm(gamma - before) <= CONVERGED * np.linalg.norm(gamma):
+                break
+        return gamma, whole - vectors @ gamma - following
+
+    def follows(gamma: Array) -> Array:
+        beside = now.nodal_fields(gamma[None])[1]
+        return np.zeros(body.n_nodal) if beside is None else beside[:, 0]
+
+    gamma, lost = on_columns(x, follows)
+    rates, lost_rate = on_columns(dx, lambda rate: _following_rates(now, gamma, rate))
+    gaps = (ends @ gamma - wanted @ x).reshape(-1, 6)[:, :3]
+    return CarriedDeformation(
+        state,
+        gamma,
+        rates,
+        ProjectionLoss(
+            rms=_norm(body, lost) / _mass(body) ** 0.5,
+            relative=_norm(body, lost) / (_norm(body, x) or 1.0),
+            rate=_norm(body, lost_rate) / (_norm(body, dx) or 1.0),
+            gap=float(np.linalg.norm(gaps, axis=1).max(initial=0.0)),
+        ),
+    )
+
+
+def _interfaces(now: Any, body: FlexibleBody) -> tuple[Array, Array, Any]:
+    """The least coordinates (r, 6 p) that move interfaces by a unit; their motions (6 p, r) and (6 p, n)."""
+    ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
+    if not ends:
+        return np.zeros((now.n_coordinates, 0)), np.zeros((0, now.n_coordinates)), np.zeros((0, body.n))
+    moved = np.vstack([now.interface(each.name).motion for each in ends])
+    wanted = np.vstack([each.motion.toarray() for each in ends])
+    # Rotations in units of length, at the arm of the body's size.
+    scale = np.tile(np.repeat([1.0, float(np.ptp(body.nodes, axis=0).max())], 3), len(ends))
+    back = np.linalg.pinv(scale[:, None] * moved, rcond=DEAR) * scale
+    return back, moved, wanted
+
+
+def _following_rates(body: Any, coordinates: Array, rates: Array) -> Array:
+    """Rates (n_nodal,) of what follows the coordinates: twice a symmetric form, by polarisation."""
+    size, speed = np.linalg.norm(coordinates), np.linalg.norm(rates)
+    if not (size and speed):
+        return np.zeros(len(body.nodes) * body.dofs_per_node)
+    unit = rates * (size / speed)
+    beside = body.nodal_fields(np.array([coordinates + unit, coordinates, unit]))[1]
+    if beside is None:
+        return np.zeros(len(body.nodes) * body.dofs_per_node)
+    return (beside[:, 0] - beside[:, 1] - beside[:, 2]) * (speed / size)
+
+
+def _seen_from(
+    body: FlexibleBody,
+    frame: Any,
+    state: FloatingState,
+    deformation: Deformation,
+    coordinates_of: Callable[[Array], Array],
+) -> tuple[FloatingState, Deformation]:
+    """The same shape and motion in space, from a frame of another kind: `D x = 0`, `D dx/dt = 0`."""
+    conditions = frame.constraint(body)
+    rigid = np.linalg.solve(conditions @ body.rigid_modes, conditions)
+
+    def missed(nodal: Array) -> tuple[Array, Array]:
+        """Translation and rotation that bring a field onto the conditions, in the frame's axes."""
+        motion = rigid @ coordinates_of(nodal)
+        return motion[:3], motion[3:]
+
+    position, rotation = state.position, state.rotation
+    size = float(np.ptp(body.nodes, axis=0).max())
+    for _ in range(MOST_ROUNDS):
+        nodal = _nodal(body, state, deformation.nodal, position, rotation)
+        moved, turned = missed(nodal)
+        position = position + rotation @ moved
+        rotation = rotation @ Rotation.from_rotvec(turned).as_matrix()
+        if max(np.abs(moved).max(), size * np.abs(turned).max()) <= CONVERGED * size:
+            break
+    nodal = _nodal(body, state, deformation.nodal, position, rotation)
+    velocity, spin = state.velocity, rotation.T @ state.rotation @ state.angular_velocity
+    for _ in range(MOST_ROUNDS):
+        found = FloatingState(position, rotation, velocity, spin)
+        rates = _nodal_rates(body, state, deformation, found, nodal)
+        moved, turned = missed(rates)
+        velocity, spin = velocity + rotation @ moved, spin + turned
+        if np.abs(moved).max() + size * np.abs(turned).max() <= CONVERGED * np.abs(rates).max(initial=0.0):
+            break
+    found = FloatingState(position, rotation, velocity, spin)
+    return found, Deformation(nodal, _nodal_rates(body, state, deformation, found, nodal))
+
+
+def _nodal(body: FlexibleBody, state: FloatingState, nodal: Array, position: Array, rotation: Array) -> Array:
+    """Nodal freedoms (n_nodal,) of the same shape in another frame."""
+    fields = nodal.reshape(-1, body.dofs_per_node)
+    between = rotation.T @ state.rotation
+    moved = (body.nodes + fields[:, :3]) @ between.T + rotation.T @ (state.position - position) - body.nodes
+    if body.dofs_per_node == 3:
+        return moved.ravel()
+    turned = Rotation.from_matrix(between) * Rotation.from_rotvec(fields[:, 3:])
+    return np.hstack([moved, turned.as_rotvec()]).ravel()
+
+
+def _nodal_rates(
+    body: FlexibleBody, state: FloatingState, deformation: Deformation, found: FloatingState, nodal: Array
+) -> Array:
+    """Rates (n_nodal,) of the same motion in another frame."""
+    fields, rates = (each.reshape(-1, body.dofs_per_node) for each in deformation)
+    between = found.rotation.T @ state.rotation
+    own = np.cross(state.angular_velocity, body.nodes + fields[:, :3]) + rates[:, :3]
+    there = body.nodes + nodal.reshape(fields.shape)[:, :3]
+    moved = (
+        own @ between.T
+        + found.rotation.T @ (state.velocity - found.velocity)
+        - np.cross(found.angular_velocity, there)
+    )
+    if body.dofs_per_node == 3:
+        return moved.ravel()
+    turned = (state.angular_velocity + rates[:, 3:]) @ between.T - found.angular_velocity
+    return np.hstack([moved, turned]).ravel()
+
+
+def _check_same_mesh(now: Any, nodes: Array) -> None:
+    size = float(np.ptp(now.nodes, axis=0).max())
+    if nodes.shape != now.nodes.shape:
+        why = f"{len(nodes)} nodes moved and it has {len(now.nodes)}"
+    elif (apart := float(np.linalg.norm(nodes - now.nodes, axis=1).max(initial=0.0))) > SAME_PLACE * size:
+        why = f"nodes that moved lie up to {apart:.3g} from its own"
+    else:
+        return
+    raise ModelError(
+        f"body '{now.name}' goes on from a motion of another mesh ({why}), and fields are brought from node "
+        "to node alone: give it the mesh that moved"
+    )
+
+
+def _frame(form: Any) -> Any:
+    """Of a body; parts of an explicit march have modes without rigid motion, as in mean axes."""
+    return getattr(form, "frame", MeanAxisFrame())
+
+
+def _flexible(now: Any) -> FlexibleBody:
+    if now.kind == "reduced":
+        if now.full is None:
+            raise ModelError(
+                f"body '{now.name}' was read as reduced, without the mass matrix by which another basis is "
+                "projected on its own: reduce it here, or go on with the reduced body that moved"
+            )
+        now = now.full
+    if now.body.n_modal:
+        raise ModelError(
+            f"body '{now.name}' was condensed elsewhere, and its nodes do not show its modal coordinates: go "
+            "on with the basis that moved"
+        )
+    return now.body
+
+
+def _mass(body: FlexibleBody) -> float:
+    along_x = body.rigid_modes[:, 0]
+    return float(along_x @ (body.mass @ along_x))
+
+
+def _norm(body: FlexibleBody, field: Array) -> float:
+    return float(np.sqrt(max(field @ (body.mass @ field), 0.0)))

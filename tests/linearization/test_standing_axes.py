@@ -1,0 +1,309 @@
+"""Machines that turn, seen in axes that stand: unlike bearings, blades on a yielding tower, Floquet."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from supple.body import MeanAxisFrame, RigidBody, RigidInterface, flexible_body
+from supple.errors import ModelError
+from supple.fem import Isotropic, solid_model
+from supple.linearization import (
+    TranslationPort,
+    campbell_diagram,
+    linearize,
+    machine_modes,
+    mode_names,
+    state_space,
+    whirl,
+)
+from supple.machine import (
+    Bushing,
+    ConstantRate,
+    Fixed,
+    JournalBearing,
+    Placed,
+    PrescribedRotation,
+    Prismatic,
+    Revolute,
+    Spin,
+    System,
+    TorsionSpringDamper,
+)
+from supple.mesh import CellType, cylinder
+from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
+from supple_benchmarks.validation.rotors import LALANNE, lalanne_frequencies, lalanne_rotor, rotor_body
+
+X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def bearings(name, stiffness, damping=(0.0, 0.0)):
+    """Two, unlike along y and z, of a rotor along x."""
+    return [
+        JournalBearing(
+            first="ground",
+            second=f"{name}.{end}",
+            axis=X,
+            x_axis=(0, 1, 0),
+            stiffness=np.diag(stiffness),
+            damping=np.diag(damping),
+        )
+        for end in ("left", "right")
+    ]
+
+
+class TestRigidRotor:
+    """Translation along y and z alone; tilt by `I s^2 + k l^2` on the diagonal, `I_p W s` across."""
+
+    mass, transverse, polar, arm, soft, stiff = 3.0, 0.2, 0.35, 0.4, 2e4, 5e4
+
+    def machine(self, soft=None):
+        points = {"left": [-self.arm, 0, 0], "right": [self.arm, 0, 0]}
+        inertia = np.diag([self.polar, self.transverse, self.transverse])
+        rotor = RigidBody("rotor", self.mass, np.zeros(3), inertia, points)
+        return System([rotor], loads=bearings("rotor", (soft or self.soft, self.stiff)))
+
+    def exact(self, rate, soft=None):
+        """Backward and forward tilt, and both translations."""
+        k = 2 * np.array([self.stiff, soft or self.soft])
+        gyroscopic = self.polar * rate * np.array([[0, 1.0], [-1.0, 0]])
+        zero, one, inertia = np.zeros((2, 2)), np.eye(2), self.transverse
+        state = np.block([[zero, one], [-np.diag(k * self.arm**2) / inertia, -gyroscopic / inertia]])
+        tilt = np.linalg.eigvals(state).imag
+        return np.sort(tilt[tilt > 0]), np.sort(np.sqrt(k / self.mass))
+
+    def test_on_unlike_bearings_it_has_the_frequencies_of_the_closed_form(self):
+        rate = 150.0
+        linear = linearize(self.machine(), spin=Spin(rate, X))
+        modes = machine_modes(linear)
+        tilt, centre = self.exact(rate)
+        assert linear.axes == "standing in space"
+        assert linear.periodic is None
+        assert modes.frequencies[2:] == pytest.approx(np.sort([*tilt, *centre]), rel=1e-10)
+        found = whirl(modes)
+        by_frequency = dict(zip(np.round(found.frequencies[2:], 6), found.sense[2:], strict=True))
+        assert by_frequency[round(tilt[0], 6)] == -1
+        assert by_frequency[round(tilt[1], 6)] == 1
+        assert [by_frequency[round(each, 6)] for each in centre] == [0, 0]  # along one line each
+
+    def test_on_like_bearings_the_whirl_in_space_is_that_of_the_closed_form(self):
+        """In turning axes the same motions are seen W lower and higher."""
+        rate = 150.0
+        linear = linearize(self.machine(self.stiff), spin=Spin(-rate, X))
+        modes = machine_modes(linear)
+        tilt, centre = self.exact(rate, self.stiff)
+        assert linear.axes == "turning with the machine"
+        found = whirl(modes)
+        shown = sorted(zip(found.frequencies[found.sense != 0], found.sense[found.sense != 0], strict=True))
+        expected = sorted([(tilt[0], -1), (tilt[1], 1), (centre[0], -1), (centre[1], 1)])
+        assert [each for each, _ in shown] == pytest.approx([each for each, _ in expected], rel=1e-9)
+        assert [sense for _, sense in shown] == [sense for _, sense in expected]
+        kinds = {
+            name.rpartition(" ")[0]
+            for name, sense in zip(mode_names(modes), found.sense, strict=True)
+            if sense
+        }
+        assert kinds == {"forward whirl", "backward whirl"}
+
+    @pytest.mark.parametrize("like", [True, False])
+    def test_critical_speeds_are_where_a_whirl_has_the_rate_of_the_spin(self, like):
+        """Of the discs alone: `w = W` where `(I - I_p) W^2 = k l^2` never is, for I_p > I; translation is."""
+        soft = self.stiff if like else self.soft
+        rates = np.linspace(0.0, 250.0, 11)
+        diagram = campbell_diagram(self.machine(soft), [Spin(rate, X) for rate in rates], n_modes=6)
+        _, centre = self.exact(1.0, soft)
+        found = [each.rate for each in diagram.critical_speeds]
+        # A backward tilt crosses too; straight lines are exact for what does not depend on W.
+        for each in centre:
+            assert min(abs(np.array(found) - each)) < 1e-6 * each
+        assert len(found) == (1 if like else 3)
+        assert diagram.axes == ("turning with the machine" if like else "standing in space")
+
+
+@pytest.mark.slow
+def test_lalannes_rotor_by_the_machine_itself():
+    """Three discs on unlike bearings at 25 000 rpm, [Lalanne1998]: 46 coordinates of a reduced body."""
+    body = rotor_body(lalanne_rotor(), 0.05, {"left": 0.0, "right": 1.3}).linearized()
+    reduced = reduce(body, MeanAxisFrame(), CraigBampton(40), derivatives=NoDerivatives(), loads=NoLoads)
+    machine = System([reduced], loads=bearings(reduced.name, (5e7, 7e7), (5e2, 7e2)))
+    linear = linearize(machine, spin=Spin(25_000 * np.pi / 30, X), fulls=())
+    assert linear.periodic is None
+    found = machine_modes(linear, 16).frequencies / (2 * np.pi)
+    whole = lalanne_frequencies(MeanAxisFrame())[: len(LALANNE)]
+    for each, published in zip(whole, LALANNE, strict=True):
+        nearest = found[np.argmin(abs(found - each))]
+        assert nearest == pytest.approx(each, rel=5e-5)
+        assert nearest == pytest.approx(published, rel=2e-3)
+
+
+def turned_shaft(stiffness):
+    """A shaft of hexahedra with a rigid disc at its end; four equal sectors of elements."""
+    mesh = cylinder(0.05, 1.0, 2, 1, 5, CellType.HEXA8)
+    ends = [RigidInterface("left", "root"), RigidInterface("right", "tip")]
+    shaft = flexible_body("shaft", solid_model(mesh, Isotropic(2.1e11, 0.3, 7850.0)), ends).linearized()
+    reduced = reduce(shaft, MeanAxisFrame(), CraigBampton(6), derivatives=NoDerivatives(), loads=NoLoads)
+    disc = RigidBody("disc", 20.0, np.zeros(3), np.diag([0.4, 0.2, 0.2]), {"hub": np.zeros(3)})
+    fit = Fixed(first="shaft.right", second="disc.hub", name="fit")
+    return System([reduced, Placed(disc, position=X)], [fit], loads=bearings("shaft", stiffness))
+
+
+@pytest.mark.slow
+def test_a_shaft_of_solid_elements_in_both_axes(monkeypatch):
+    """On like bearings, frequencies in axes that stand are those in turning axes less or more the rate."""
+    rate, machine = 300.0, turned_shaft((3e6, 3e6))
+    turning = machine_modes(linearize(machine, spin=Spin(rate, X), fulls=()), 9)
+    shown = whirl(turning)
+    monkeypatch.setattr(sys.modules["supple.linearization.linearize"], "_change", lambda *_: ("tried", 1.0))
+    linear = linearize(machine, spin=Spin(rate, X), fulls=())
+    assert linear.periodic is None
+    standing = machine_modes(linear, 9)
+    for each in shown.frequencies[shown.sense != 0]:
+        assert np.min(abs(standing.frequencies - each)) < 1e-8 * each
+    assert np.count_nonzero(shown.sense) == 6
+
+
+def test_floquet_finds_what_axes_that_stand_do(monkeypatch):
+    """The deformation left in turning axes makes the equations periodic; their modes are the same."""
+    machine, spin = turned_shaft((3e6, 6e6)), Spin(300.0, X)
+    constant = machine_modes(linearize(machine, spin=spin, fulls=()), 8).frequencies
+    monkeypatch.setattr("supple.linearization.standing_axes.turn_generator", lambda *_: None)
+    linear = linearize(machine, spin=spin, fulls=())
+    assert linear.periodic is not None
+    found = machine_modes(linear, 8).frequencies
+    # Of a motion at s, s + i h W is another word: which one is named is where most is seen.
+    apart = (found[:, None] - constant + 150.0) % 300.0 - 150.0
+    assert np.max(np.min(abs(apart), axis=1)) < 1e-5 * constant.max()
+    assert found[2:6] == pytest.approx(constant[2:6], rel=1e-6)
+    with pytest.raises(ModelError, match="change periodically"):
+        state_space(
+            linear,
+            inputs=[TranslationPort("disc.hub", (0, 1, 0))],
+            outputs=[TranslationPort("disc.hub", (0, 1, 0))],
+        )
+
+
+class TestGroundResonance:
+    """Hammond's rotor: a hub on two springs, and blades on lag hinges [Hammond1974], [ColemanFeingold1958].
+
+    I z_i'' + c z_i' + (k + W^2 e S) z_i = S (x'' sin psi_i - y'' cos psi_i)
+    M_x x'' + k_x x = S sum [ (z_i'' - W^2 z_i) sin psi_i + 2 W z_i' cos psi_i ]
+    M_y y'' + k_y y = - S sum [ (z_i'' - W^2 z_i) cos psi_i - 2 W z_i' sin psi_i ]
+    """
+
+    blade, inertia, centre, hinge = 1.0, 0.4, 0.5, 0.1
+    carriage, nacelle, hub = 0.5, 8.0, 2.0
+    springs, spring, damping = (900.0, 2500.0), 3.0, 0.02
+
+    def machine(self, number, blades=None):
+        """Hub and tower of rigid bodies, `number` blades evenly around; some of them of another mass."""
+        angles = 2 * np.pi * np.arange(number) / number
+        points = {f"h{i}": self.hinge * np.array([np.cos(a), np.sin(a), 0]) for i, a in enumerate(angles)}
+        still = np.zeros(3), np.eye(3)
+        bodies = [
+            RigidBody("nacelle", self.nacelle, *still, {"c": np.zeros(3)}),
+            RigidBody("carriage", self.carriage, *still, {"c": np.zeros(3)}),
+            RigidBody("hub", self.hub, *still, {"c": np.zeros(3), **points}),
+        ]
+        joints = [
+            Prismatic(first="ground", second="carriage.c", axis=X, name="x"),
+            Prismatic(first="carriage.c", second="nacelle.c", axis=(0, 1, 0), name="y"),
+            PrescribedRotation(
+                first="nacelle.c", second="hub.c", axis=Z, angle=ConstantRate(1.0), name="drive"
+            ),
+        ]
+        loads = [Bushing(first="ground", second="nacelle.c", stiffness=(*self.springs, 0, 0, 0, 0))]
+        for i, angle in enumerate(angles):
+            turned = np.array(
+                [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+            )
+            own = np.diag([0.01, self.inertia, self.inertia])
+            mass = self.blade if blades is None else blades[i]
+            body = RigidBody(f"blade{i}", mass, [self.centre, 0, 0], own, {"root": np.zeros(3)})
+            bodies.append(Placed(body, position=points[f"h{i}"], rotation=turned))
+            ends = {"first": f"hub.h{i}", "second": f"blade{i}.root", "axis": Z}
+            joints.append(Revolute(**ends, name=f"lag{i}"))
+            loads.append(TorsionSpringDamper(**ends, stiffness=self.spring, damping=self.damping))
+        return System(bodies, joints, loads)
+
+    def spin(self, number, rate):
+        return Spin(rate, Z, bodies=["hub", *(f"blade{i}" for i in range(number))])
+
+    def matrices(self, masses, rate, psi):
+        number = len(masses)
+        M, C, K = np.zeros((3, 2 + number, 2 + number))
+        M[0, 0] = self.carriage + self.nacelle + self.hub + sum(masses)
+        M[1, 1] = M[0, 0] - self.carriage
+        K[0, 0], K[1, 1] = self.springs
+        for i, mass in enumerate(masses):
+            s, c = np.sin(psi + 2 * np.pi * i / number), np.cos(psi + 2 * np.pi * i / number)
+            S, j = mass * self.centre, 2 + i
+            M[j, j], C[j, j] = self.inertia + mass * self.centre**2, self.damping
+            K[j, j] = self.spring + rate**2 * self.hinge * S
+            M[j, 0] = M[0, j] = -S * s
+            M[j, 1] = M[1, j] = S * c
+            C[0, j], C[1, j] = -2 * rate * S * c, -2 * rate * S * s
+            K[0, j], K[1, j] = rate**2 * S * s, -(rate**2) * S * c
+        return M, C, K
+
+    def exponents(self, masses, rate, steps=800):
+        """Floquet exponents, by the monodromy matrix of the equations above (Runge-Kutta)."""
+        n, period = 2 + len(masses), 2 * np.pi / rate
+
+        def state(time):
+            M, C, K = self.matrices(masses, rate, rate * time)
+            solved = np.linalg.solve(M, np.hstack([K, C]))
+            return np.block([[np.zeros((n, n)), np.eye(n)], [-solved]])
+
+        h, turned = period / steps, np.eye(2 * n)
+        for step in range(steps):
+            first, middle, last = (state((step + part) * h) for part in (0, 0.5, 1))
+            k1 = first @ turned
+            k2 = middle @ (turned + h / 2 * k1)
+            k3 = middle @ (turned + h / 2 * k2)
+            k4 = last @ (turned + h * k3)
+            turned = turned + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        return np.log(np.linalg.eigvals(turned).astype(complex)) / period
+
+    def check(self, linear, masses, rate):
+        modes, exact = machine_modes(linear), self.exponents(masses, rate)
+        assert len(modes.eigenvalues) == 2 + len(masses)
+        for each in modes.eigenvalues:
+            apart = abs((each - exact).real) + abs(((each - exact).imag + rate / 2) % rate - rate / 2)
+            assert apart.min() < 1e-7 * rate
+        return modes
+
+    def test_three_blades_have_constant_equations_in_multi_blade_coordinates(self):
+        rate, masses = 12.0, [self.blade] * 3
+        linear = linearize(self.machine(3), spin=self.spin(3, rate))
+        assert linear.axes == "standing in space"
+        assert linear.periodic is None
+        modes = self.check(linear, masses, rate)
+        assert modes.eigenvalues.real.max() > 0.5  # it grows: ground resonance
+        assert modes.unstable.sum() == 1
+        # The collective lag of all blades does not move the hub: their own frequency and damping.
+        S, inertia = self.blade * self.centre, self.inertia + self.blade * self.centre**2
+        own = np.roots([inertia, self.damping, self.spring + rate**2 * self.hinge * S])
+        assert np.min(abs(modes.eigenvalues - own[0])) < 1e-9 * rate
+        # In space as on a hub that stands still: forward and backward at w + W and |w - W|, here coupled.
+        assert "blade0" not in {name.rpartition(" ")[0] for name in mode_names(modes)}
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("number", [2, 4])
+    def test_other_numbers_of_blades(self, number):
+        for rate in (6.0, 12.0):
+            linear = linearize(self.machine(number), spin=self.spin(number, rate))
+            assert (linear.periodic is None) == (number == 4)
+            self.check(linear, [self.blade] * number, rate)
+
+    def test_a_heavier_blade_goes_round_and_pushes_the_hub_and_nothing_rests(self):
+        with pytest.raises(ModelError, match="neither axes that stand nor Floquet"):
+            linearize(self.machine(3, [1.0, 1.0, 1.3]), spin=self.spin(3, 6.0))
+
+
+def test_what_changes_of_itself_is_refused():
+    machine = TestRigidRotor().machine()
+    with pytest.raises(ModelError, match="gravity or loads across the axis"):
+        linearize(replace(machine, gravity=(0.0, 0.0, -9.81)), spin=Spin(150.0, X))
