@@ -88,6 +88,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.methods.explicit import modal_subdomain as modal_subdomain
     from supple.methods.intrinsic import LoadPath as LoadPath
     from supple.methods.intrinsic import condense as condense
+    from supple.progress import show_progress as show_progress
     from supple.quantities import node_positions as node_positions
     from supple.quantities import stress_modes as stress_modes
     from supple.reduction import AttachmentModes as AttachmentModes
@@ -139,6 +140,7 @@ _NAMES = {
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
     "supple.methods.intrinsic": "condense LoadPath",
     "supple.methods.explicit": "modal_subdomain explicit_subdomain",
+    "supple.progress": "show_progress",
     "supple.simulation": "simulate simulate_batch equilibrium Start",
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",

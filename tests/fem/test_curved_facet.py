@@ -8,7 +8,7 @@ from scipy.sparse.linalg import spsolve
 
 from supple.fem import GREEN_LAGRANGE, HomogeneousSection, Isotropic, LaminateSection, shell_model
 from supple.fem.kirchhoff_bending import MIDSIDES
-from supple.fem.model import part_of_model
+from supple.fem.model import parts_of_model
 from supple.fem.optimal_membrane import triangle_area
 from supple.fem.shell_triangle import (
     drilling_rotations,
@@ -19,7 +19,7 @@ from supple.fem.shell_triangle import (
     resultant_strains,
     shell_triangle,
 )
-from supple.mesh import CellType, Mesh
+from supple.mesh import CellType, DividedMesh, Mesh
 from supple.mesh.mesh_part import mesh_part
 
 
@@ -153,10 +153,10 @@ def test_a_part_of_a_curved_wall_keeps_its_curvature():
     model, _ = hemisphere_model(8)
     cells = np.arange(len(model.mesh.cells[CellType.TRIANGLE3]))
     total = np.zeros(model.stiffness.shape)
-    for own in (cells[:40], cells[40:]):
-        part = mesh_part(model.mesh, {CellType.TRIANGLE3: own})
+    parts = tuple(mesh_part(model.mesh, {CellType.TRIANGLE3: own}) for own in (cells[:40], cells[40:]))
+    for part, own in zip(parts, parts_of_model(model, DividedMesh(model.mesh, parts, ())), strict=True):
         dofs = (6 * part.nodes[:, None] + np.arange(6)).ravel()
-        total[np.ix_(dofs, dofs)] += part_of_model(model, part).stiffness.toarray()
+        total[np.ix_(dofs, dofs)] += own.stiffness.toarray()
     K = model.stiffness.toarray()
     np.testing.assert_allclose(total, K, rtol=0, atol=1e-12 * np.abs(K).max())
 

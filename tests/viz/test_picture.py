@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from supple.mesh import strip
-from supple.viz import plot_mesh, skin_of
+from supple.mesh import skin_of, strip
+from supple.viz import plot_mesh
 from supple.viz.picture import Picture
 
 

@@ -14,7 +14,7 @@ from supple.cases.case import Case
 from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
-from supple.cases.page import case_texts
+from supple.cases.page import case_texts, page_meshes
 from supple.cases.reductions import DEFAULT_ACCURACY
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
@@ -77,7 +77,7 @@ def modes_case(
     progress("linearising", 0.0)
     modes = found_modes(case, n_modes, time=time, errors=errors, allow_code=allow_code)
     progress("linearising", 1.0)
-    numbers = {"title": case.title, "time": time, **_numbers(case, modes)}
+    numbers: dict[str, Any] = {"title": case.title, "time": time, **_numbers(case, modes)}
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     write_json(folder / f"{case.path.stem}-modes.json", numbers)
@@ -87,7 +87,7 @@ def modes_case(
         write_modes_report(
             folder / f"{case.path.stem}-modes.html",
             modes,
-            case.drawn,
+            page_meshes(case),
             axes=numbers["axes"],
             chosen=_drawn(modes),
             title=f"{case.title}: modes",

@@ -10,9 +10,10 @@ from supple.cases.case import Case
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import System
+from supple.mesh import Mesh
 from supple.quantities import Reading, TrackedMotion
 
-__all__ = ["case_texts", "coloured_elements", "page_path", "write_run_page"]
+__all__ = ["case_texts", "coloured_elements", "page_meshes", "page_path", "write_run_page"]
 
 
 def page_path(folder: Path) -> Path:
@@ -24,6 +25,11 @@ def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementM
     """Elements whose stress colours bodies, if the case asks for it; what has no frame does not deflect."""
     framed = all(placed.body.has_frame for placed in system.bodies)
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
+
+
+def page_meshes(case: Case) -> Mapping[str, Mesh]:
+    """Meshes of the bodies that pages draw by them; other bodies are drawn by their points."""
+    return {name: case.meshes[name] for name, look in case.drawn.items() if look is not None}
 
 
 def write_run_page(
@@ -48,7 +54,7 @@ def write_run_page(
         page_path(folder),
         system,
         solution,
-        case.drawn,
+        page_meshes(case),
         title=case.title,
         tracked=tracked,
         readings=readings,
