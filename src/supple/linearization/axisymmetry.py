@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 __all__ = ["turn_generator"]
@@ -49,7 +49,7 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     matrix = np.linalg.lstsq(basis, flat, rcond=None)[0]
     if np.abs(basis @ matrix - flat).max() > SAME_SHAPE * np.abs(basis).max():
         return None
-    logarithm = np.asarray(scipy.linalg.logm(matrix))
+    logarithm: Any = scipy.linalg.logm(matrix)
     if np.abs(logarithm.imag).max() > SAME_SHAPE:  # a shape of n / 2 waves has no turned one
         return None
     return logarithm.real * sectors / (2 * np.pi)
@@ -62,7 +62,7 @@ def _turned_by_a_sector(body: Any, axis: Array, point: Array) -> tuple[Array, in
     radii = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)
     if radii.max() <= SAME_PLACE * size:
         return np.arange(len(places)), ON_AXIS
-    tree, outer = cKDTree(places), int(np.argmax(radii))
+    tree, outer = KDTree(places), int(np.argmax(radii))
     # As many sectors as nodes lie on the circle of the outermost one, or a divisor.
     ring = int(
         np.sum(

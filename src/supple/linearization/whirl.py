@@ -6,12 +6,13 @@ against it. In axes that turn along at W the parts are seen at w; in space they 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from supple.linearization.linear_machine import LinearMachine
 from supple.linearization.machine_modes import MachineModes
+from supple.machine import Placed
 
 __all__ = ["Whirl", "whirl"]
 
@@ -90,14 +91,11 @@ def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _on_axis(machine: LinearMachine, placed: object, shapes: Array, directions: Array) -> Array:
+def _on_axis(machine: LinearMachine, placed: Placed, shapes: Any, directions: Array) -> Array:
     """Motions (2, p, k) of interfaces of a body on the axis, by the root of their share of its mass."""
-    spin, body = machine.spin, placed.body  # type: ignore[attr-defined]
+    spin, body = machine.spin, placed.body
     assert spin is not None
-    arms = [
-        placed.position + placed.rotation @ end.position - spin.point  # type: ignore[attr-defined]
-        for end in body.interfaces
-    ]
+    arms = [placed.position + placed.rotation @ end.position - spin.point for end in body.interfaces]
     size = float(np.ptp(body.nodes, axis=0).max(initial=0.0)) or 1.0
     off = [float(np.linalg.norm(arm - (arm @ spin.axis) * spin.axis)) for arm in arms]
     ends = [end.name for end, apart in zip(body.interfaces, off, strict=True) if apart < ON_AXIS * size]
