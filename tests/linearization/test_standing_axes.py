@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from supple.body import MeanAxisFrame, RigidBody, RigidInterface, flexible_body
+from supple.body import MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ModelError
-from supple.fem import Isotropic, solid_model
+from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import (
     TranslationPort,
     campbell_diagram,
@@ -33,7 +33,7 @@ from supple.machine import (
     System,
     TorsionSpringDamper,
 )
-from supple.mesh import CellType, cylinder
+from supple.mesh import CellType, cylinder, strip
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
 from supple_benchmarks.validation.rotors import LALANNE, lalanne_frequencies, lalanne_rotor, rotor_body
 
@@ -307,3 +307,18 @@ def test_what_changes_of_itself_is_refused():
     machine = TestRigidRotor().machine()
     with pytest.raises(ModelError, match="gravity or loads across the axis"):
         linearize(replace(machine, gravity=(0.0, 0.0, -9.81)), spin=Spin(150.0, X))
+
+
+def test_modes_of_a_blade_are_named_by_the_way_that_it_moves():
+    """A flat strip that turns about z bends across its plane first; about an axis in it, that is edge."""
+    model = shell_model(strip(1.0, 0.1, 12, 2), HomogeneousSection(Isotropic(2e11, 0.3, 7800.0), 0.01))
+    flat = flexible_body("strip", model, [RigidInterface("root", "root")])
+    reduced = reduce(flat, NodalFixedFrame("root"), CraigBampton(6), loads=NoLoads)
+    hub = PrescribedRotation(first="ground", second=f"{reduced.name}.root", axis=Z, angle=0.0, name="hub")
+    turned = System([reduced], [hub])
+    names = mode_names(machine_modes(linearize(turned, spin=Spin(0.0, Z), fulls=()), 5))
+    # Bending at 8.2 and 51 Hz, edge at 82, bending at 144, twist at (2 t / b) sqrt(G / rho) / 4 L = 157 Hz.
+    assert names == ("flap 1", "flap 2", "edge 1", "flap 3", "torsion 1")
+    across = PrescribedRotation(first="ground", second=f"{reduced.name}.root", axis=(0, 1, 0), angle=0.0)
+    turned = System([reduced], [across])
+    assert mode_names(machine_modes(linearize(turned, spin=Spin(0.0, (0, 1, 0)), fulls=()), 1)) == ("edge 1",)

@@ -49,7 +49,7 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     matrix = np.linalg.lstsq(basis, flat, rcond=None)[0]
     if np.abs(basis @ matrix - flat).max() > SAME_SHAPE * np.abs(basis).max():
         return None
-    logarithm = np.asarray(scipy.linalg.logm(matrix))
+    logarithm: Any = scipy.linalg.logm(matrix)
     if np.abs(logarithm.imag).max() > SAME_SHAPE:  # a shape of n / 2 waves has no turned one
         return None
     return logarithm.real * sectors / (2 * np.pi)

@@ -127,7 +127,9 @@ def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
     state = np.zeros((2 * size, 2 * size), dtype=complex)
     state[:size, size:] = unit * np.eye(size)
     state[size:, :size], state[size:, size:] = -solved[:, :size] / unit, -solved[:, size:]
-    values, vectors = linalg.eig(state)
+    values: Any
+    vectors: Any
+    values, vectors = linalg.eig(state)  # pyright: ignore[reportAssignmentType]
     harmonics = vectors[:size].reshape(len(orders), k, -1)
     weights = np.einsum("hkm,kl,hlm->hm", harmonics.conj(), middle, harmonics).real
     mean = orders @ weights / weights.sum(axis=0)

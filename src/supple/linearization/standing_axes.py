@@ -22,7 +22,7 @@ Source: [ColemanFeingold1958]; [Johnson1980] chapter 8 for any number of blades.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,7 +88,7 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
 def _machine(
     found: RestingState, time: float, spin: Spin, seen: _Seen, periodic: Periodic | None
 ) -> LinearMachine:
-    mass, damping, stiffness = _without_noise(*(matrix.mean(axis=0) for matrix in seen.matrices), spin.rate)
+    mass, damping, stiffness = _without_noise([matrix.mean(axis=0) for matrix in seen.matrices], spin.rate)
     return LinearMachine(
         system=placed_at_rest(found),
         spin=spin,
@@ -110,10 +110,7 @@ def _sampled(found: RestingState, time: float, spin: Spin, number: int, refusal:
     if max(one.unbalanced for one in each) > CONSTANT:
         raise ModelError(refusal)
     equations: list[Any] = [one.equations for one in each]
-    return _Sampled(
-        *(np.array([getattr(one, name) for one in equations]) for name in ("mass", "damping", "stiffness")),
-        np.array([one.constraint for one in equations]),
-    )
+    return _Sampled(*(np.array([getattr(one, name) for one in equations]) for name in _Sampled._fields))
 
 
 class _Coordinates(NamedTuple):
@@ -175,10 +172,11 @@ def _seen(sampled: _Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | N
     return _Seen(W[0] @ basis, matrices, _change(matrices, rate), M[0])
 
 
-def _without_noise(mass: Array, damping: Array, stiffness: Array, rate: float) -> Iterator[Array]:
+def _without_noise(matrices: Sequence[Array], rate: float) -> Iterator[Array]:
     """Zero for what rounding alone leaves between two motions, which would upset scales of eigenvalues."""
+    mass, _, stiffness = matrices
     size = np.sqrt(np.abs(np.diag(stiffness)) + rate**2 * np.diag(mass))
-    for matrix, scale in ((mass, rate**2), (damping, abs(rate)), (stiffness, 1.0)):
+    for matrix, scale in zip(matrices, (rate**2, abs(rate), 1.0), strict=True):
         yield np.where(scale * abs(matrix) < ROUNDING * np.outer(size, size), 0.0, matrix)
 
 
@@ -264,7 +262,7 @@ def _round_bodies(found: RestingState, spin: Spin, blades: list[int], angles: Ar
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), found.equations.slices
     T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))
-    for number in np.flatnonzero(turning):
+    for number in map(int, np.flatnonzero(turning)):
         if number in blades:
             continue
         body, rotation = found.system.bodies[number].body, configuration.rotations[number]
@@ -304,7 +302,7 @@ def _multi_blade(found: RestingState, groups: list[list[int]], angles: Array) ->
 def _waves(number: int, angles: Array) -> Array:
     """Coefficients (s, N, N) of a_0, a_1, b_1, a_2, .. in each body's coordinate."""
     at = angles[:, None] + 2 * np.pi * np.arange(number) / number
-    columns = [np.ones_like(at)]
+    columns: list[Any] = [np.ones_like(at)]
     for order in range(1, (number - 1) // 2 + 1):
         columns += [np.cos(order * at), np.sin(order * at)]
     if number % 2 == 0:

@@ -6,7 +6,7 @@ against it. In axes that turn along at W the parts are seen at w; in space they 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -91,7 +91,7 @@ def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _on_axis(machine: LinearMachine, placed: Placed, shapes: Array, directions: Array) -> Array:
+def _on_axis(machine: LinearMachine, placed: Placed, shapes: Any, directions: Array) -> Array:
     """Motions (2, p, k) of interfaces of a body on the axis, by the root of their share of its mass."""
     spin, body = machine.spin, placed.body
     assert spin is not None
