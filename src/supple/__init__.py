@@ -32,7 +32,6 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.error import SelfCorrection as SelfCorrection
     from supple.error import self_correct as self_correct
     from supple.error import state_errors as state_errors
-    from supple.export import write_readings as write_readings
     from supple.export import write_vtkhdf as write_vtkhdf
     from supple.export import write_vtu as write_vtu
     from supple.fem import HomogeneousSection as HomogeneousSection
@@ -89,8 +88,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.methods.explicit import modal_subdomain as modal_subdomain
     from supple.methods.intrinsic import LoadPath as LoadPath
     from supple.methods.intrinsic import condense as condense
+    from supple.progress import show_progress as show_progress
     from supple.quantities import node_positions as node_positions
-    from supple.quantities import read_sensors as read_sensors
     from supple.quantities import stress_modes as stress_modes
     from supple.reduction import AttachmentModes as AttachmentModes
     from supple.reduction import CompressedDerivatives as CompressedDerivatives
@@ -141,15 +140,16 @@ _NAMES = {
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
     "supple.methods.intrinsic": "condense LoadPath",
     "supple.methods.explicit": "modal_subdomain explicit_subdomain",
+    "supple.progress": "show_progress",
     "supple.simulation": "simulate simulate_batch equilibrium Start",
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",
     "supple.report": "write_report",
-    "supple.quantities": "node_positions read_sensors stress_modes",
+    "supple.quantities": "node_positions stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
-    "supple.export": "write_vtkhdf write_vtu write_readings",
+    "supple.export": "write_vtkhdf write_vtu",
     "supple.viz": "plot_mesh plot_contour animate displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""

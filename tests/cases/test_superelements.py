@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from supple.cases import read_case
+from supple.simulation import equilibrium
 
 # A cantilever of ten beams, grid 6 common to both halves, whose ids overlap.
 HALVES = [
@@ -76,3 +77,17 @@ def test_each_is_a_body_tied_at_the_common_grids(case, tie, joint):
     mass = sum(np.trace(b.rigid_modes[:, :3].T @ b.mass @ b.rigid_modes[:, :3]) / 3 for b in (first, second))
     R = whole.rigid_modes[:, :3]
     assert mass == pytest.approx(np.trace(R.T @ whole.mass @ R) / 3, rel=1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::supple.errors.SuppleWarning")
+def test_the_joined_bodies_sag_as_the_whole(case):
+    """Both have the static answer to gravity; small deflections, so that frames make no difference."""
+    split = 'nastran = {}\nsplit = { cell_sets = ["super_1", "super_2"], tie = "nodes" }'
+
+    def sag(read):
+        return equilibrium(read.system).system.bodies[-1].positions()[-1, 2]
+
+    whole = sag(case("nastran = {}"))
+    assert whole == pytest.approx(-4e-4 * 7850 * 9.81 / (8 * 2.1e11 * 1.3e-8), rel=5e-3)
+    assert sag(case(split)) == pytest.approx(whole, rel=1e-3)

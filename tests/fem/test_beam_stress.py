@@ -162,6 +162,21 @@ def test_the_centrifugal_force_of_a_rotating_beam():
     np.testing.assert_allclose(N, exact - m * speed**2 * h**2 / 24, rtol=1e-9)
 
 
+def test_a_distributed_load_converges():
+    """Clamped at both ends: M = q L^2 / 12 with the square of an element's length, V = q L / 2 linearly."""
+    errors = []
+    for n in (4, 8, 16):
+        model = shell_model(straight(n, 1.0), RECTANGLE)
+        load, u = np.zeros(model.n_dofs), np.zeros(model.n_dofs)
+        load[2::6] = 1e-3 / n
+        free = np.arange(6, model.n_dofs - 6)
+        u[free] = np.linalg.solve(model.stiffness.toarray()[np.ix_(free, free)], load[free])
+        first = beam_forces(model, u)[0, 0]
+        errors.append([first[4] / (1e-3 / 12) + 1, first[2] / (1e-3 / 2) - 1])
+    rates = np.log2(np.divide(errors[:-1], errors[1:]))
+    np.testing.assert_allclose(rates, [[2, 1]] * 2, atol=1e-3)
+
+
 def test_rods_carry_tension_and_torsion():
     rod = RodSection(STEEL, 3e-4, 2e-8, torsion_arm=0.01)
     model = shell_model(chain([[0, 0, 0], [0.6, 0, 0.8]]), rod)

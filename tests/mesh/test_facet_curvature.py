@@ -69,6 +69,16 @@ def test_two_planes_have_none_however_they_are_cut(angle, cells):
     assert not facet_curvature(*grid(5, cells, folded(angle))).any()
 
 
+@pytest.mark.parametrize("cells", [1, 2])
+def test_a_sheet_with_trapezoid_waves_has_none(cells):
+    """Folds of 20 degrees, up and down; with one cell on each flat its crests alone would fit an arc."""
+    angles = np.repeat(np.radians([0, 20, 0, -20, 0, 20, 0, -20, 0]), cells)
+    y, z = (np.concatenate([[0], np.cumsum(f(angles) / cells)]) for f in (np.cos, np.sin))
+    at = np.linspace(0, 1, len(y))
+    sheet = grid(6, len(angles), lambda s, t: (6 * s, np.interp(t, at, y), np.interp(t, at, z)))
+    assert not facet_curvature(*sheet).any()
+
+
 def test_a_wall_on_a_curved_skin_changes_nothing():
     """Three triangles at an edge: the two of the skin continue each other."""
     nodes, triangles = grid(6, 6, cap(2.0, 1.0))

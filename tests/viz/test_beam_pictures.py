@@ -197,7 +197,9 @@ def test_rotations_of_nodes(form):
     zero = np.zeros((2, 3))
     motion = FloatingMotion(zero, R, q, zero, zero, 0 * q, zero, zero, 0 * q)
     found = own.node_rotations(motion)
-    theta = own.nodal_fields(q)[0].T.reshape(2, -1, 6)[..., 3:]
+    moved, condensed = own.nodal_fields(q)
+    fields = moved if condensed is None else moved + condensed
+    theta = fields.T.reshape(2, -1, 6)[..., 3:]
     local = Rotation.from_rotvec(theta.reshape(-1, 3)).as_matrix().reshape(2, -1, 3, 3)
     np.testing.assert_allclose(found, R[:, None] @ local, atol=1e-12)
 

@@ -80,7 +80,8 @@ class FormDefaults:
         of_frame = np.broadcast_to(motion.rotation[:, None], (n_times, n_nodes, 3, 3))
         if self.dofs_per_node < 6:
             return of_frame
-        fields = self.nodal_fields(motion.coordinates)[0].T.reshape(-1, 6)
+        moved, condensed = self.nodal_fields(motion.coordinates)
+        fields = (moved if condensed is None else moved + condensed).T.reshape(-1, 6)
         local = Rotation.from_rotvec(fields[:, 3:]).as_matrix()
         return of_frame @ local.reshape(n_times, n_nodes, 3, 3)
 

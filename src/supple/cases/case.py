@@ -337,7 +337,7 @@ class Case:
     def drawn(self) -> Mapping[str, Mesh | FiniteElementModel | None]:
         """What bodies are drawn by: their meshes, their elements where these have beams, or None: points."""
         found: dict[str, Mesh | FiniteElementModel | None] = {
-            name: None for name, source in self.sources.items() if source.mesh is None
+            table.name: None for table in self.parts.body if table.name not in self.meshes
         }
         for name, mesh in self.meshes.items():
             if CellType.LINE2 in mesh.cells and name in self.elements:

@@ -48,7 +48,7 @@ class ResultMachine:
 def path_from(folder: Path, path: Path) -> str:
     """A path as it is seen from a folder; the whole path on another drive."""
     try:
-        return Path(os.path.relpath(path, folder)).as_posix()
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
     except ValueError:
         return path.resolve().as_posix()
 
@@ -83,7 +83,7 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
     named = header.metadata.get(CASE_FILE)
     if named is None:
         raise ResultFileError(f"{path} does not name the case file it was run from: name it (--case FILE)")
-    found = path.parent / str(named)
+    found = path.resolve().parent / str(named)
     if not found.is_file():
         raise ResultFileError(
             f"{path} was run from {found}, which is not there now: name its case file (--case FILE)"

@@ -9,6 +9,7 @@ import typer
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
+from supple.progress import show_progress
 from supple.terminal import console, reported_errors, reported_warnings, show_any_character
 
 app = typer.Typer(
@@ -51,6 +52,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback o
 def main() -> None:
     """Entry point of the command."""
     show_any_character()
+    show_progress(False)  # commands draw bars of their own
     app()
 
 

@@ -25,12 +25,14 @@ __all__ = ["FloquetModes", "Periodic", "floquet_modes"]
 
 Array = np.ndarray
 
-ROUNDS = (2, 4, 7, 11)
+ROUNDS = (4, 7, 11)
 """Harmonics of a mode, one number after the other until enough."""
-LEFT = 1e-5
+LEFT = 1e-4
 """Of a mode's norm: what its highest harmonics may hold; its square is the error of a frequency."""
 LARGEST = 4000
 """States of the eigenvalue problem."""
+HALF = 1e-3
+"""How near to one half a mean harmonic may be for both neighbours to be taken."""
 ZERO = 3e-7
 """Of the stiffness: eigenvalues that rounding cannot tell from zero."""
 
@@ -130,10 +132,19 @@ def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
     weights = np.einsum("hkm,kl,hlm->hm", harmonics.conj(), middle, harmonics).real
     mean = orders @ weights / weights.sum(axis=0)
     values = np.where(abs(values) < ZERO * unit, 0.0, values)
-    kept = np.flatnonzero((abs(mean) <= 0.5) & (values.imag >= 0))
+    kept = np.flatnonzero((abs(mean) <= 0.5 + HALF) & ~_twins(values, mean, 1j * periodic.rate))
+    kept = kept[values[kept].imag >= 0]
     kept = kept[_one_of_zeros(values[kept])]
     order = kept[np.lexsort((-values[kept].real, abs(values[kept])))]
     return FloquetModes(values[order], harmonics[:, :, order])
+
+
+def _twins(values: Array, mean: Array, shift: complex) -> Array:
+    """Which modes with a mean harmonic near -1/2 are others near 1/2, a harmonic on."""
+    other = np.flatnonzero(abs(mean - 0.5) <= HALF)
+    twins = abs(mean + 0.5) <= HALF
+    apart = abs(values[:, None] - shift - values[other]).min(axis=1, initial=np.inf)
+    return twins & (apart <= HALF * abs(shift))
 
 
 def _one_of_zeros(values: Array) -> Array:

@@ -31,8 +31,8 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     the corners of its neighbours across smooth edges, and of theirs, by least squares with the weights
     `1/distance^4`: exact on a quadratic surface, at its rim too. Of all K that fit alike it is the smallest.
 
-    K is zero beside creases, where no quadratic surface fits; and where a triangle and those around it show
-    two normals alone, which may be a fold of two planes as well.
+    K is zero beside creases, where no quadratic surface fits, or none fits across a folded edge; and where a
+    triangle and those around it show two normals alone, which may be a fold of two planes as well.
 
     Parameters
     ----------
@@ -47,14 +47,17 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     across = sides_across(triangles, normal)
-    bent, folded = _bends(normal, across)
+    beside = np.where(across >= 0, across // 3, np.arange(len(across))[:, None])
+    bent, folded, edges = _bends(normal, beside)
     K, smooth = np.zeros((len(triangles), 3, 3)), np.zeros(len(triangles), dtype=bool)
     x = first[bent] / np.linalg.norm(first[bent], axis=1, keepdims=True)
     axes = np.stack([x, np.cross(normal[bent], x), normal[bent]], axis=1)
     K[bent], smooth[bent] = _fitted(axes, corners[bent], nodes, _nodes_across(triangles, across)[bent])
+    # Across a folded edge the surface goes on: the crest of a corrugated sheet fits alone.
+    smooth &= (smooth[beside] | ~edges).all(axis=1)
     shown = smooth & ~folded
     for _ in range(2):
-        shown |= (shown[across // 3] & (across >= 0)).any(axis=1)
+        shown |= shown[beside].any(axis=1)
     K[~(smooth & shown)] = 0.0
     return K
 
@@ -102,10 +105,14 @@ def _linear(points: FloatArray) -> FloatArray:
     return np.concatenate([points[..., :2], np.ones((*points.shape[:-1], 1))], axis=-1)
 
 
-def _bends(normal: FloatArray, across: IntArray) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether (E,) the normals of a triangle, its neighbours and theirs differ at all, and are just two."""
-    beside = np.where(across >= 0, across // 3, np.arange(len(across))[:, None])
-    near = np.concatenate([beside, beside[beside].reshape(len(across), -1)], axis=1)
+def _bends(
+    normal: FloatArray, beside: IntArray
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether (E,) the normals of a triangle, its neighbours and theirs differ at all, and are just two.
+
+    Also (E, 3) across which sides they do.
+    """
+    near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
     # Triangles that turn the other way have the other normal.
     sense = np.sign((normal[near] * normal[:, None]).sum(axis=2, keepdims=True))
     turned = sense * normal[near] - normal[:, None]
@@ -113,7 +120,8 @@ def _bends(normal: FloatArray, across: IntArray) -> tuple[NDArray[np.bool_], NDA
     most = np.take_along_axis(turned, squares.argmax(axis=1)[:, None, None], axis=1)
     off = np.minimum(squares, ((turned - most) ** 2).sum(axis=2)).max(axis=1)
     largest = squares.max(axis=1)
-    return largest > FLAT**2, off <= SAME_NORMAL**2 * largest
+    same = SAME_NORMAL**2 * largest
+    return largest > FLAT**2, off <= same, squares[:, :3] > same[:, None]
 
 
 def _fitted(

@@ -187,7 +187,8 @@ def _recovered(
     inner = () if body.has_linear_strains else inner_pieces(recovery.pieces, body.nodes, d, interfaces)
     ties = (*interfaces, *inner)
     recovery = tied_recovery(recovery, body.nodes, d, ties)
-    size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes))
+    of_field = 6 * recovery.n_layers * len(chosen)
+    size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes) + of_field)
     averaging, linear = recovery.averaging_at(chosen), recovery.linearized()
     for times in _slices(len(coordinates), size):
         q = np.asarray(coordinates)[times]

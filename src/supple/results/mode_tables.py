@@ -32,9 +32,8 @@ def speed_tables(diagram: CampbellDiagram, units: UnitSystem) -> Iterator[TextTa
 
     title, heads, rows = table(f"Frequencies over speed, in axes {diagram.axes}", diagram.frequencies)
     if diagram.errors is not None:
-        heads.append("largest error, %")
-        for row, off in zip(rows, diagram.errors, strict=True):
-            row.append(_largest_error(off))
+        heads = [*heads, "largest error, %"]
+        rows = [[*row, _largest_error(off)] for row, off in zip(rows, diagram.errors, strict=True)]
     yield TextTable(title, heads, rows)
     if np.any(diagram.sense) and diagram.axes != STANDING:
         yield table("Whirl in space", diagram.in_space)

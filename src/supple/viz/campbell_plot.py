@@ -76,10 +76,10 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
         axes = figure.subplots()
         for order in range(1, N_ORDERS + 1):
             axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
-            # Amid the diagram: its right edge belongs to the names of the modes.
-            middle, height = (0.55 * each[0] + 0.45 * each[-1] for each in (speeds, order * orders))
-            if height < top:
-                axes.annotate(f"{order}P", (middle, height), color="0.4", fontsize=7, ha="center")
+            # One beside the other, amid the diagram: its right edge belongs to the names of the modes.
+            place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
+            x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
+            axes.annotate(f"{order}P", (x, y), color="0.4", fontsize=7, ha="center")
         for name, mode in zip(diagram.names, frequencies.T, strict=True):
             axes.plot(speeds, mode, marker="o", markersize=2.5)
             beside: dict[str, Any] = {

@@ -152,12 +152,29 @@ def test_sets_of_which_nothing_chooses_one(deck):
 
 
 @pytest.mark.parametrize(
-    ("command", "left"),
-    [("TEMP(INIT) = 4", 1), ("TEMPERATURE(MATERIAL)=4", 1), ("TEMP = 4", 1), ("TEMP(LOAD) = 4", 0), ("", 0)],
+    ("command", "modulus", "left"),
+    [
+        ("TEMP(INIT) = 4", 1.5e11, 0),
+        ("TEMPERATURE(MATERIAL)=4", 1.5e11, 0),
+        ("TEMP = 4", 1.5e11, 0),
+        ("TEMP = 5", 2.1e11, 1),
+        ("TEMP = 6", 2.1e11, 1),
+        ("TEMP = 7", 2.1e11, 1),
+        ("TEMP(LOAD) = 4", 2.1e11, 0),
+        ("", 2.1e11, 0),
+    ],
 )
-def test_materials_at_a_temperature(deck, command, left):
-    read = deck(f"SOL 103\nCEND\n{command}\nBEGIN BULK\n" + SQUARE + "MATT1,5,3\nENDDATA\n")
+def test_materials_at_a_temperature(deck, command, modulus, left):
+    """E half-way between two points of its table; outside, at unequal or no temperatures left out."""
+    cards = (
+        "TEMPD,4,20.,5,200.\nTEMPD,6,20.\nTEMP,6,10,30.\nMATT1,5,3\n"
+        "TABLEM1,3\n,0.,2.+11,40.,1.+11,100.,.5+11,ENDT\n"
+    )
+    control = f"SOL 103\nCEND\n{command}\nBEGIN BULK\n"
+    read = deck(control + SQUARE + cards + "ENDDATA\n")
+    assert read.properties["pshell_7"].material.youngs_modulus == pytest.approx(modulus)
     assert [each.card for each in read.left_out] == ["MATT1"] * left
+    assert not deck(control + SQUARE + "MATT1,5,,,,,3\nENDDATA\n").left_out
 
 
 def test_supports_in_local_axes(deck):
@@ -201,6 +218,8 @@ def test_matrices_beside_elements(deck):
     ]
     direct = deck(control.replace("K2GG = 2.0*", "K2PP = ") + SQUARE + cards + "ENDDATA\n")
     assert "K2PP = KADD" in direct.left_out[0].meaning
+    (absent,) = deck(control + SQUARE + cards.replace("KADD", "KSUM") + "ENDDATA\n").left_out
+    assert (absent.card, absent.meaning) == ("K2GG", "case control adds KADD, and the file has no such DMIG")
 
 
 # --- parameters

@@ -250,6 +250,8 @@ def test_points_of_stress_recovery(deck):
     tapered = beam(deck, text, "CBEAM,1,4,1,2,1.,0.,0.")
     assert tapered.first.geometry == SectionGeometry(((0.1, 0.05),))
     assert tapered.second.geometry == SectionGeometry(((0.2, 0.1),))
+    blank = beam(deck, text.replace("\n,.2,.1", "\n,"), "CBEAM,1,4,1,2,1.,0.,0.")
+    assert blank.second.geometry == blank.first.geometry
     as_at_a = beam(deck, text.replace("YES", "YESA").replace("\n,.9,.9", "").replace("\n,.2,.1", ""))
     assert as_at_a.second.geometry == as_at_a.first.geometry
 

@@ -7,6 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from supple.errors import ImportFormatError
+from supple.importers import read_nastran, read_nodes
+from supple.mesh import CellType
 
 MATERIAL = "MAT1,5,2.1+11,,.3,7850.\nPSHELL,7,5,0.1,5\n"
 LEFT = """\
@@ -194,3 +196,12 @@ def test_boundary_elements_go_where_seelt_puts_them(deck):
 def test_a_deck_without_interior_grids_has_no_superelements(deck):
     assert not deck(ROW).superelements
     assert not deck(ROW + "SESET,1,77\n").superelements
+
+
+def test_the_mesh_of_superelements_has_their_cell_sets(deck):
+    read = deck(halves())
+    mesh = read_nastran(read.path)
+    assert set(mesh.cell_sets) == {"super_1", "super_1.pshell_7", "super_2", "super_2.pshell_7"}
+    np.testing.assert_array_equal(mesh.cells_of("super_2")[CellType.TRIANGLE3], [2, 3])
+    with pytest.raises(ImportFormatError, match="its main bulk data have no GRID, only its superelements"):
+        read_nodes(read.path)

@@ -11,7 +11,7 @@ from supple.importers.plain_number import is_plain_digits
 __all__ = ["CaseControl", "read_case_control"]
 
 _COMMAND = re.compile(r"\s*([A-Z][A-Z0-9]*)\s*(?:\([^)]*\))?\s*=\s*(.+?)\s*$", re.IGNORECASE)
-_HEATED = re.compile(r"\s*TEMP(?:E[A-Z]*)?\s*(?:\((?!LOAD)[^)]*\))?\s*=", re.IGNORECASE)
+_TEMPERATURE = re.compile(r"\s*TEMP(?:E[A-Z]*)?\s*(?:\((?!LOAD)[^)]*\))?\s*=\s*(\d+)", re.IGNORECASE)
 _SUBCASE = re.compile(r"\s*SUBCASE\b", re.IGNORECASE)
 _OF_THE_BODY = ("SPC", "MPC", "NSM", "K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2PP")
 
@@ -23,13 +23,13 @@ class CaseControl:
     present : whether there is any
     chosen  : {command: value as written, in upper case}
     varied  : commands of which a later subcase selects something else
-    heated  : whether materials are taken at a temperature
+    temperature : the set of temperatures at which materials are taken; empty where there is none
     """
 
     present: bool
     chosen: Mapping[str, str]
     varied: tuple[str, ...]
-    heated: bool = False
+    temperature: str = ""
 
     def number(self, command: str) -> int | None:
         """The set a command selects; None where it selects none."""
@@ -57,5 +57,6 @@ def read_case_control(above: Sequence[str]) -> CaseControl:
             chosen[command] = value
         if chosen.setdefault(command, value) != value:
             varied[command] = None
-    heated = any(_HEATED.match(text) for text in above)
-    return CaseControl(after_cend or bool(chosen), chosen, tuple(varied), heated)
+    heated = (match for text in above if (match := _TEMPERATURE.match(text)))
+    temperature = next((match[1] for match in heated), "")
+    return CaseControl(after_cend or bool(chosen), chosen, tuple(varied), temperature)

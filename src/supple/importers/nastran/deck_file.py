@@ -289,9 +289,6 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
         reading.note("No ENDDATA ends the file; check that it is whole.")
     for card, meaning in _not_read(file):
         reading.leave_out(card, meaning)
-    if reading.case.heated:
-        for card in file.named(*(f"MATT{kind}" for kind in ("1", "2", "3", "8", "9", "11"))):
-            reading.leave_out(card, "materials at a temperature are not read: those of MAT1 and its kin are")
     return reading
 
 

@@ -115,7 +115,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         blank = at_a if place == 1.0 else [nan] * 6
         values = [_number(card, word, default) for word, default in zip(words, blank, strict=True)]
         if place == 1.0:
-            at_b, points_b = values, points or points_a
+            at_b, points_b = values, points if any(points) else points_a
         else:
             between.append((place, values))
     _leave_out_between(card, at_a, at_b, between, reading)

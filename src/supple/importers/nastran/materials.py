@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.temperature import at_temperature
 
 __all__ = ["MATERIAL_CARDS", "Materials", "WallMaterial"]
 
@@ -50,6 +51,7 @@ class Materials:
                     f"material {number} is defined a second time and differs from that of line {first.line}; "
                     "renumber or remove it"
                 )
+        self._cards |= at_temperature(reading, self._cards)
 
     def isotropic(self, number: int) -> IsotropicMaterial | str:
         """The MAT1 of a beam or rod; else why there is none."""

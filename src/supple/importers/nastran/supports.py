@@ -143,7 +143,8 @@ def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
                 used.add(name)
                 matrices.append(_matrix(cards[name], factor * reading.matrix_factors[command], reading))
             elif name:
-                reading.note(f"Case control adds {command} = {name}, and the file has no such DMIG.")
+                absent = BulkCard(command, (name,), reading.file.path, 0)
+                reading.leave_out(absent, f"case control adds {name}, and the file has no such DMIG")
     for command in ("K2PP", "M2PP", "B2PP"):
         name = reading.case.chosen.get(command, "")
         if name in cards:
