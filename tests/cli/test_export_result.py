@@ -121,6 +121,17 @@ def test_a_case_that_changed_is_refused(result, case_folder):
         result_machine(result)
 
 
+def test_keys_that_a_later_supple_adds_do_not_matter_but_files_do(result, case_folder, monkeypatch):
+    with monkeypatch.context() as newer:
+        inputs = read_case(case_folder / "strip.toml").inputs
+        newer.setattr(type(read_case(case_folder / "strip.toml")), "inputs", dict(inputs) | {"new": "1"})
+        result_machine(result)
+    mesh = case_folder / "strip.inp"
+    mesh.write_text(mesh.read_text() + "** another line\n")
+    with pytest.raises(ResultFileError, match=r"the file strip\.inp has changed"):
+        result_machine(result)
+
+
 def test_reduced_bodies_of_another_run_are_refused(result):
     case = read_case(result.parents[1] / "strip.toml")
     body = case.system.bodies[0].body

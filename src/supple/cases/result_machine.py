@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.cases.case import Case
+from supple.cases.case_inputs import FILE
 from supple.cases.notify import Notify, silent
 from supple.cases.read_case import read_case
 from supple.cases.static_case import assembled_system
@@ -66,7 +67,8 @@ def result_machine(path: Path, case_file: Path | None = None, notify: Notify = s
     """
     header = read_header(path)
     case = read_case(_case_path(path, header, case_file), notify)
-    changed = changes(_of_motion(header.inputs), _of_motion(case.inputs))
+    same_text = header.case == case.text
+    changed = changes(*(_of_motion(inputs, same_text) for inputs in (header.inputs, case.inputs)))
     if changed:
         raise ResultFileError(
             f"{path} is not of {case.path} as it is now ({changed}): run the case again, or name the case "
@@ -91,7 +93,10 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
     return found
 
 
-def _of_motion(inputs: Inputs) -> Inputs:
+def _of_motion(inputs: Inputs, same_text: bool) -> Inputs:
+    """What the motion depends on: of a case whose text is the same its files alone, for keys may be new."""
+    if same_text:
+        return {name: value for name, value in inputs.items() if name.startswith(FILE)}
     return {name: value for name, value in inputs.items() if not name.startswith(_READ_AFTERWARDS)}
 
 

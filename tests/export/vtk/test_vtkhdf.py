@@ -5,6 +5,7 @@ import errno
 import h5py
 import numpy as np
 import pytest
+from fixtures.runs_on_disk import started
 
 from supple.body import RigidBody
 from supple.errors import ModelError, ResultFileError
@@ -181,6 +182,37 @@ def test_a_full_disk_leaves_what_was_there(machine, meshes, tmp_path, monkeypatc
         write_vtkhdf(path, *machine, meshes)
     assert [each.name for each in tmp_path.iterdir()] == ["a.vtkhdf"]
     assert path.read_text() == "before"
+
+
+LIMITED = """
+import resource, signal, sys
+import numpy as np
+from fixtures.runs_on_disk import pendulum
+from supple.errors import ResultFileError
+from supple.export import write_vtkhdf
+from supple.integrate import FloatingMotion, Solution, Statistics
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+n = 2000
+still, none = np.zeros((n, 3)), np.zeros((n, 0))
+motion = FloatingMotion(still, np.tile(np.eye(3), (n, 1, 1)), none, still, still, none, still, still, none)
+solution = Solution(np.arange(float(n)), {"bar": motion}, {}, Statistics())
+for size in (100, 5_000, 1_000_000):
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+    try:
+        write_vtkhdf(sys.argv[1], pendulum(), solution)
+    except ResultFileError as error:
+        print(error)
+"""
+
+
+@pytest.mark.slow
+def test_hdf5_survives_a_limit_of_file_sizes_wherever_it_is_met(tmp_path):
+    """In the headers, in the mesh and in the arrays."""
+    process = started(LIMITED, tmp_path / "a.vtkhdf")
+    output, errors = process.communicate()
+    assert process.returncode == 0, errors
+    assert output.count("the file has reached the size limit") == 3
+    assert not list(tmp_path.iterdir())
 
 
 def test_mistakes_are_named(machine, tmp_path):

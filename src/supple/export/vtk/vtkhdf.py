@@ -37,8 +37,8 @@ Array = NDArray[np.float64]
 
 _BLOCK_NUMBERS = 2**22
 """Of a field, computed and written at a time (32 MiB)."""
-_HEADERS = 2**20
-"""Bytes of the file besides its arrays, at most."""
+_HEADERS = 2**16
+"""Bytes that the arrays may add to the headers of the file, at most."""
 
 
 @checked_arguments
@@ -80,18 +80,22 @@ def write_vtkhdf(
         raise ModelError(f"cannot write {path}: no instant is chosen")
     pieces = pieces_of(system, meshes, bodies)
     fields = fields_of(system, pieces, elements, bases, units)
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
-        group = file.create_group("VTKHDF")
-        _write_grid(group, pieces)
-        _write_steps(group, np.asarray(run.times), pieces, fields)
-        datasets = [_dataset(group, len(run.times), pieces, field) for field in fields]
-        file.flush()
-        # HDF5 does not survive a write that fails: see storage/disk_space.
-        reserve_space(temporary, _HEADERS + sum(each.nbytes for each in datasets) + temporary.stat().st_size)
-        begun = 0
-        for part in _short_parts(run, pieces):
-            _write_part(datasets, begun, part, pieces, fields)
-            begun += len(part.times)
+    with replacing(path) as temporary:
+        # Built in memory and on bytes made sure of: HDF5 does not survive a write that fails (disk_space).
+        with h5py.File("image", "w", driver="core", backing_store=False) as file:
+            group = file.create_group("VTKHDF")
+            _write_grid(group, pieces)
+            _write_steps(group, np.asarray(run.times), pieces, fields)
+            n_bytes = sum(_dataset(group, len(run.times), pieces, field).nbytes for field in fields)
+            file.flush()
+            temporary.write_bytes(file.id.get_file_image())
+        reserve_space(temporary, temporary.stat().st_size + n_bytes + _HEADERS)
+        with h5py.File(temporary, "r+") as file:
+            datasets = [_dataset_of(file["VTKHDF"], field) for field in fields]
+            begun = 0
+            for part in _short_parts(run, pieces):
+                _write_part(datasets, begun, part, pieces, fields)
+                begun += len(part.times)
     return path
 
 
@@ -134,7 +138,11 @@ def _write_steps(group: h5py.Group, times: Array, pieces: Sequence[Piece], field
 def _dataset(group: h5py.Group, n_times: int, pieces: Sequence[Piece], field: Field) -> h5py.Dataset:
     n_rows = n_times * sum(_n_rows(piece, field) for piece in pieces)
     shape = (n_rows,) if field.width == 1 else (n_rows, field.width)
-    return group.create_dataset(f"{_data(field)}/{field.name}", shape, field.kind)
+    return group.create_dataset(f"{_data(field)}/{field.name}", shape, field.kind)  # not yet allocated
+
+
+def _dataset_of(group: h5py.Group, field: Field) -> h5py.Dataset:
+    return group[f"{_data(field)}/{field.name}"]
 
 
 def _data(field: Field) -> str:
