@@ -101,6 +101,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import Rubin as Rubin
     from supple.reduction import SteadyLoads as SteadyLoads
     from supple.reduction import reduce as reduce
+    from supple.report import player as player
     from supple.report import write_report as write_report
     from supple.results import rms_error as rms_error
     from supple.simulation import Start as Start
@@ -145,7 +146,7 @@ _NAMES = {
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",
-    "supple.report": "write_report",
+    "supple.report": "write_report player",
     "supple.quantities": "node_positions stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",

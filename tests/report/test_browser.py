@@ -41,11 +41,15 @@ class Browser:
         self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
 
     def open(self, path):
-        for log in ("performance", "browser"):  # of the page before
-            self.driver.get_log(log)
+        self.clear()
         self.driver.get(path.as_uri())
         self.wait("return Boolean(window.report)")
         return self
+
+    def clear(self):
+        """Forget what the page before asked for."""
+        for log in ("performance", "browser"):
+            self.driver.get_log(log)
 
     def run(self, script):
         return self.driver.execute_script(script)
@@ -69,7 +73,7 @@ class Browser:
             for each in events
             if each["method"] == "Network.requestWillBeSent"
         ]
-        return [url for url in sent if not url.startswith(("file:", "data:", "blob:", "chrome:"))]
+        return [url for url in sent if not url.startswith(("file:", "data:", "blob:", "chrome:", "about:"))]
 
     def complaints(self):
         """What the browser complains of; of software rendering it says that it is slow."""
@@ -213,6 +217,22 @@ def test_deleted_elements_vanish_from_what_can_be_picked(browser, tmp_path):
         for row in range(3)
     ]
     assert seen == [36, 32, 24]
+
+
+def test_a_notebook_plays_it_in_a_frame(browser, tmp_path, clamped_blade):
+    """Without a complaint: the policy of the page holds in its frame."""
+    path = tmp_path / "notebook.html"
+    shown = sp.player(*two_bodies(clamped_blade), {"blade": MESH})
+    path.write_text(f"<!doctype html><p>cell</p>{shown._repr_html_()}", encoding="utf-8")
+    browser.clear()
+    browser.driver.get(path.as_uri())
+    browser.wait("return frames.length == 1")
+    browser.driver.switch_to.frame(0)
+    browser.wait("return Boolean(window.report)")
+    browser.run("report.player.seekRow(7)")
+    assert browser.run("return report.player.row") == 7
+    assert browser.complaints() == []
+    assert browser.requests() == []
 
 
 def test_without_graphics_the_rest_is_there(tmp_path, clamped_blade):

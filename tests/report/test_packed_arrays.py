@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from supple.errors import ModelError
 from supple.report.packed_arrays import PackedArrays, unpacked
 
 
@@ -30,3 +31,8 @@ def test_numbers_that_vary_slowly_are_written_small(kind):
     smooth.add(values, kind)
     rough.add(np.random.default_rng(0).permutation(values), kind)
     assert len(smooth.text()) < 0.15 * len(rough.text())
+
+
+def test_a_number_that_does_not_fit_is_no_other_number():
+    with pytest.raises(ModelError, match="up to 3000000000 in 32 bits"):
+        PackedArrays().add(np.array([1, 3_000_000_000]), "i4")

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from html import unescape
 
 import numpy as np
 import pytest
@@ -184,3 +185,21 @@ def test_beams_are_lines_beside_the_skin(tmp_path, clamped_blade):
     n_triangles, n_edges = drawn(MESH.cells)
     assert drawn(MESH.cells | {CellType.LINE2: beams}) == [n_triangles, n_edges + len(beams)]
     assert drawn({CellType.LINE2: beams}) == [0, len(beams)]
+
+
+def test_a_notebook_has_the_page_in_a_frame(tmp_path, machine):
+    system, solution = machine
+    shown = sp.player(system, solution, {"blade": MESH})
+    assert (
+        repr(shown)
+        == f"<Player of {N_TIMES} instants: a notebook shows it; write_report writes it to a file>"
+    )
+    frame = re.fullmatch(r'<iframe srcdoc="([^"<]*)" style="[^"]*"></iframe>', shown._repr_html_())
+    assert frame
+    path = tmp_path / "frame.html"
+    path.write_text(unescape(frame.group(1)), encoding="utf-8")
+    page, file = (
+        ReadPage(path),
+        ReadPage(write_report(tmp_path / "run.html", system, solution, {"blade": MESH})),
+    )
+    assert np.array_equal(page.positions("blade"), file.positions("blade"))

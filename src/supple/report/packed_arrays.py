@@ -9,6 +9,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from supple.errors import ModelError
+
 __all__ = ["PackedArrays", "Packing", "unpacked"]
 
 Kind = Literal["f4", "i2", "i4"]
@@ -42,8 +44,13 @@ class PackedArrays:
         self._size = 0
 
     def add(self, values: ArrayLike, kind: Kind) -> Packing:
-        """Append an array; integers must fit their kind."""
+        """Append an array; ModelError for whole numbers that their kind cannot hold."""
         array = np.ascontiguousarray(values, dtype=f"<{kind}")
+        if kind != "f4" and not np.array_equal(array, values):
+            raise ModelError(
+                f"cannot write whole numbers up to {np.abs(values).max():.0f} in {8 * array.itemsize} bits: "
+                "give nodes smaller ids"
+            )
         numbers = array
         if kind != "f4" and array.size:
             numbers = array.copy()

@@ -21,7 +21,7 @@ from supple.results.run_tables import TextTable
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["Clip", "Page", "Section", "write_page"]
+__all__ = ["Clip", "Page", "Section", "page_text", "write_page"]
 
 _SCRIPTS = ("arrays", "colours", "bodies", "marks", "views", "picking", "curves", "player", "main")
 """Of the player, in the order in which one needs the other."""
@@ -68,10 +68,15 @@ class Page:
 
 
 def write_page(path: Path | str, page: Page) -> Path:
-    """Write a page; its content policy forbids every request, and every script but its own.
+    """Write the text of a page; ResultFileError where the file cannot be written."""
+    text = page_text(page)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return Path(path)
 
-    Raises ResultFileError where the file cannot be written.
-    """
+
+def page_text(page: Page) -> str:
+    """A page as HTML; its content policy forbids every request, and every script but its own."""
     arrays = PackedArrays()
     head: dict[str, Any] = {
         "time": page.units.time,
@@ -94,10 +99,7 @@ def write_page(path: Path | str, page: Page) -> Path:
         "libraries": libraries,
         "player": player,
     }
-    text = re.sub(r"@([a-z]+)@", lambda found: parts[found.group(1)], _source("page.html"))
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    return Path(path)
+    return re.sub(r"@([a-z]+)@", lambda found: parts[found.group(1)], _source("page.html"))
 
 
 def _source(name: str) -> str:
