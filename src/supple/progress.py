@@ -58,10 +58,10 @@ def with_progress_bar(
             if kwargs.get("progress") is not None:
                 return work(*args, **kwargs)
             with progress_bar(title) as share:
-                filled: Any = kwargs
-                if share is not None and adapter is not None:
-                    filled = {**kwargs, "progress": adapter(share)}
-                return work(*args, **filled)
+                if share is None or adapter is None:
+                    return work(*args, **kwargs)
+                reporting: Callable[..., T] = work
+                return reporting(*args, **{**kwargs, "progress": adapter(share)})
 
         return watched
 

@@ -163,7 +163,7 @@ def test_a_part_of_a_curved_wall_keeps_its_curvature():
 
 @pytest.mark.parametrize(("cells", "coarse"), [(4, True), (5, True), (8, False)])
 def test_walls_too_coarse_for_their_curvature_are_warned_of(cells, coarse):
-    """The pinched hemisphere is 37, 18 and 3 % too stiff."""
+    """The pinched hemisphere is 88, 18 and 3 % too stiff."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         hemisphere_model(cells)

@@ -8,6 +8,7 @@ from fixtures.report_page import ReadPage
 import supple as sp
 from supple.equations.build_model import system_length
 from supple.linearization import CampbellDiagram, mode_motion
+from supple.linearization.mode_names import mode_names
 from supple.machine import DeadForce, Fixed, System
 from supple.quantities import deflections
 from supple.report import write_campbell_report, write_modes_report, write_static_report
@@ -38,15 +39,14 @@ def test_an_equilibrium_is_one_instant(tmp_path, bent):
 @pytest.mark.slow
 def test_each_mode_is_a_clip_that_repeats_itself(tmp_path, bent):
     modes = sp.machine_modes(sp.linearize(bent.system), 3)
-    path = write_modes_report(
-        tmp_path / "modes.html", modes, {"blade": MESH}, axes="that stand", chosen=[0, 2], units=SI
-    )
+    path = write_modes_report(tmp_path / "modes.html", modes, {"blade": MESH}, chosen=[0, 2], units=SI)
     page = ReadPage(path)
     first, third = page.head["clips"]
-    assert [first["name"], third["name"]] == ["mode 1", "mode 3"]
+    names = mode_names(modes)
+    assert [first["name"], third["name"]] == [f"1: {names[0]}", f"3: {names[2]}"]
     frequency = modes.frequencies[2] / (2 * np.pi)
     assert third["note"].startswith(f"{frequency:.5g} Hz, damping ")
-    assert third["note"].endswith("Frequencies are seen in axes that stand.")
+    assert third["note"].endswith(f"Frequencies are seen in axes {modes.machine.axes}.")
     assert third["repeats"]
     rows = slice(third["first"], third["first"] + third["number"])
     found = page.field(page.body("blade")["displacement"])[rows]
@@ -62,13 +62,16 @@ def test_each_mode_is_a_clip_that_repeats_itself(tmp_path, bent):
 
 def test_a_campbell_diagram_is_over_rotations_per_minute(tmp_path):
     rates, frequencies = np.array([0.0, np.pi]), np.array([[2.0, 5.0], [3.0, 4.0]]) * 2 * np.pi
-    diagram = CampbellDiagram(rates, -0.1 + 1j * frequencies, np.ones((1, 2)))
-    page = ReadPage(write_campbell_report(tmp_path / "c.html", diagram, axes="that turn", units=SI))
+    names = ("flap 1", "edge 1")
+    diagram = CampbellDiagram(rates, -0.1 + 1j * frequencies, np.ones((1, 2)), axes="that turn", names=names)
+    page = ReadPage(write_campbell_report(tmp_path / "c.html", diagram, units=SI))
     shown, damping = page.head["charts"]
     assert page.array(shown["abscissa"]) == pytest.approx([0.0, 30.0])
-    assert page.array(shown["curves"]) == pytest.approx(frequencies.T / (2 * np.pi), rel=1e-6)
+    assert page.array(shown["curves"])[:2] == pytest.approx(frequencies.T / (2 * np.pi), rel=1e-6)
+    # Once a rotation at 30 rpm is half a Hz.
+    assert page.array(shown["curves"])[2:, 1] == pytest.approx([0.5, 1.0, 1.5, 2.0])
     assert page.array(damping["curves"]) == pytest.approx(100 * diagram.damping_ratios.T, rel=1e-6)
-    assert shown["names"] == ["mode 1", "mode 2"]
-    assert shown["over"] == "rotor speed (rpm)"
+    assert shown["names"] == [*names, "1P", "2P", "3P", "4P"]
+    assert shown["over"] == "speed (rpm)"
     assert shown["note"] == "seen in axes that turn"
     assert page.head["scene"] is None

@@ -14,7 +14,7 @@ from supple.cases.case import Case
 from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
-from supple.cases.page import case_texts, page_meshes
+from supple.cases.page import case_texts
 from supple.cases.reductions import DEFAULT_ACCURACY
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
@@ -33,6 +33,7 @@ from supple.linearization import (
     whirl,
 )
 from supple.machine import Spin, System
+from supple.results.mode_tables import SENSES, mode_table, speed_tables
 from supple.results.run_summary import unit_names
 from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.storage import write_json
@@ -42,8 +43,6 @@ __all__ = ["campbell_case", "mode_case", "modes_case"]
 
 AMPLITUDE = 0.1
 """Of a drawn mode, as a share of the machine's size."""
-SENSES = {1: "forward", -1: "backward", 0: ""}
-"""Of whirl."""
 NO_DEFORMATION = 1e-12
 """Of the machine's size: a rest with less has no error that matters."""
 
@@ -87,12 +86,12 @@ def modes_case(
         write_modes_report(
             folder / f"{case.path.stem}-modes.html",
             modes,
-            page_meshes(case),
-            axes=numbers["axes"],
+            case.meshes,
+            tables=[mode_table(numbers)],
             chosen=_drawn(modes),
             title=f"{case.title}: modes",
             bases=case.bases,
-            inputs=case_texts(case),
+            inputs=case_texts(case, case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures or case.tables.output.animation:
@@ -175,9 +174,9 @@ def campbell_case(
         write_campbell_report(
             folder / f"{case.path.stem}-campbell.html",
             diagram,
-            axes=diagram.axes,
+            tables=list(speed_tables(diagram, case.units)),
             title=f"{case.title}: Campbell diagram",
-            inputs=case_texts(case),
+            inputs=case_texts(case, case.inputs),
             units=case.units,
         )
     if case.tables.output.pictures:

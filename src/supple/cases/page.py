@@ -10,10 +10,10 @@ from supple.cases.case import Case
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import System
-from supple.mesh import Mesh
 from supple.quantities import Reading, TrackedMotion
+from supple.storage.run_inputs import Inputs
 
-__all__ = ["case_texts", "coloured_elements", "page_meshes", "page_path", "write_run_page"]
+__all__ = ["case_texts", "coloured_elements", "page_path", "write_run_page"]
 
 
 def page_path(folder: Path) -> Path:
@@ -27,11 +27,6 @@ def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementM
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
 
 
-def page_meshes(case: Case) -> Mapping[str, Mesh]:
-    """Meshes of the bodies that pages draw by them; other bodies are drawn by their points."""
-    return {name: case.meshes[name] for name, look in case.drawn.items() if look is not None}
-
-
 def write_run_page(
     case: Case,
     folder: Path,
@@ -42,6 +37,7 @@ def write_run_page(
     readings: Sequence[Reading],
     numbers: Mapping[str, Any],
     rounds: Sequence[Mapping[str, Any]],
+    inputs: Inputs,
     progress: StepProgress,
 ) -> None:
     """Write `report.html`, unless the case does without."""
@@ -54,7 +50,7 @@ def write_run_page(
         page_path(folder),
         system,
         solution,
-        page_meshes(case),
+        case.meshes,
         title=case.title,
         tracked=tracked,
         readings=readings,
@@ -62,14 +58,13 @@ def write_run_page(
         bases=case.bases,
         numbers=numbers,
         rounds=rounds,
-        inputs=case_texts(case),
+        inputs=case_texts(case, inputs),
         units=case.units,
     )
     progress("writing the report", 1.0)
 
 
-def case_texts(case: Case) -> dict[str, str]:
-    """The case file as it stands, and which contents of the files it names were read."""
-    digests = {name: value for name, value in case.inputs.items() if name.startswith("the file ")}
-    listed = "\n".join(f"{name.removeprefix('the file ')}  {value}" for name, value in digests.items())
-    return {case.path.name: case.text} | ({"files that it names": listed} if listed else {})
+def case_texts(case: Case, inputs: Inputs) -> dict[str, str]:
+    """The case file as it stands, and digests of the files it names, as they were when it was read."""
+    listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith("the file ")]
+    return {case.path.name: case.text} | ({"files that it names": "\n".join(listed)} if listed else {})

@@ -70,7 +70,7 @@ def run_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CaseResult:
-    """Run a case and write its results (HDF5, JSON) and, if it asks for them, its pictures into `folder`.
+    """Run a case; write its results (HDF5, JSON) and, where it asks for them, its report and pictures.
 
     Parameters
     ----------
@@ -195,6 +195,7 @@ def _run_case(
         readings=readings,
         numbers=numbers,
         rounds=result.rounds,
+        inputs=inputs,
         progress=progress,
     )
     beside.finish(drawing_of(case, system, solution, tracked, folder), progress)

@@ -348,7 +348,6 @@ def _model(
 ) -> FiniteElementModel:
     d = dofs_per_node
     given = _on_their_surface(mesh, given)
-    warn_of_coarse_curvature(mesh, [each for each in given if each.cell_type is CellType.TRIANGLE3])
     cells = [section.nodes(mesh) for section in given]
     sparsity = node_sparsity(
         [*cells, *(cell_nodes(spring.dofs, d) for spring in attached.springs)], mesh.n_nodes, d
@@ -375,6 +374,7 @@ def _on_their_surface(mesh: Mesh, given: tuple[Section, ...]) -> tuple[Section, 
     shells = [section for section in given if section.cell_type is CellType.TRIANGLE3]
     if all(section.surface_curvature is not None for section in shells):
         return given
+    warn_of_coarse_curvature(mesh, shells)
     cells = np.concatenate([section.cells for section in shells])
     found = np.zeros((len(mesh.cells[CellType.TRIANGLE3]), 3, 3))
     found[cells] = facet_curvature(mesh.nodes, mesh.cells[CellType.TRIANGLE3][cells])

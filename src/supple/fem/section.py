@@ -80,6 +80,8 @@ class Section:
                 raise ModelError(f"{name} of {self.cell_type.name} cells are not all finite")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+        if self.mass_share is not None and self.cell_type.dimension != 2:
+            raise ModelError(f"mass_share belongs to shells; {self.cell_type.name} cells have none")
         if not isinstance(self.property, LineSection):
             for name in ("offsets", "released"):
                 if getattr(self, name) is not None:

@@ -10,8 +10,8 @@ __all__ = ["facet_curvature", "sides_across"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-CREASE = np.cos(np.radians(25.0))
-"""Cosine of the largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
+CREASE = np.radians(20.0)
+"""Largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
 ONE_SURFACE = 0.9
 """Of the squares of heights, what a quadratic surface must explain; less, and a crease is among the edges."""
 SAME_NORMAL = 0.1
@@ -24,7 +24,7 @@ DETERMINED = 1e-3
 SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]]])
 
 
-def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
+def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREASE) -> FloatArray:
     """Curvature tensors of the surface through triangles and their neighbours, in global axes.
 
     Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners fits
@@ -38,6 +38,7 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     ----------
     nodes : float array (N, 3)      m
     triangles : int array (E, 3)    with an area
+    crease : float                  angle of the least crease, rad
     Returns
     -------
     float array (E, 3, 3)           1/m, symmetric, in the plane of each triangle; z along its normal
@@ -46,7 +47,7 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    across = sides_across(triangles, normal)
+    across = sides_across(triangles, normal, crease)
     beside = np.where(across >= 0, across // 3, np.arange(len(across))[:, None])
     bent, folded, edges = _bends(normal, beside)
     K, smooth = np.zeros((len(triangles), 3, 3)), np.zeros(len(triangles), dtype=bool)
@@ -62,18 +63,19 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray) -> FloatArray:
     return K
 
 
-def sides_across(triangles: IntArray, normals: FloatArray) -> IntArray:
+def sides_across(triangles: IntArray, normals: FloatArray, crease: float) -> IntArray:
     """Sides (E, 3) of neighbours, by their numbers 3 e + k of triangle e; -1 at rims and creases.
 
     Side k leads from corner k to the next. Of several triangles at an edge, the two at the least angle
     continue each other.
 
     normals : float array (E, 3)    right-handed to the order of the corners
+    crease : float                  rad
     """
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
     edge = np.minimum(start, end) * (int(triangles.max(initial=0)) + 1) + np.maximum(start, end)
     order = np.argsort(edge, kind="stable")
-    across, best = np.full(edge.size, -1), np.full(edge.size, CREASE)
+    across, best = np.full(edge.size, -1), np.full(edge.size, np.cos(crease))
     for shift in range(1, int(np.unique(edge, return_counts=True)[1].max(initial=1))):
         same = edge[order[shift:]] == edge[order[:-shift]]
         pair = order[:-shift][same], order[shift:][same]

@@ -148,7 +148,7 @@ class _TensorSensor(ABC):
             MeasuredBlock(times, nodes, self._measured(field[:, :, layers]).reshape(*field.shape[:2], -1))
             for times, nodes, field in tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
         )
-        n_channels = len(self.channels(system))
+        n_channels = len(layers) * len(self.measure.names)
         values, at = self.over.combined(blocks, (len(coordinates), len(chosen), n_channels))
         if at is None:
             return Located(values, None, None)

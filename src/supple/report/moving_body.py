@@ -19,7 +19,7 @@ from supple.report.nodal_shapes import NodalShapes, nodal_shapes
 from supple.report.visible_surface import VisibleSurface, surface_of
 from supple.results.colouring import Colouring
 
-__all__ = ["MovingBody", "moving_body", "rigid_links"]
+__all__ = ["FIELD_TOLERANCE", "MovingBody", "moving_body", "rigid_links"]
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -27,7 +27,7 @@ IntArray = NDArray[np.int64]
 DISPLACEMENT_TOLERANCE = 1e-5
 """Of displacements, as a share of the largest: what shapes that are left out may change."""
 FIELD_TOLERANCE = 5e-3
-"""Of a field that colours: two of the 256 steps of a screen's colours."""
+"""Of a field that colours: two of the 256 steps of a screen's colours, half of it for leaving shapes out."""
 _NUMBERS = 2**21
 """Of displacements that are held at a time (16 MiB)."""
 _FIELD_NUMBERS = 2**24
@@ -119,6 +119,8 @@ def moving_body(
         for rows in _rows(len(position), len(body.nodes), _FIELD_NUMBERS):
             found = colouring.values(body, motion.at(rows), None)
             assert found is not None
+            if found.ndim == 3:  # of faces, and of each beam's end: where there are faces, theirs are seen
+                found = found[:, :, 0] if len(surface.triangles) else found.max(axis=2)
             for some in _rows(len(found), len(body.nodes)):
                 yield found[some][:, chosen, None]
 
@@ -129,11 +131,14 @@ def moving_body(
         rest,
         chosen if mesh is None else mesh.node_ids[chosen],
         surface,
-        surface.lines if len(surface.lines) else feature_edges(rest, surface.triangles),
+        np.concatenate([surface.lines, feature_edges(rest, surface.triangles)]),
         position,
         rotation,
         nodal_shapes(displacements(), tolerance=DISPLACEMENT_TOLERANCE),
-        {name: nodal_shapes(values(each), tolerance=FIELD_TOLERANCE) for name, each in colourings.items()},
+        {
+            name: nodal_shapes(values(each), tolerance=0.5 * FIELD_TOLERANCE)
+            for name, each in colourings.items()
+        },
     )
 
 

@@ -16,7 +16,7 @@ from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.methods.explicit import OBSTACLES
 from supple.report.marked_place import Arrow, JointMark, Link, arrows_of, joint_marks, links_of
-from supple.report.moving_body import MovingBody, moving_body, rigid_links
+from supple.report.moving_body import FIELD_TOLERANCE, MovingBody, moving_body, rigid_links
 from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, Colouring, stress_colouring
 from supple.results.obstacle_shape import obstacle_shape
 from supple.units import UNNAMED, UnitSystem
@@ -46,12 +46,14 @@ class FieldScale:
     """The one range of a field's colours, over all bodies and instants, in the unit that it is shown in.
 
     label : with the unit;   factor : that values of the model are multiplied by
+    error : that values of the page may have; zero where it is not to be seen
     """
 
     label: str
     factor: float
     low: float
     high: float
+    error: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +162,9 @@ def _scales(
     for name, colouring in {**colourings, "deflection": DEFLECTION}.items():
         if largest[name]:
             label, factor = colouring.label(units)
-            scales[name] = FieldScale(label, factor, 0.0, factor * max(largest[name]))
+            high = factor * max(largest[name])
+            error = 0.0 if name == "deflection" else FIELD_TOLERANCE * high
+            scales[name] = FieldScale(label, factor, 0.0, high, error)
     return dict(sorted(scales.items(), key=lambda item: item[0] == "plastic strain"))
 
 

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 _LEVELS = 32767
 _STEP = 1.5e-5
 """Of a field's largest number: the step that amplitudes times shapes are rounded to, if 16 bits reach it."""
-_STEP_OF_FIELD = 1e-3
+_STEP_OF_FIELD = 3e-4
 """The same of fields that colour."""
 _STILL = 1e-12
 """Of the machine's extent: a mark that moves less within its body does not move in it."""
@@ -71,10 +71,7 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
             }
             for each in machine.obstacles
         ],
-        "scales": {
-            name: {"label": each.label, "factor": each.factor, "low": each.low, "high": each.high}
-            for name, each in machine.scales.items()
-        },
+        "scales": {name: vars(each) for name, each in machine.scales.items()},
     }
 
 

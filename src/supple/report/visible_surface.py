@@ -23,7 +23,7 @@ def _none(columns: int) -> IntArray:
 
 @dataclass(frozen=True, eq=False)
 class VisibleSurface:
-    """Triangles, or lines or bare points where a body has no faces.
+    """Triangles and lines; bare points where a body has neither.
 
     nodes : (N,) numbers of the body's nodes that are drawn
     triangles : (m, 3), lines : (k, 2)       of these N
@@ -38,21 +38,20 @@ class VisibleSurface:
 
 
 def surface_of(body: BodyForm, mesh: Mesh | None, motion: Any) -> VisibleSurface:
-    """The skin of a mesh, of which elements may be deleted; the lines of beams; all nodes without a mesh."""
+    """The skin of a mesh, of which elements may be deleted, and its beams; without a mesh all nodes."""
     alive = motion.arrays().get("alive")
     if alive is not None and not np.all(alive):
         return _eroding_surface(body, alive)
     if mesh is None:
         return VisibleSurface(np.arange(len(body.nodes)), _none(3))
-    if any(kind.dimension > 1 for kind in mesh.cells):
-        return _of_used_nodes(skin_of(mesh).triangles)
-    return _of_used_nodes(_none(3), np.concatenate([cells[:, :2] for cells in mesh.cells.values()]))
+    lines = [cells[:, :2] for kind, cells in mesh.cells.items() if kind.dimension == 1]
+    has_faces = any(kind.dimension > 1 for kind in mesh.cells)
+    return _of_used_nodes(
+        skin_of(mesh).triangles if has_faces else _none(3), np.concatenate([_none(2), *lines])
+    )
 
 
-def _of_used_nodes(
-    triangles: IntArray, lines: IntArray | None = None, lifetimes: IntArray | None = None
-) -> VisibleSurface:
-    lines = _none(2) if lines is None else lines
+def _of_used_nodes(triangles: IntArray, lines: IntArray, lifetimes: IntArray | None = None) -> VisibleSurface:
     nodes, own = np.unique(np.concatenate([triangles.ravel(), lines.ravel()]), return_inverse=True)
     first, second = np.split(own.ravel(), [triangles.size])
     return VisibleSurface(nodes, first.reshape(-1, 3), second.reshape(-1, 2), lifetimes)
@@ -90,7 +89,7 @@ def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
     dies = last[face]
     seen = (born < dies) & (~shared | (all_deaths == dies))
     lifetimes = np.column_stack([born[seen], dies[seen]])
-    return _of_used_nodes(all_triangles[seen], lifetimes=lifetimes)
+    return _of_used_nodes(all_triangles[seen], _none(2), lifetimes)
 
 
 def _face_keys(kind: Any, cells: IntArray) -> IntArray:

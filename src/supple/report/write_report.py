@@ -97,6 +97,6 @@ def run_sections(
 
 def inputs_section(inputs: Mapping[str, str]) -> Section:
     """What the run was computed from, and with."""
-    programs = (f"{name} {version(name)}" for name in ("supple", "numpy", "scipy", "jax"))
+    programs = [f"{name} {version(name)}" for name in ("supple", "numpy", "scipy", "jax")]
     line = f"Computed with {', '.join(programs)}; Python {platform.python_version()}."
     return Section("Inputs and versions", [line], texts=inputs)

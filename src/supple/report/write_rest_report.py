@@ -15,22 +15,25 @@ from supple.equations.build_model import system_length
 from supple.fem import FiniteElementModel
 from supple.integrate.solution import concatenate
 from supple.linearization import CampbellDiagram, MachineModes, mode_motion
+from supple.linearization.mode_names import mode_names
 from supple.machine import At
 from supple.mesh import Mesh
 from supple.report.charts import Chart
 from supple.report.moving_machine import FieldScale, moving_machine
 from supple.report.page import Clip, Page, Section, write_page
 from supple.report.write_report import inputs_section
-from supple.results.rest_tables import rest_error_table
-from supple.results.run_tables import motion_tables
+from supple.results.rest_tables import rest_error_table, rest_tables
+from supple.results.run_tables import TextTable
 from supple.simulation import Equilibrium
-from supple.units import UNNAMED, UnitSystem, labelled, measured
+from supple.units import UNNAMED, UnitSystem, labelled, measured, plain_number
 
 __all__ = ["write_campbell_report", "write_modes_report", "write_static_report"]
 
 AMPLITUDE = 0.1
 """Of a mode, as a share of the machine's size."""
 _PERCENT = 100.0
+_ORDERS = (1, 2, 3, 4)
+"""Multiples of the speed in a Campbell diagram."""
 
 
 @checked_arguments
@@ -55,7 +58,7 @@ def write_static_report(
         title or "Equilibrium",
         [
             Section("Error of the bases", lines, known),
-            Section("Results", [state], motion_tables(numbers)),
+            Section("Results", [state], rest_tables(numbers)),
             inputs_section(inputs),
         ],
         moving_machine(found.system, found.solution, meshes, elements=elements, bases=bases, units=units),
@@ -70,7 +73,7 @@ def write_modes_report(
     modes: MachineModes,
     meshes: Mapping[str, Mesh] = MappingProxyType({}),
     *,
-    axes: str = "",
+    tables: Sequence[TextTable] = (),
     chosen: Sequence[int] | None = None,
     title: str = "",
     bases: Mapping[str, At] = MappingProxyType({}),
@@ -79,13 +82,12 @@ def write_modes_report(
 ) -> Path:
     """Write modes as a page that plays each of them, its decay left out, at a tenth of the machine's size.
 
-    axes : that frequencies are seen in, in words
-    chosen : numbers from 0 of the modes that are played; all are listed
+    tables : of all modes
+    chosen : numbers from 0 of the modes that are played; all when omitted
     Others as for `write_report`.
     """
-    notes = [_mode_note(modes, number, units) for number in range(len(modes.eigenvalues))]
-    seen = f"Frequencies are seen in axes {axes}." if axes else ""
-    played = list(range(len(notes))) if chosen is None else list(chosen)
+    names, seen = mode_names(modes), f"Frequencies are seen in axes {modes.machine.axes}."
+    played = list(range(len(names))) if chosen is None else list(chosen)
     machine, clips = None, []
     if played:
         system = replace(modes.machine.system, loads=())
@@ -99,18 +101,10 @@ def write_modes_report(
         }
         machine = replace(whole, scales=scales)
         length = len(motions[0].times)
-        clips = [
-            Clip(
-                f"mode {number + 1}",
-                place * length,
-                length,
-                " ".join([f"{notes[number]}.", seen]),
-                repeats=True,
-            )
-            for place, number in enumerate(played)
-        ]
-    lines = [seen, *(f"mode {number + 1}: {note}" for number, note in enumerate(notes))]
-    sections = [Section("Modes", [line for line in lines if line]), inputs_section(inputs)]
+        for place, number in enumerate(played):
+            note = f"{_mode_note(modes, number, units)}. {seen}"
+            clips.append(Clip(f"{number + 1}: {names[number]}", place * length, length, note, repeats=True))
+    sections = [Section("Modes", [seen], tables), inputs_section(inputs)]
     return write_page(path, Page(title or "Modes", sections, machine, clips, units=units))
 
 
@@ -119,45 +113,39 @@ def write_campbell_report(
     path: Path | str,
     diagram: CampbellDiagram,
     *,
-    axes: str = "",
+    tables: Sequence[TextTable] = (),
     title: str = "",
     inputs: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write frequencies and damping over speed as a page whose curves are named at the pointer."""
-    per_minute = units.in_si(time=-1)
-    speed = diagram.rates * (1.0 if per_minute is None else per_minute * 60 / (2 * np.pi))
-    over = "rad per unit of time" if per_minute is None else "rotor speed (rpm)"
-    unit, factor = units.frequency_shown
-    note = f"seen in axes {axes}" if axes else ""
+    """Write frequencies and damping over speed as a page whose curves are named at the pointer.
 
-    def curves(values: np.ndarray) -> dict[str, np.ndarray]:
-        return {f"mode {number + 1}": own for number, own in enumerate(values.T)}
-
-    shown = factor * diagram.frequencies / (2 * np.pi)
+    tables : of the same
+    Others as for `write_report`.
+    """
+    (speed_unit, by_rate), (unit, factor) = units.rotation_shown, units.frequency_shown
+    speed, over = by_rate * diagram.rates, labelled("speed", speed_unit)
+    note = f"seen in axes {diagram.axes}"
+    shown = factor / (2 * np.pi) * diagram.frequencies
+    # Multiples of the speed that excite modes, as far as there are modes.
+    orders = {f"{order}P": order * factor / (2 * np.pi) * abs(diagram.rates) for order in _ORDERS}
+    top = np.nanmax(shown, initial=0.0)
+    reached = {name: np.where(own <= 1.1 * top, own, np.nan) for name, own in orders.items()}
+    damping = dict(zip(diagram.names, _PERCENT * diagram.damping_ratios.T, strict=True))
+    frequencies = dict(zip(diagram.names, shown.T, strict=True)) | reached
     charts = [
-        Chart("frequencies", labelled("frequency", unit), speed, curves(shown), note, over),
-        Chart("damping", "damping (%)", speed, curves(_PERCENT * diagram.damping_ratios), note, over),
+        Chart("frequencies", labelled("frequency", unit), speed, frequencies, note, over),
+        Chart("damping", "damping (%)", speed, damping, note, over),
     ]
-    known = np.full(0, 0.0) if diagram.errors is None else diagram.errors[np.isfinite(diagram.errors)]
-    error = (
-        f"Largest error of a frequency by the bases: {_PERCENT * known.max():.2g} %." if known.size else ""
-    )
-    lines = [error or "The error of the bases is not known."]
-    page = Page(
-        title or "Campbell diagram",
-        [Section("Error of the bases", lines), inputs_section(inputs)],
-        charts=charts,
-        units=units,
-    )
-    return write_page(path, page)
+    sections = [Section("Modes over speed", [], tables), inputs_section(inputs)]
+    return write_page(path, Page(title or "Campbell diagram", sections, charts=charts, units=units))
 
 
 def _mode_note(modes: MachineModes, number: int, units: UnitSystem) -> str:
     """Frequency, damping, error by the bases, stability."""
     unit, factor = units.frequency_shown
     words = [
-        measured(f"{factor * modes.frequencies[number] / (2 * np.pi):.5g}", unit),
+        measured(plain_number(factor * modes.frequencies[number] / (2 * np.pi), 5), unit),
         f"damping {_PERCENT * modes.damping_ratios[number]:.3g} %",
     ]
     if modes.error is not None and np.isfinite(off := modes.error.relative[number]):

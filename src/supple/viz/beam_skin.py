@@ -49,14 +49,11 @@ def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | Non
     corners = section.corners(model.mesh)
     line = rod_line(corners) if isinstance(given, RodSection) else line_of(model.mesh, section)
     fine = len(model.mesh.cells[section.cell_type]) <= MOST_OUTLINED
-    (loops, hole), at_second = (
-        outlines(given, end) if fine else _box(*outlines(given, end)) for end in (0, 1)
-    )
-    if [len(loop) for loop in at_second[0]] != [len(loop) for loop in loops] or len(at_second[1]) != len(
-        hole
-    ):
-        at_second = loops, hole  # tapered into another shape
-    rims = [np.concatenate([*own_loops, own_hole]) for own_loops, own_hole in ((loops, hole), at_second)]
+    first, second = (outlines(given, end) if fine else _box(*outlines(given, end)) for end in (0, 1))
+    loops, hole = first
+    if [len(own) for own in (*second[0], second[1])] != [len(own) for own in (*loops, hole)]:
+        second = first  # tapered into another shape
+    rims = [np.concatenate([*own_loops, own_hole]) for own_loops, own_hole in (first, second)]
     local = np.stack(
         [line.arms[:, [end]] + np.pad(rim, ((0, 0), (1, 0)))[None] for end, rim in enumerate(rims)], axis=1
     )

@@ -326,6 +326,14 @@ def test_orthotropic_plies_by_laminate_theory(deck):
     np.testing.assert_allclose(turned.bending[::-1, ::-1][1:, 1:], made.bending[:2, :2])
 
 
+@pytest.mark.parametrize("words", ["3.+9,", ",2.+9"])
+def test_one_blank_shear_modulus_is_left_out(deck, words):
+    text = SQUARE + "CQUAD4,7,9,1,2,3,4\nPCOMP,9\n,8,.1,,,8,.1\nMAT8,8,1.4+11,1.+10,.3,5.+9,"
+    (left,) = deck(text + words + "\n").left_out
+    assert (left.card, left.count) == ("MAT8", 1)
+    assert not deck(text + "3.+9,2.+9\n").left_out
+
+
 def test_directions_of_a_material(deck):
     """THETA turns from the side G1-G2; MCID is the x axis of a system; a whole number is always a system."""
     text = (

@@ -13,7 +13,7 @@ from supple.importers.abaqus.element_types import CELLS, ElementType, Family
 from supple.importers.abaqus.nodes import most_generated
 from supple.importers.keyword_file import KeywordFile, fields
 from supple.importers.moved_deck import mirrored_order
-from supple.importers.plain_number import is_plain_digits
+from supple.importers.plain_number import is_plain_digits, plain_integer
 from supple.mesh import CellType
 
 __all__ = ["copied_elements", "generated_elements"]
@@ -66,11 +66,13 @@ def copied_elements(
     listed : ids that *ELSETs name of the old set, beside those of elements that name it themselves
     """
     block = placed.block
-    shifts = [block.options.get(key, "0") for key in ("ELEMENTSHIFT", "SHIFTNODES")]
-    name = block.options.get("OLDSET", "").upper()
-    if not name or not all(is_plain_digits(each.lstrip("+-")) for each in shifts):
+    name, by, nodes_by = block.options.get("OLDSET", "").upper(), 0, 0
+    try:
+        by, nodes_by = (plain_integer(block.options.get(key, "0")) for key in ("ELEMENTSHIFT", "SHIFTNODES"))
+    except ValueError:
+        name = ""
+    if not name:
         raise file.error(block.line, "*ELCOPY takes OLD SET, ELEMENT SHIFT and SHIFT NODES; correct them")
-    by, nodes_by = map(int, shifts)
     found = list[ElementBlock]()
     for source in (each for each in earlier if each.scope == placed.scope):
         whole = (source.set_name or "").upper() == name

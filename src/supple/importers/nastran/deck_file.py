@@ -180,22 +180,18 @@ def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
 
 def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
     """Cards that are not read, and what they mean; without properties that no element has."""
-    for name, cards in file.by_name.items():
-        if name in _READ or has_no_effect(name):
-            continue
+    unread = {n: own for n, own in file.by_name.items() if n not in _READ and not has_no_effect(n)}
+    used = _used_properties(file) if _PROPERTIES.intersection(unread) else set()
+    for name, cards in unread.items():
         for card in cards:
-            if name not in _PROPERTIES or _has_elements(card, file):
+            if name not in _PROPERTIES or card.word(0) in used:
                 yield card, _MEANINGS.get(name, "a card that is not known here")
 
 
-def _has_elements(known: BulkCard, file: BulkFile) -> bool:
-    """Whether an element names a property; one that leaves it blank has that of its own number."""
-    return any(
-        (card.word(1) or card.word(0)) == known.word(0)
-        for name, cards in file.by_name.items()
-        if name.startswith("C") and not name.startswith("CORD")
-        for card in cards
-    )
+def _used_properties(file: BulkFile) -> set[str]:
+    """Ids of properties that elements name; one that leaves it blank has that of its own number."""
+    elements = (n for n in file.by_name if n.startswith("C") and not n.startswith("CORD"))
+    return {card.word(1) or card.word(0) for card in file.named(*elements)}
 
 
 def _deck(reading: Reading) -> Deck:

@@ -43,6 +43,7 @@ class Materials:
         self._cards: dict[int, BulkCard] = {}
         self._line: dict[int, IsotropicMaterial] = {}
         self._of_lines: dict[int, BulkCard] = {}
+        self._half_rigid: set[BulkCard] = set()
         for card in reading.file.named(*MATERIAL_CARDS):
             number = card.integer(0, "the material id")
             first = self._cards.setdefault(number, card)
@@ -162,6 +163,9 @@ class Materials:
         Q = np.array([[E1 / d, nu * E2 / d, 0.0], [nu * E2 / d, E2 / d, 0.0], [0.0, 0.0, G12]])
         factor = self._reading.stiffness_factor
         shear = np.diag([G1Z, G2Z]) * factor if G1Z > 0 and G2Z > 0 else None
+        if (G1Z > 0) != (G2Z > 0) and card not in self._half_rigid:
+            self._half_rigid.add(card)
+            self._reading.leave_out(card, "one of G1Z and G2Z is blank: both count as rigid")
         return WallMaterial(Q * factor, shear, self._density(card, 7), None)
 
     def _mat9(self, card: BulkCard) -> AnisotropicMaterial:

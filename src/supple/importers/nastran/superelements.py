@@ -30,6 +30,9 @@ _TOLERANCE = 1e-5
 _EQUAL = 1e-2
 
 _IMAGES = ("MIRROR", "REPEAT", "IDENTICAL")
+# Farther points have squares that are no numbers; the mesh refuses them.
+_FARTHEST = 1e100
+
 _ELSEWHERE = ("EXTERNAL", "EXTOP2", "EXTOP4", "FRFOP2")
 
 
@@ -239,8 +242,9 @@ def _listed(card: BulkCard, deck: Deck) -> IntArray:
 
 def _pairs(first: FloatArray, second: FloatArray, tolerance: float) -> IntArray:
     """Pairs (k, 2) of points within a distance."""
-    near = KDTree(first).sparse_distance_matrix(KDTree(second), tolerance, output_type="coo_matrix")
-    return np.column_stack([near.row, near.col]).astype(np.int64)
+    a, b = (np.flatnonzero((np.abs(x) < _FARTHEST).all(axis=1)) for x in (first, second))
+    near = KDTree(first[a]).sparse_distance_matrix(KDTree(second[b]), tolerance, output_type="coo_matrix")
+    return np.column_stack([a[near.row], b[near.col]])
 
 
 def _by_hand(

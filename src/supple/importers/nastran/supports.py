@@ -185,7 +185,7 @@ def _matrix(cards: list[BulkCard], factor: float, reading: Reading) -> NodalMatr
                     entries[i, j] = entries.get((i, j), 0.0) + a * b * value
                     if row != column and cards[0].word(2) == "6":
                         entries[j, i] = entries.get((j, i), 0.0) + a * b * value
-    freedoms, places = np.unique(np.array(list(entries)), return_inverse=True)
+    freedoms, places = np.unique(np.array(list(entries), dtype=np.int64), return_inverse=True)
     places = places.reshape(-1, 2)
     values = np.zeros((len(freedoms), len(freedoms)))
     np.add.at(values, (places[:, 0], places[:, 1]), list(entries.values()))

@@ -13,7 +13,8 @@ async function inflated() {
 // Bytes stand plane by plane; whole numbers are differences along the last axis.
 function arrayOf(block, { start, shape, kind }) {
   const values = new KINDS[kind](shape.reduce((product, n) => product * n, 1));
-  const number = values.length, width = values.BYTES_PER_ELEMENT;
+  const number = values.length,
+    width = values.BYTES_PER_ELEMENT;
   const bytes = new Uint8Array(values.buffer);
   for (let plane = 0; plane < width; plane++) {
     const from = start + plane * number;
@@ -26,7 +27,8 @@ function arrayOf(block, { start, shape, kind }) {
 
 // Numbers as people read them: four digits, no exponent where it can be avoided.
 function shownNumber(value, digits = 4) {
-  const rounded = +value.toPrecision(digits), size = Math.abs(rounded);
+  const rounded = +value.toPrecision(digits),
+    size = Math.abs(rounded);
   return rounded === 0 || (size >= 1e-4 && size < 1e6) ? String(rounded) : rounded.toExponential();
 }
 

@@ -1,9 +1,32 @@
 // Bodies: nodes, shapes and amplitudes once in the memory of the graphics unit, which moves the nodes at every frame:
 //     x = p + R (X + gain sum_k a_k(t) shape_k)
 
-const { BufferAttribute, BufferGeometry, Color, DataArrayTexture, DataTexture, DoubleSide, FloatType, GLSL3, Group,
-  LineSegments, Mesh, PerspectiveCamera, Points, Quaternion, RedFormat, RedIntegerFormat, RGBAIntegerFormat, Scene,
-  ShaderMaterial, ShortType, Vector3, WebGLRenderer, OrbitControls, uPlot } = Libraries;
+const {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DataArrayTexture,
+  DataTexture,
+  DoubleSide,
+  FloatType,
+  GLSL3,
+  Group,
+  LineSegments,
+  Mesh,
+  PerspectiveCamera,
+  Points,
+  Quaternion,
+  RedFormat,
+  RedIntegerFormat,
+  RGBAIntegerFormat,
+  Scene,
+  ShaderMaterial,
+  ShortType,
+  Vector3,
+  WebGLRenderer,
+  OrbitControls,
+  uPlot,
+} = Libraries;
 
 const MOVED = `
 precision highp isampler2DArray;
@@ -69,13 +92,16 @@ class NodalField {
 
   // Many shapes share a layer of the texture, for layers are few.
   textures() {
-    const across = Math.min(1024, this.nodes), rows = Math.ceil(this.nodes / across);
-    const perLayer = Math.max(1, Math.floor(2048 / rows)), channels = this.components === 3 ? 4 : 1;
+    const across = Math.min(1024, this.nodes),
+      rows = Math.ceil(this.nodes / across);
+    const perLayer = Math.max(1, Math.floor(2048 / rows)),
+      channels = this.components === 3 ? 4 : 1;
     const layers = Math.max(1, Math.ceil(this.count / perLayer));
     const texels = new Int16Array(channels * across * rows * perLayer * layers);
-    for (let k = 0; k < this.count; k++) for (let c = 0; c < this.components; c++)
-      for (let i = 0, from = (k * this.components + c) * this.nodes; i < this.nodes; i++)
-        texels[channels * (k * rows * across + i) + c] = this.shapes[from + i];
+    for (let k = 0; k < this.count; k++)
+      for (let c = 0; c < this.components; c++)
+        for (let i = 0, from = (k * this.components + c) * this.nodes; i < this.nodes; i++)
+          texels[channels * (k * rows * across + i) + c] = this.shapes[from + i];
     const shapes = new DataArrayTexture(texels, across, rows * perLayer, layers);
     shapes.format = channels === 4 ? RGBAIntegerFormat : RedIntegerFormat;
     shapes.type = ShortType;
@@ -96,8 +122,9 @@ class NodalField {
   at(node, c, instant = -1) {
     let sum = 0;
     for (let k = 0; k < this.count; k++)
-      sum += this.shapes[(k * this.components + c) * this.nodes + node]
-        * (instant < 0 ? this.now[k] : this.series[k * this.instants + instant]);
+      sum +=
+        this.shapes[(k * this.components + c) * this.nodes + node] *
+        (instant < 0 ? this.now[k] : this.series[k * this.instants + instant]);
     return sum;
   }
 
@@ -105,7 +132,8 @@ class NodalField {
   all() {
     const found = new Float32Array(this.components * this.nodes);
     for (let k = 0; k < this.count; k++) {
-      const amplitude = this.now[k], from = k * found.length;
+      const amplitude = this.now[k],
+        from = k * found.length;
       for (let i = 0; i < found.length; i++) found[i] += amplitude * this.shapes[from + i];
     }
     return found;
@@ -126,7 +154,8 @@ class Body {
     this.deforms = data.displacement !== null;
     this.displacement = new NodalField(data.displacement, block, this.number, 3);
     this.fields = Object.fromEntries(
-      Object.entries(data.fields).map(([name, each]) => [name, new NodalField(each, block, this.number, 1)]));
+      Object.entries(data.fields).map(([name, each]) => [name, new NodalField(each, block, this.number, 1)]),
+    );
     this.position = new Vector3();
     this.quaternion = new Quaternion();
   }
@@ -137,7 +166,8 @@ class Body {
     const blended = (row) => pose(row, frame.before) * (1 - frame.share) + pose(row, frame.after) * frame.share;
     this.position.set(blended(0), blended(1), blended(2));
     // The wrap from the last instant to the first may meet a quaternion of the other sign.
-    const one = [3, 4, 5, 6].map((row) => pose(row, frame.before)), other = [3, 4, 5, 6].map((row) => pose(row, frame.after));
+    const one = [3, 4, 5, 6].map((row) => pose(row, frame.before)),
+      other = [3, 4, 5, 6].map((row) => pose(row, frame.after));
     const sign = one.reduce((sum, x, i) => sum + x * other[i], 0) < 0 ? -1 : 1;
     this.quaternion.set(...one.map((x, i) => x * (1 - frame.share) + sign * other[i] * frame.share)).normalize();
     this.displacement.blend(frame);
@@ -150,20 +180,47 @@ class Body {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(this.rest, 3));
     const textures = this.displacement.textures();
-    this.fieldTextures = Object.fromEntries(Object.entries(this.fields).map(([name, field]) => [name, field.textures()]));
+    this.fieldTextures = Object.fromEntries(
+      Object.entries(this.fields).map(([name, field]) => [name, field.textures()]),
+    );
     this.uniforms = {
-      shapes: { value: textures.shapes }, amplitudes: { value: textures.amplitudes }, count: { value: this.displacement.count },
-      fieldShapes: { value: textures.shapes }, fieldAmplitudes: { value: textures.amplitudes }, fieldCount: { value: -1 },
-      across: { value: textures.across }, rows: { value: textures.rows }, perLayer: { value: textures.perLayer },
-      gain: { value: 1 }, ramp: { value: RAMP.map((each) => rgb(each)) }, low: { value: 0 }, high: { value: 1 },
+      shapes: { value: textures.shapes },
+      amplitudes: { value: textures.amplitudes },
+      count: { value: this.displacement.count },
+      fieldShapes: { value: textures.shapes },
+      fieldAmplitudes: { value: textures.amplitudes },
+      fieldCount: { value: -1 },
+      across: { value: textures.across },
+      rows: { value: textures.rows },
+      perLayer: { value: textures.perLayer },
+      gain: { value: 1 },
+      ramp: { value: RAMP.map((each) => rgb(each)) },
+      low: { value: 0 },
+      high: { value: 1 },
     };
-    const material = (own, settings = {}) => new ShaderMaterial({
-      glslVersion: GLSL3, vertexShader: MOVED, fragmentShader: SHADED, side: DoubleSide, ...settings,
-      uniforms: { ...this.uniforms, plain: { value: rgb("#9aa5b1") }, coloured: { value: false }, lit: { value: false }, ...own },
-    });
+    const material = (own, settings = {}) =>
+      new ShaderMaterial({
+        glslVersion: GLSL3,
+        vertexShader: MOVED,
+        fragmentShader: SHADED,
+        side: DoubleSide,
+        ...settings,
+        uniforms: {
+          ...this.uniforms,
+          plain: { value: rgb("#9aa5b1") },
+          coloured: { value: false },
+          lit: { value: false },
+          ...own,
+        },
+      });
     this.faces = this.triangles.length
-      ? new Mesh(geometry, material({ lit: { value: true } }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }))
-      : this.edges.length ? new LineSegments(geometry, material({})) : new Points(geometry, material({}));
+      ? new Mesh(
+          geometry,
+          material({ lit: { value: true } }, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 }),
+        )
+      : this.edges.length
+        ? new LineSegments(geometry, material({}))
+        : new Points(geometry, material({}));
     this.index = new BufferAttribute(new Uint32Array(this.triangles.length ? this.triangles : this.edges), 1);
     if (this.index.count) geometry.setIndex(this.index);
     const lines = geometry.clone();
@@ -195,7 +252,8 @@ class Body {
   // Corners of the triangles that are there at an instant.
   trianglesAt(instant) {
     if (!this.lifetimes) return this.triangles;
-    const number = this.triangles.length / 3, found = [];
+    const number = this.triangles.length / 3,
+      found = [];
     for (let i = 0; i < number; i++)
       if (this.lifetimes[i] <= instant && instant < this.lifetimes[number + i])
         found.push(this.triangles[3 * i], this.triangles[3 * i + 1], this.triangles[3 * i + 2]);
@@ -204,17 +262,20 @@ class Body {
 
   // Colour by a field of the page's scales; a body without it is plain.
   colourBy(name, scale) {
-    const own = this.faces.material.uniforms, field = this.fieldTextures[name];
+    const own = this.faces.material.uniforms,
+      field = this.fieldTextures[name];
     own.coloured.value = Boolean(scale) && (name === "deflection" ? this.deforms : Boolean(field));
     this.uniforms.fieldCount.value = field ? this.fields[name].count : -1;
     if (field) {
       this.uniforms.fieldShapes.value = field.shapes;
       this.uniforms.fieldAmplitudes.value = field.amplitudes;
     }
-    if (scale) [this.uniforms.low.value, this.uniforms.high.value] = [scale.low / scale.factor, scale.high / scale.factor];
+    if (scale)
+      [this.uniforms.low.value, this.uniforms.high.value] = [scale.low / scale.factor, scale.high / scale.factor];
     // Uniforms that materials share by value are copied into each of them.
-    for (const each of [this.faces, this.outline, this.ghost]) for (const key of ["fieldCount", "fieldShapes", "fieldAmplitudes", "low", "high"])
-      each.material.uniforms[key].value = this.uniforms[key].value;
+    for (const each of [this.faces, this.outline, this.ghost])
+      for (const key of ["fieldCount", "fieldShapes", "fieldAmplitudes", "low", "high"])
+        each.material.uniforms[key].value = this.uniforms[key].value;
   }
 
   // Where a node is (in the scene), with displacements enlarged.
@@ -231,7 +292,8 @@ const rgb = (colour) => {
 
 // (c, n) as (n, c).
 function interleaved(values, columns) {
-  const number = values.length / columns, found = new Uint32Array(values.length);
+  const number = values.length / columns,
+    found = new Uint32Array(values.length);
   for (let c = 0; c < columns; c++) for (let i = 0; i < number; i++) found[columns * i + c] = values[c * number + i];
   return found;
 }

@@ -15,12 +15,14 @@ function drawLegend(scale) {
   document.getElementById("legend").hidden = !scale;
   if (!scale) return;
   document.getElementById("legend-label").textContent = scale.label;
-  const ramp = document.getElementById("ramp"), pen = ramp.getContext("2d");
+  const ramp = document.getElementById("ramp"),
+    pen = ramp.getContext("2d");
   const gradient = pen.createLinearGradient(0, ramp.height, 0, 0);
   RAMP.forEach((colour, i) => gradient.addColorStop(i / (RAMP.length - 1), colour));
   pen.fillStyle = gradient;
   pen.fillRect(0, 0, ramp.width, ramp.height);
-  const digits = 2 - Math.floor(Math.log10(scale.high || 1)), fixed = digits >= 0 && digits < 7;
+  const digits = 2 - Math.floor(Math.log10(scale.high || 1)),
+    fixed = digits >= 0 && digits < 7;
   const ticks = [1, 0.75, 0.5, 0.25, 0].map((share) => {
     const tick = document.createElement("span");
     const value = scale.low + share * (scale.high - scale.low);

@@ -10,7 +10,9 @@ class Curves {
 
   // data : {title, note, label, over, abscissa, names, columns}; over is empty where the abscissa is the time
   add(data, open, first = false) {
-    const details = document.createElement("details"), summary = document.createElement("summary"), plot = document.createElement("div");
+    const details = document.createElement("details"),
+      summary = document.createElement("summary"),
+      plot = document.createElement("div");
     summary.textContent = data.title;
     plot.className = "plot";
     details.append(summary, plot);
@@ -43,22 +45,58 @@ class Curves {
 
   draw(chart) {
     if (!chart.details.open || chart.graph) return;
-    const { data, plot } = chart, ink = themeColour("--ink"), grid = { stroke: themeColour("--line"), width: 1 };
-    const axis = (label) => ({ stroke: ink, grid, ticks: grid, label, labelSize: 18, font: "11px system-ui", labelFont: "12px system-ui" });
+    const { data, plot } = chart,
+      ink = themeColour("--ink"),
+      grid = { stroke: themeColour("--line"), width: 1 };
+    const axis = (label) => ({
+      stroke: ink,
+      grid,
+      ticks: grid,
+      label,
+      labelSize: 18,
+      font: "11px system-ui",
+      labelFont: "12px system-ui",
+    });
     const ticks = (_, values) => values.map((each) => (each == null ? "" : shownNumber(each, 5)));
     const shown = (_, value) => (value == null ? "" : shownNumber(value));
     const tip = document.createElement("div");
     tip.className = "tip";
     tip.hidden = true;
-    chart.graph = new uPlot({
-      width: Math.max(260, plot.clientWidth || this.list.clientWidth - 8), height: document.body.classList.contains("played") ? 190 : 420, scales: { x: { time: false } },
-      axes: [{ ...axis(data.over || timeLabel()), size: 34, values: ticks }, { ...axis(data.label), size: 64, values: ticks }],
-      series: [{ label: data.over || timeLabel(), value: shown },
-        ...data.names.map((label, i) => ({ label, stroke: CURVES[i % CURVES.length], width: 1.4, value: shown, dash: i < CURVES.length ? [] : [6, 4], points: { show: data.abscissa.length < 30 } }))],
-      focus: { alpha: 0.35 },
-      cursor: { focus: { prox: 24 }, drag: { x: true, y: false } },
-      hooks: { ready: [() => this.showOn(chart)], setSeries: [(graph, number) => this.tell(graph, tip, number)], setCursor: [(graph) => { if (graph.cursor.left < 0) tip.hidden = true; }] },
-    }, [data.abscissa, ...data.columns], plot);
+    chart.graph = new uPlot(
+      {
+        width: Math.max(260, plot.clientWidth || this.list.clientWidth - 8),
+        height: document.body.classList.contains("played") ? 190 : 420,
+        scales: { x: { time: false } },
+        axes: [
+          { ...axis(data.over || timeLabel()), size: 34, values: ticks },
+          { ...axis(data.label), size: 64, values: ticks },
+        ],
+        series: [
+          { label: data.over || timeLabel(), value: shown },
+          ...data.names.map((label, i) => ({
+            label,
+            stroke: CURVES[i % CURVES.length],
+            width: 1.4,
+            value: shown,
+            dash: i < CURVES.length ? [] : [6, 4],
+            points: { show: data.abscissa.length < 30 },
+          })),
+        ],
+        focus: { alpha: 0.35 },
+        cursor: { focus: { prox: 24 }, drag: { x: true, y: false } },
+        hooks: {
+          ready: [() => this.showOn(chart)],
+          setSeries: [(graph, number) => this.tell(graph, tip, number)],
+          setCursor: [
+            (graph) => {
+              if (graph.cursor.left < 0) tip.hidden = true;
+            },
+          ],
+        },
+      },
+      [data.abscissa, ...data.columns],
+      plot,
+    );
     chart.graph.over.append(tip);
     if (data.over) return;
     chart.line = document.createElement("div");
@@ -101,7 +139,8 @@ const timeLabel = () => (head.time ? `time (${head.time})` : "time");
 
 // The row of ascending numbers that is nearest to a value.
 function rowAt(values, value) {
-  let low = 0, high = values.length - 1;
+  let low = 0,
+    high = values.length - 1;
   while (high - low > 1) {
     const middle = (low + high) >> 1;
     if (values[middle] <= value) low = middle;

@@ -2,8 +2,14 @@
 
 // How a kind of joint is drawn: a shape, filled or hollow, and whether its motion is prescribed.
 const JOINT_LOOKS = {
-  "fixed": [0, 1], "ball": [1, 1], "revolute": [1, 0], "universal": [2, 0], "cylindrical": [3, 0], "prismatic": [0, 0],
-  "prescribed rotation": [1, 0, "#d55e00"], "prescribed translation": [0, 0, "#d55e00"],
+  fixed: [0, 1],
+  ball: [1, 1],
+  revolute: [1, 0],
+  universal: [2, 0],
+  cylindrical: [3, 0],
+  prismatic: [0, 0],
+  "prescribed rotation": [1, 0, "#d55e00"],
+  "prescribed translation": [0, 0, "#d55e00"],
 };
 const GROUND_LOOK = [4, 0];
 
@@ -60,20 +66,32 @@ class Place {
 
 // Columns (c, t) as a function of the frame; a single instant stands for all.
 function series(block, packing) {
-  const values = arrayOf(block, packing), [columns, instants] = packing.shape;
+  const values = arrayOf(block, packing),
+    [columns, instants] = packing.shape;
   return ({ before, after, share }) => {
     const [a, b] = instants === 1 ? [0, 0] : [before, after];
-    return Array.from({ length: columns }, (_, c) => values[c * instants + a] * (1 - share) + values[c * instants + b] * share);
+    return Array.from(
+      { length: columns },
+      (_, c) => values[c * instants + a] * (1 - share) + values[c * instants + b] * share,
+    );
   };
 }
 
 class Marks {
   constructor(scene, block, bodies, extent) {
-    const placed = (each) => ({ ...each, first: new Place(each.first, block, bodies), second: new Place(each.second, block, bodies) });
+    const placed = (each) => ({
+      ...each,
+      first: new Place(each.first, block, bodies),
+      second: new Place(each.second, block, bodies),
+    });
     this.extent = extent;
     this.joints = scene.joints.map(placed);
     this.links = scene.links.map(placed);
-    this.arrows = scene.arrows.map((each) => ({ ...each, place: new Place(each.place, block, bodies), values: series(block, each.values) }));
+    this.arrows = scene.arrows.map((each) => ({
+      ...each,
+      place: new Place(each.place, block, bodies),
+      values: series(block, each.values),
+    }));
     this.largest = { force: 0, moment: 0 };
     for (const arrow of this.arrows) this.largest[arrow.kind] = Math.max(this.largest[arrow.kind], arrow.largest);
     this.picked = null;
@@ -82,13 +100,20 @@ class Marks {
   build() {
     // One more than the joints have, for the node that was clicked.
     this.points = pointCloud(2 * this.joints.length + 1);
-    this.lines = { links: lineSet(this.links.length), triads: lineSet(3 * this.joints.length), loads: lineSet(5 * this.arrows.length) };
+    this.lines = {
+      links: lineSet(this.links.length),
+      triads: lineSet(3 * this.joints.length),
+      loads: lineSet(5 * this.arrows.length),
+    };
     this.group = new Group();
     this.group.add(this.points, ...Object.values(this.lines));
   }
 
   moveTo(frame, gain, shown, ink, paper) {
-    const points = [], triads = [], links = [], loads = [];
+    const points = [],
+      triads = [],
+      links = [],
+      loads = [];
     this.points.material.uniforms.page.value = rgb(paper);
     const heldPoints = shown.joints ? this.joints : [];
     for (const joint of heldPoints) {
@@ -98,14 +123,16 @@ class Marks {
     }
     if (this.picked) points.push([this.picked(), [1, 1], "#d55e00"]);
     fillPoints(this.points, points);
-    if (shown.triads) for (const joint of this.joints) {
-      const { point, turned } = joint.second.at(frame, gain);
-      ["#d03030", "#2f9e44", "#3060d0"].forEach((colour, i) => {
-        const axis = new Vector3(...[0, 1, 2].map((c) => (c === i ? 0.07 * this.extent : 0)));
-        triads.push([point, axis.applyQuaternion(turned).add(point), colour]);
-      });
-    }
-    for (const link of this.links) links.push([link.first.at(frame, gain).point, link.second.at(frame, gain).point, "#009e73"]);
+    if (shown.triads)
+      for (const joint of this.joints) {
+        const { point, turned } = joint.second.at(frame, gain);
+        ["#d03030", "#2f9e44", "#3060d0"].forEach((colour, i) => {
+          const axis = new Vector3(...[0, 1, 2].map((c) => (c === i ? 0.07 * this.extent : 0)));
+          triads.push([point, axis.applyQuaternion(turned).add(point), colour]);
+        });
+      }
+    for (const link of this.links)
+      links.push([link.first.at(frame, gain).point, link.second.at(frame, gain).point, "#009e73"]);
     if (shown.loads) for (const arrow of this.arrows) this.addArrow(loads, arrow, frame, gain);
     fillLines(this.lines.triads, triads);
     fillLines(this.lines.links, links);
@@ -114,14 +141,22 @@ class Marks {
 
   // An arrow that ends at its place, as long as its force is of the largest; a moment has two heads.
   addArrow(lines, arrow, frame, gain) {
-    const value = new Vector3(...arrow.values(frame)), size = value.length(), colour = arrow.kind === "force" ? "#d55e00" : "#cc79a7";
+    const value = new Vector3(...arrow.values(frame)),
+      size = value.length(),
+      colour = arrow.kind === "force" ? "#d55e00" : "#cc79a7";
     if (!(size > 1e-6 * this.largest[arrow.kind])) return;
-    const tip = arrow.place.at(frame, gain).point, length = 0.16 * this.extent * (size / this.largest[arrow.kind]);
-    const along = value.divideScalar(size), tail = tip.clone().addScaledVector(along, -length);
-    const across = new Vector3(along.y, along.z, along.x).cross(along).normalize().multiplyScalar(0.01 * this.extent);
+    const tip = arrow.place.at(frame, gain).point,
+      length = 0.16 * this.extent * (size / this.largest[arrow.kind]);
+    const along = value.divideScalar(size),
+      tail = tip.clone().addScaledVector(along, -length);
+    const across = new Vector3(along.y, along.z, along.x)
+      .cross(along)
+      .normalize()
+      .multiplyScalar(0.01 * this.extent);
     lines.push([tail, tip, colour]);
     for (const head of arrow.kind === "force" ? [0] : [0, 0.03]) {
-      const end = tip.clone().addScaledVector(along, -head * this.extent), foot = end.clone().addScaledVector(along, -0.03 * this.extent);
+      const end = tip.clone().addScaledVector(along, -head * this.extent),
+        foot = end.clone().addScaledVector(along, -0.03 * this.extent);
       lines.push([end, foot.clone().add(across), colour], [end, foot.sub(across), colour]);
     }
   }
@@ -129,12 +164,25 @@ class Marks {
 
 function pointCloud(most) {
   const geometry = new BufferGeometry();
-  for (const [name, size] of [["position", 3], ["look", 1], ["filled", 1], ["colour", 3]])
+  for (const [name, size] of [
+    ["position", 3],
+    ["look", 1],
+    ["filled", 1],
+    ["colour", 3],
+  ])
     geometry.setAttribute(name, new BufferAttribute(new Float32Array(size * most), size));
-  const points = new Points(geometry, new ShaderMaterial({
-    glslVersion: GLSL3, vertexShader: POINT, fragmentShader: MARK, depthTest: false, depthWrite: false, transparent: true,
-    uniforms: { page: { value: rgb("#ffffff") }, size: { value: 12 * (window.devicePixelRatio || 1) } },
-  }));
+  const points = new Points(
+    geometry,
+    new ShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: POINT,
+      fragmentShader: MARK,
+      depthTest: false,
+      depthWrite: false,
+      transparent: true,
+      uniforms: { page: { value: rgb("#ffffff") }, size: { value: 12 * (window.devicePixelRatio || 1) } },
+    }),
+  );
   points.frustumCulled = false;
   points.renderOrder = 2;
   return points;
@@ -153,14 +201,25 @@ function fillPoints(points, list) {
   points.geometry.setDrawRange(0, list.length);
 }
 
-const LINE = "in vec3 colour; out vec3 vColour; void main() { vColour = colour; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }";
-const LINE_COLOUR = "precision highp float; in vec3 vColour; out vec4 colour; void main() { colour = vec4(vColour, 1.0); }";
+const LINE =
+  "in vec3 colour; out vec3 vColour; void main() { vColour = colour; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }";
+const LINE_COLOUR =
+  "precision highp float; in vec3 vColour; out vec4 colour; void main() { colour = vec4(vColour, 1.0); }";
 
 function lineSet(most) {
   const geometry = new BufferGeometry();
-  for (const name of ["position", "colour"]) geometry.setAttribute(name, new BufferAttribute(new Float32Array(6 * most), 3));
-  const lines = new LineSegments(geometry, new ShaderMaterial({
-    glslVersion: GLSL3, vertexShader: LINE, fragmentShader: LINE_COLOUR, depthTest: false, transparent: true }));
+  for (const name of ["position", "colour"])
+    geometry.setAttribute(name, new BufferAttribute(new Float32Array(6 * most), 3));
+  const lines = new LineSegments(
+    geometry,
+    new ShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: LINE,
+      fragmentShader: LINE_COLOUR,
+      depthTest: false,
+      transparent: true,
+    }),
+  );
   lines.frustumCulled = false;
   lines.renderOrder = 1;
   return lines;

@@ -7,19 +7,22 @@ function nodeUnder(bodies, camera, root, frame, gain, x, y) {
   };
   for (const body of bodies) {
     if (!body.ids.length || !body.group.visible) continue;
-    const screen = projected(body, camera, root, gain), triangles = body.trianglesAt(frame.before);
+    const screen = projected(body, camera, root, gain),
+      triangles = body.trianglesAt(frame.before);
     for (let i = 0; i < triangles.length; i += 3) {
       const corners = [triangles[i], triangles[i + 1], triangles[i + 2]];
       const weights = weightsIn(screen, corners, x, y);
       if (!weights) continue;
       const depth = weights.reduce((sum, w, k) => sum + w * screen[3 * corners[k] + 2], 0);
       const nearest = [0, 1, 2].reduce((k, j) =>
-        distance(screen, corners[j], x, y) < distance(screen, corners[k], x, y) ? j : k);
+        distance(screen, corners[j], x, y) < distance(screen, corners[k], x, y) ? j : k,
+      );
       offer(body, corners[nearest], depth);
     }
     // Of a body without faces: the nearest node within a few pixels.
-    if (!triangles.length) for (let node = 0; node < body.number; node++)
-      if (distance(screen, node, x, y) < 0.02) offer(body, node, screen[3 * node + 2]);
+    if (!triangles.length)
+      for (let node = 0; node < body.number; node++)
+        if (distance(screen, node, x, y) < 0.02) offer(body, node, screen[3 * node + 2]);
   }
   return best;
 }
@@ -28,7 +31,9 @@ const distance = (screen, node, x, y) => Math.hypot(screen[3 * node] - x, screen
 
 // All nodes of a body on the screen: x and y from -1 to 1, and the depth.
 function projected(body, camera, root, gain) {
-  const moved = body.displacement.all(), found = new Float32Array(3 * body.number), place = new Vector3();
+  const moved = body.displacement.all(),
+    found = new Float32Array(3 * body.number),
+    place = new Vector3();
   camera.updateMatrixWorld();
   for (let node = 0; node < body.number; node++) {
     place.set(...[0, 1, 2].map((c) => body.rest[3 * node + c] + gain * moved[c * body.number + node]));

@@ -8,12 +8,26 @@ class Player {
     this.scene = scene;
     this.curves = curves;
     this.times = arrayOf(block, scene.times);
-    this.clips = head.clips.length ? head.clips : [{ name: "", first: 0, number: this.times.length, note: "", repeats: false }];
+    this.clips = head.clips.length
+      ? head.clips
+      : [{ name: "", first: 0, number: this.times.length, note: "", repeats: false }];
     this.bodies = scene.bodies.map((data) => new Body(data, block));
     this.marks = new Marks(scene, block, this.bodies, 2 * Math.hypot(...scene.half) || 1);
     this.obstacles = scene.obstacles.map((data) => ({
-      points: arrayOf(block, data.points), triangles: interleaved(arrayOf(block, data.triangles), 3), offset: series(block, data.offsets) }));
-    Object.assign(this, { playing: false, gain: 1, field: "", followed: null, picked: null, rate: 1, time: 0, dirty: true });
+      points: arrayOf(block, data.points),
+      triangles: interleaved(arrayOf(block, data.triangles), 3),
+      offset: series(block, data.offsets),
+    }));
+    Object.assign(this, {
+      playing: false,
+      gain: 1,
+      field: "",
+      followed: null,
+      picked: null,
+      rate: 1,
+      time: 0,
+      dirty: true,
+    });
     this.shown = { undeformed: true, edges: true, joints: true, triads: false, loads: true };
   }
 
@@ -29,11 +43,21 @@ class Player {
       geometry.setAttribute("position", new BufferAttribute(points, 3));
       geometry.setIndex(new BufferAttribute(triangles, 1));
       // A wall that nodes enter a little, as penalties let them, is drawn behind them.
-      const wall = new Mesh(geometry, new ShaderMaterial({
-        glslVersion: GLSL3, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 4, polygonOffsetUnits: 40,
-        vertexShader: "out vec3 seen; void main() { vec4 at = modelViewMatrix * vec4(position, 1.0); seen = at.xyz; gl_Position = projectionMatrix * at; }",
-        fragmentShader: "precision highp float; in vec3 seen; uniform vec3 plain; out vec4 colour; void main() { vec3 n = normalize(cross(dFdx(seen), dFdy(seen))); colour = vec4(plain * (0.7 + 0.3 * abs(dot(n, normalize(seen)))), 1.0); }",
-        uniforms: { plain: { value: rgb("#b9a58a") } } }));
+      const wall = new Mesh(
+        geometry,
+        new ShaderMaterial({
+          glslVersion: GLSL3,
+          side: DoubleSide,
+          polygonOffset: true,
+          polygonOffsetFactor: 4,
+          polygonOffsetUnits: 40,
+          vertexShader:
+            "out vec3 seen; void main() { vec4 at = modelViewMatrix * vec4(position, 1.0); seen = at.xyz; gl_Position = projectionMatrix * at; }",
+          fragmentShader:
+            "precision highp float; in vec3 seen; uniform vec3 plain; out vec4 colour; void main() { vec3 n = normalize(cross(dFdx(seen), dFdy(seen))); colour = vec4(plain * (0.7 + 0.3 * abs(dot(n, normalize(seen)))), 1.0); }",
+          uniforms: { plain: { value: rgb("#b9a58a") } },
+        }),
+      );
       this.view.root.add(wall);
       return wall;
     });
@@ -48,12 +72,17 @@ class Player {
     requestAnimationFrame(loop);
   }
 
-  get clip() { return this.clips[this.number]; }
+  get clip() {
+    return this.clips[this.number];
+  }
   // Of one instant of a clip, from its start.
-  timeOf(row) { return this.times[this.clip.first + row] - this.times[this.clip.first]; }
+  timeOf(row) {
+    return this.times[this.clip.first + row] - this.times[this.clip.first];
+  }
   // A motion that repeats itself leads from its last instant on to its first.
   get length() {
-    const { number, repeats } = this.clip, last = this.timeOf(number - 1);
+    const { number, repeats } = this.clip,
+      last = this.timeOf(number - 1);
     return repeats && number > 1 ? (last * number) / (number - 1) : last;
   }
 
@@ -72,8 +101,12 @@ class Player {
     this.place();
   }
 
-  seekRow(row) { this.seek(this.timeOf(Math.min(Math.max(row, 0), this.clip.number - 1))); }
-  get row() { return Math.round(this.frame.before - this.clip.first + this.frame.share); }
+  seekRow(row) {
+    this.seek(this.timeOf(Math.min(Math.max(row, 0), this.clip.number - 1)));
+  }
+  get row() {
+    return Math.round(this.frame.before - this.clip.first + this.frame.share);
+  }
 
   step(now) {
     const passed = Math.min(0.1, (now - (this.last ?? now)) / 1000);
@@ -98,7 +131,8 @@ class Player {
   // Rows before and after the time, and how far it is between them.
   place() {
     const { first, number, repeats } = this.clip;
-    let low = 0, high = number - 1;
+    let low = 0,
+      high = number - 1;
     while (high - low > 1) {
       const middle = (low + high) >> 1;
       if (this.timeOf(middle) <= this.time) low = middle;
@@ -107,7 +141,11 @@ class Player {
     if (this.time >= this.timeOf(high)) low = high;
     const next = low < number - 1 ? low + 1 : repeats ? 0 : low;
     const span = (low < number - 1 ? this.timeOf(next) : this.length) - this.timeOf(low);
-    this.frame = { before: first + low, after: first + next, share: span > 0 ? Math.min(1, (this.time - this.timeOf(low)) / span) : 0 };
+    this.frame = {
+      before: first + low,
+      after: first + next,
+      share: span > 0 ? Math.min(1, (this.time - this.timeOf(low)) / span) : 0,
+    };
     for (const body of this.bodies) body.moveTo(this.frame);
     this.curves.showTime(this.scene.start + this.times[first] + this.time);
     this.ontime?.();
@@ -130,7 +168,8 @@ class Player {
   draw() {
     this.dirty = false;
     if (!this.view) return;
-    const ink = isDark() ? "#e6e8eb" : "#1b1f24", paper = isDark() ? "#1d2125" : "#ffffff";
+    const ink = isDark() ? "#e6e8eb" : "#1b1f24",
+      paper = isDark() ? "#1d2125" : "#ffffff";
     for (const body of this.bodies) {
       for (const each of [body.faces, body.outline]) each.material.uniforms.gain.value = this.gain;
       body.outline.visible = this.shown.edges && !body.lifetimes;
@@ -139,7 +178,9 @@ class Player {
       body.ghost.material.uniforms.plain.value = rgb(isDark() ? "#59616a" : "#9aa1a8");
     }
     if (this.followed && !this.still) {
-      this.still = this.view.root.matrix.clone().compose(this.followed.position, this.followed.quaternion, new Vector3(1, 1, 1));
+      this.still = this.view.root.matrix
+        .clone()
+        .compose(this.followed.position, this.followed.quaternion, new Vector3(1, 1, 1));
     }
     this.view.follow(this.followed, this.still);
     this.walls.forEach((wall, i) => wall.position.set(...this.obstacles[i].offset(this.frame)));
@@ -150,8 +191,15 @@ class Player {
   // The node under a point of the canvas, in pixels from its corner; null beside the machine.
   pick(x, y) {
     const { clientWidth, clientHeight } = this.view.canvas;
-    const found = nodeUnder(this.bodies, this.view.camera, this.view.root, this.frame, this.gain,
-      (2 * x) / clientWidth - 1, 1 - (2 * y) / clientHeight);
+    const found = nodeUnder(
+      this.bodies,
+      this.view.camera,
+      this.view.root,
+      this.frame,
+      this.gain,
+      (2 * x) / clientWidth - 1,
+      1 - (2 * y) / clientHeight,
+    );
     this.picked = found && { body: found.body, node: found.node };
     this.marks.picked = found && (() => found.body.placeOf(found.node, this.gain));
     this.dirty = true;
@@ -163,24 +211,56 @@ class Player {
   reading() {
     if (!this.picked) return null;
     const { body, node } = this.picked;
-    const displacement = [0, 1, 2].map((c) => body.displacement.at(node, c)), place = body.placeOf(node, 1);
-    const fields = Object.fromEntries(Object.entries(body.fields).map(([name, field]) => [name, this.scene.scales[name].factor * field.at(node, 0)]));
-    if (body.deforms) fields.deflection = Math.hypot(...displacement);
-    return { body: body.name, node: body.ids[node], displacement, fields, seenFrom: body.seenFrom,
-      position: [place.x, place.y, place.z].map((x, i) => x + this.scene.middle[i]) };
+    const displacement = [0, 1, 2].map((c) => body.displacement.at(node, c)),
+      place = body.placeOf(node, 1);
+    const fields = Object.fromEntries(
+      Object.keys(body.fields).map((name) => [name, this.valueAt(body, name, node)]),
+    );
+    if (body.deforms) fields.deflection = this.scene.scales.deflection.factor * Math.hypot(...displacement);
+    return {
+      body: body.name,
+      node: body.ids[node],
+      displacement,
+      fields,
+      seenFrom: body.seenFrom,
+      position: [place.x, place.y, place.z].map((x, i) => x + this.scene.middle[i]),
+    };
+  }
+
+  // Of a field, now or at an instant; shapes that were left out leave small values below the lowest.
+  valueAt(body, name, node, instant) {
+    const { factor, low } = this.scene.scales[name];
+    return Math.max(low, factor * body.fields[name].at(node, 0, instant));
   }
 
   // Displacements of the picked node over the clip, or the field that colours, as a chart.
   history() {
     if (!this.picked) return null;
-    const { body, node } = this.picked, { first, number } = this.clip, rows = Array.from({ length: number }, (_, i) => first + i);
+    const { body, node } = this.picked,
+      { first, number } = this.clip,
+      rows = Array.from({ length: number }, (_, i) => first + i);
     const abscissa = rows.map((row) => this.scene.start + this.times[row]);
-    const scale = this.scene.scales[this.field], field = body.fields[this.field];
+    const scale = this.scene.scales[this.field];
     const title = `node ${body.ids[node]} of ${body.name}`;
-    if (field) return { title: `${title}, ${this.field}`, label: scale.label, note: "", over: "", abscissa, names: [this.field],
-      columns: [rows.map((row) => scale.factor * field.at(node, 0, row))] };
+    if (body.fields[this.field])
+      return {
+        title: `${title}, ${this.field}`,
+        label: scale.label,
+        note: `to ${shownNumber(scale.error, 2)}`,
+        over: "",
+        abscissa,
+        names: [this.field],
+        columns: [rows.map((row) => this.valueAt(body, this.field, node, row))],
+      };
     const columns = [0, 1, 2].map((c) => rows.map((row) => body.displacement.at(node, c, row)));
-    return { title: `${title}, deflection`, label: head.length ? `deflection (${head.length})` : "deflection", over: "", abscissa,
-      note: `seen from ${body.seenFrom}`, names: ["x", "y", "z", "magnitude"], columns: [...columns, rows.map((_, i) => Math.hypot(...columns.map((own) => own[i])))] };
+    return {
+      title: `${title}, deflection`,
+      label: head.length ? `deflection (${head.length})` : "deflection",
+      over: "",
+      abscissa,
+      note: `seen from ${body.seenFrom}`,
+      names: ["x", "y", "z", "magnitude"],
+      columns: [...columns, rows.map((_, i) => Math.hypot(...columns.map((own) => own[i])))],
+    };
   }
 }

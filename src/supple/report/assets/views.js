@@ -27,7 +27,9 @@ class View {
     const from = new Vector3();
     if (which === "fit") {
       const level = [0, 1, 2].filter((i) => Math.abs(this.up.getComponent(i)) < 0.8);
-      const [thin, wide] = level.sort((i, j) => this.half.getComponent(i) - this.half.getComponent(j)).map((i) => new Vector3().setComponent(i, 1));
+      const [thin, wide] = level
+        .sort((i, j) => this.half.getComponent(i) - this.half.getComponent(j))
+        .map((i) => new Vector3().setComponent(i, 1));
       const side = new Vector3().crossVectors(this.up, thin).dot(wide) < 0 ? -1 : 1;
       from.addScaledVector(thin, side).addScaledVector(wide, 0.4).addScaledVector(this.up, 0.28);
     } else {
@@ -44,10 +46,14 @@ class View {
 
   // From the middle, at which all corners of what moves are in the picture, with a margin.
   distance() {
-    const upright = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12, level = upright * this.camera.aspect, seen = this.camera.quaternion.clone().invert();
+    const upright = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12,
+      level = upright * this.camera.aspect,
+      seen = this.camera.quaternion.clone().invert();
     let farthest = 0;
     for (let corner = 0; corner < 8; corner++) {
-      const at = new Vector3(...[0, 1, 2].map((i) => (corner & (1 << i) ? 1 : -1) * this.half.getComponent(i))).applyQuaternion(seen);
+      const at = new Vector3(
+        ...[0, 1, 2].map((i) => (corner & (1 << i) ? 1 : -1) * this.half.getComponent(i)),
+      ).applyQuaternion(seen);
       farthest = Math.max(farthest, at.z + Math.abs(at.x) / level, at.z + Math.abs(at.y) / upright);
     }
     return farthest || 1;
@@ -56,7 +62,11 @@ class View {
   // The body stays where it was at first, and all else moves about it; null: the ground does.
   follow(body, still) {
     this.root.matrix.identity();
-    if (body) this.root.matrix.compose(body.position, body.quaternion, new Vector3(1, 1, 1)).invert().premultiply(still);
+    if (body)
+      this.root.matrix
+        .compose(body.position, body.quaternion, new Vector3(1, 1, 1))
+        .invert()
+        .premultiply(still);
     this.root.matrixWorldNeedsUpdate = true;
   }
 
@@ -79,13 +89,16 @@ class View {
   }
 
   drawAxes() {
-    const canvas = document.getElementById("axes"), pen = canvas.getContext("2d"), middle = canvas.width / 2;
+    const canvas = document.getElementById("axes"),
+      pen = canvas.getContext("2d"),
+      middle = canvas.width / 2;
     pen.clearRect(0, 0, canvas.width, canvas.height);
     pen.font = "22px system-ui, sans-serif";
     pen.textAlign = "center";
     pen.textBaseline = "middle";
     pen.lineWidth = 3;
-    const seen = this.camera.quaternion.clone().invert(), turned = new Quaternion().setFromRotationMatrix(this.root.matrix);
+    const seen = this.camera.quaternion.clone().invert(),
+      turned = new Quaternion().setFromRotationMatrix(this.root.matrix);
     ["x", "y", "z"].forEach((name, i) => {
       const axis = new Vector3().setComponent(i, 1).applyQuaternion(turned).applyQuaternion(seen);
       pen.strokeStyle = pen.fillStyle = ["#d03030", "#2f9e44", isDark() ? "#7aa2ff" : "#3060d0"][i];
