@@ -164,6 +164,7 @@ def test_the_files_of_the_result_are_not_written_over(result, name):
         (("a.vtu", "--time", "-1"), "no instant -1"),
         (("a.vtu", "--time", "nan"), "no instant nan"),
         (("a.vtkhdf", "--body", "strap"), "did you mean 'strip'"),
+        (("a.csv", "--abaqus"), "--abaqus is of the deck"),
     ],
 )
 def test_mistakes_are_named(result, tmp_path, arguments, cause):
@@ -189,3 +190,9 @@ def test_a_mode_is_written_as_a_motion(case_folder, tmp_path):
     assert read_mesh(tmp_path / "a.vtu").n_cells
     wrong = exported(case_folder / "strip.toml", "-o", tmp_path / "a.csv", "--mode", 1)
     assert "--mode is of a case" in wrong.output
+
+
+def test_options_of_results_are_refused_for_cases(case_folder, tmp_path):
+    done = exported(case_folder / "strip.toml", "-o", tmp_path / "a.inp", "--times", "0:1:3")
+    assert done.exit_code == 2
+    assert "are of results" in " ".join(done.output.split())

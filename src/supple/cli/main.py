@@ -9,6 +9,7 @@ import typer
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
+from supple.errors import ArgumentError
 from supple.progress import show_progress
 from supple.terminal import console, reported_errors, reported_warnings, show_any_character
 
@@ -212,11 +213,16 @@ def export(
     A deck (Abaqus, CalculiX) is of one body, clamped where joints hold it.
     """
     with reported_errors(debug=debug), reported_warnings():
+        is_case = path.suffix.lower() == ".toml"
+        if is_case and (times is not None or case is not None or not stress):
+            raise ArgumentError("--times, --no-stress and --case are of results (.h5); leave them out")
+        if abaqus and (not is_case or mode is not None):
+            raise ArgumentError("--abaqus is of the deck of a case's body; leave it out")
         if mode is not None:
             from supple.cli.export_mode import export_mode
 
             export_mode(path, output, mode, bodies=body, time=time or 0.0)
-        elif path.suffix.lower() == ".toml":
+        elif is_case:
             from supple.cli.export_case import export_case
 
             export_case(path, output, body=body, time=time, abaqus=abaqus)
