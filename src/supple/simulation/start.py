@@ -13,7 +13,6 @@ from supple.arguments import Positive, check_fields
 from supple.errors import BasisWarning, ModelError, StartWarning, did_you_mean
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import Controller, Placed, System
-from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.going_on import placed_as_moved
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.simulation.carried_deformation import (
@@ -131,14 +130,14 @@ class Start:
             )
         motion, body = known[name], placed.body
         same = self._is_same(placed, motion)
-        if isinstance(motion, IntrinsicMotion) and isinstance(body, IntrinsicBody):
+        if isinstance(motion, IntrinsicMotion) and body.kind == motion.kind:
             if not same:
                 raise ModelError(
                     f"body '{name}' goes on in the intrinsic modes that moved, and these are others: "
                     "condense it with the same modes, in the same units"
                 )
             return placed_as_moved(placed, motion, self.row), None
-        if not isinstance(motion, FloatingMotion) or not body.has_frame or isinstance(body, IntrinsicBody):
+        if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == IntrinsicMotion.kind:
             raise ModelError(
                 f"body '{name}' is {body.kind}, and its motion there is {motion.kind}: go on in the form "
                 "that moved; explicit elements, whose plastic strain at each point no motion holds, by "
