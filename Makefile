@@ -6,8 +6,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 RESULTS := results
 WORKERS ?= 2
-# The tests of a file stay together: its fixtures are made once, and what one has compiled serves the next.
-SHARED := -n $(WORKERS) --dist loadfile
+# Each worker takes half of the files in their order, then of what is left: neighbours share programs and fixtures.
+SHARED := -n $(WORKERS) --dist worksteal
 # The first interpreter that is new enough; `make PYTHON=/path/to/python3 ...` overrides it.
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
   "$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
@@ -22,7 +22,7 @@ ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
-	@echo "make test      set up, then check style, types, layers and run the tests: six minutes on two cores, the first time seven"
+	@echo "make test      set up, then check style, types, layers and run the tests: about five minutes on two cores, the first time six"
 	@echo "make test-all  the same with the slow tests: half an hour; before every release"
 	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
 	@echo "make lint      style, types and layers only"

@@ -305,7 +305,9 @@ def held_up(sampled):
     return System([rod()], joints=[pin], gravity=G, controllers=[control])
 
 
-@pytest.mark.parametrize("sampled", [False, True], ids=["traced", "sampled"])
+@pytest.mark.parametrize(
+    "sampled", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["traced", "sampled"]
+)
 def test_controllers_drive_frames_as_they_drive_floating_bodies(sampled):
     system, run = held_up(sampled), Run(0.4, 0.02)
     expected = simulate(system, Run(0.4, 0.02, FixedStep(1e-3))).bodies["rod"].rotation
