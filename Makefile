@@ -11,12 +11,14 @@ SHARED := -n $(WORKERS) --dist loadfile
 # The first interpreter that is new enough; `make PYTHON=/path/to/python3 ...` overrides it.
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
   "$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check -e
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# uv takes seconds where pip takes minutes, for it links what its cache has; where it cannot install, pip does.
+INSTALL = $(PIP) uv && $(BIN)/uv pip install --quiet --python $(BIN)/python -e '.[$(EXTRAS)]' || $(PIP) -e '.[$(EXTRAS)]'
 INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network and say make again"; exit 2
 # One thread per process: the test workers share the cores between them. Bytecode is kept for those they start.
 ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
-.PHONY: help demo test test-all soak lint style format clean
+.PHONY: help demo test test-all soak lint format clean
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
@@ -34,29 +36,20 @@ demo: $(VENV)/.ready
 	@echo "Done. Tables, pictures, animations and HDF5 files are in $(CURDIR)/$(RESULTS)/:"
 	@find $(RESULTS)/rotating-beam $(RESULTS)/blade -type f | sort | sed 's/^/  /'
 
-# Types are checked beside the tests, on one core for half of their time: what is found stands below theirs.
-define tests_beside_types
-	@$(BIN)/pyright >$(VENV)/types.txt 2>&1 & types=$$!; \
-	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED) $(1); tests=$$?; \
-	wait $$types; types=$$?; cat $(VENV)/types.txt; exit $$((tests || types))
-endef
+test: lint
+	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED)
 
-test: style
-	$(call tests_beside_types)
-
-test-all: style
-	$(call tests_beside_types,-m 'not soak')
+test-all: lint
+	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED) -m 'not soak'
 
 soak: $(VENV)/.ready-dev
 	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED) -m soak
 	$(BIN)/python tools/fuzz -n 100000
 
-lint: style
-	$(BIN)/pyright
-
-style: $(VENV)/.ready-dev
+lint: $(VENV)/.ready-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/ty check
 	$(BIN)/lint-imports
 
 format: $(VENV)/.ready-dev
@@ -76,12 +69,14 @@ $(VENV)/bin/python:
 	@"$(PYTHON)" -m venv $(VENV)
 
 # Stamps, renewed when the dependencies change: the demo needs no developer tools.
+$(VENV)/.ready: EXTRAS := fast,plot
 $(VENV)/.ready: pyproject.toml | $(VENV)/bin/python
 	@echo "Installing supple and its dependencies into $(VENV) (once; about 800 MB, a minute or two)"
-	@$(INSTALL) '.[fast]' || { $(INSTALL_FAILED); }
+	@$(INSTALL) || { $(INSTALL_FAILED); }
 	@touch $@
 
-$(VENV)/.ready-dev: pyproject.toml | $(VENV)/.ready
-	@echo "Installing the developer tools into $(VENV) (once)"
-	@$(INSTALL) '.[fast,dev]' || { $(INSTALL_FAILED); }
-	@touch $@
+$(VENV)/.ready-dev: EXTRAS := fast,plot,dev
+$(VENV)/.ready-dev: pyproject.toml | $(VENV)/bin/python
+	@echo "Installing supple and the developer tools into $(VENV) (once; about 1.4 GB)"
+	@$(INSTALL) || { $(INSTALL_FAILED); }
+	@touch $(VENV)/.ready $@

@@ -30,11 +30,10 @@ from supple.export import interface_nodes, write_exudyn
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Tolerances
 from supple.machine import GROUND, At, Ball, Joint, Placed, Revolute, System
-from supple.mesh import CellType, cylinder
+from supple.mesh import CellType, cylinder, skin_of
 from supple.quantities import TensorModes, stress_modes
 from supple.reduction import NoDerivatives, NoLoads, ReducedBody, Rubin, reduce
 from supple.simulation import simulate
-from supple.viz import skin_of
 
 DURATION, OUTPUT_STEP, STEPS, TOLERANCE = 1.0, 0.02, (2e-3, 1e-3, 5e-4, 2.5e-4), 1e-10
 GRAVITY = (0.0, 3.0, -9.81)

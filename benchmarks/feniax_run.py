@@ -19,7 +19,7 @@ from typing import Any
 
 def main(folder: Path) -> None:
     answers, sys.stdout = sys.stdout, sys.stderr  # FENIAX prints on the way
-    import feniax.feniax_main  # pyright: ignore[reportMissingImports]
+    import feniax.feniax_main
     import jax
 
     case = json.loads((folder / "case.json").read_text(encoding="utf-8"))

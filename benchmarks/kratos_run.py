@@ -23,7 +23,7 @@ import numpy as np
 def main(folder: Path) -> None:
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # Kratos prints on the way, from C++ too
-    import KratosMultiphysics as Kratos  # pyright: ignore[reportMissingImports]
+    import KratosMultiphysics as Kratos
 
     Kratos.Logger.GetDefaultOutput().SetSeverity(Kratos.Logger.Severity.WARNING)
     case = json.loads((folder / "case.json").read_text(encoding="utf-8"))
@@ -45,8 +45,8 @@ def main(folder: Path) -> None:
 
 def model_part(model: Any, case: dict[str, Any], arrays: dict[str, np.ndarray]) -> Any:
     """The nodes, elements and initial velocities of the case."""
-    import KratosMultiphysics as Kratos  # pyright: ignore[reportMissingImports]
-    import KratosMultiphysics.StructuralMechanicsApplication as Structures  # pyright: ignore[reportMissingImports]
+    import KratosMultiphysics as Kratos
+    import KratosMultiphysics.StructuralMechanicsApplication as Structures
 
     part = model.CreateModelPart("block")
     part.SetBufferSize(2)
@@ -83,7 +83,7 @@ def model_part(model: Any, case: dict[str, Any], arrays: dict[str, np.ndarray]) 
 
 def strategy(part: Any) -> Any:
     """Central differences at the step that is given, without reactions; set up."""
-    import KratosMultiphysics.StructuralMechanicsApplication as Structures  # pyright: ignore[reportMissingImports]
+    import KratosMultiphysics.StructuralMechanicsApplication as Structures
 
     scheme = Structures.ExplicitCentralDifferencesScheme(1.0, 1.0, 0.0)  # the last: no step of its own
     march = Structures.MechanicalExplicitStrategy(part, scheme, False, False, True)  # the mesh has to move

@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 import supple as sp
 from supple import machine as m
-from supple.body import deck_body, deck_mesh, rigid_mass_properties
+from supple.body import deck_body, deck_model, rigid_mass_properties
 from supple.equations import balances
 from supple.importers import read_deck
 from supple.importers.deck import Deck
@@ -193,9 +193,9 @@ def main(picture: Path = Path("docked_satellites.png")) -> float:
         axes = solution.bodies["first"].rotation
         turned[rigid] = Rotation.from_matrix(axes).as_rotvec() @ (0.0, 1.0, 0.0)
         if not rigid:
-            mesh = deck_mesh(deck)
+            elements = deck_model(deck)  # which know the sections of beams
             machine_picture = picture.with_name(f"{picture.stem}_machine.png")
-            draw_machine(machine_picture, system, solution, {"first": mesh, "second": mesh}, units=SI)
+            draw_machine(machine_picture, system, solution, {"first": elements, "second": elements}, units=SI)
     after, expected = (float(each[solution.times > CALM].mean()) for each in turned.values())
     print(f"{len(deck.nodes)} grids; the first turns by {after:.5f} rad, if rigid by {expected:.5f} rad")
     assert np.isclose(after, expected, rtol=1e-3)

@@ -32,6 +32,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.error import SelfCorrection as SelfCorrection
     from supple.error import self_correct as self_correct
     from supple.error import state_errors as state_errors
+    from supple.export import write_vtkhdf as write_vtkhdf
+    from supple.export import write_vtu as write_vtu
     from supple.fem import HomogeneousSection as HomogeneousSection
     from supple.fem import Isotropic as Isotropic
     from supple.fem import shell_model as shell_model
@@ -80,11 +82,13 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.mesh import Mesh as Mesh
     from supple.mesh import block as block
     from supple.mesh import cylinder as cylinder
+    from supple.mesh import skin_of as skin_of
     from supple.mesh import strip as strip
     from supple.methods.explicit import explicit_subdomain as explicit_subdomain
     from supple.methods.explicit import modal_subdomain as modal_subdomain
     from supple.methods.intrinsic import LoadPath as LoadPath
     from supple.methods.intrinsic import condense as condense
+    from supple.progress import show_progress as show_progress
     from supple.quantities import node_positions as node_positions
     from supple.quantities import stress_modes as stress_modes
     from supple.reduction import AttachmentModes as AttachmentModes
@@ -97,6 +101,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.reduction import Rubin as Rubin
     from supple.reduction import SteadyLoads as SteadyLoads
     from supple.reduction import reduce as reduce
+    from supple.report import player as player
+    from supple.report import write_report as write_report
     from supple.results import rms_error as rms_error
     from supple.simulation import Start as Start
     from supple.simulation import equilibrium as equilibrium
@@ -109,13 +115,12 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.viz import displacement_magnitude as displacement_magnitude
     from supple.viz import plot_contour as plot_contour
     from supple.viz import plot_mesh as plot_mesh
-    from supple.viz import skin_of as skin_of
     from supple.viz import stress_field as stress_field
 
 __version__ = "0.1.0"
 
 _NAMES = {
-    "supple.mesh": "Mesh CellType strip block cylinder",
+    "supple.mesh": "Mesh CellType strip block cylinder skin_of",
     "supple.importers": "read_mesh read_abaqus read_gmsh read_nastran",
     "supple.fem": "Isotropic HomogeneousSection shell_model solid_model",
     "supple.body": (
@@ -136,20 +141,23 @@ _NAMES = {
     "supple.integrate": "Run FixedStep AdaptiveStep GeneralizedAlpha Tolerances",
     "supple.methods.intrinsic": "condense LoadPath",
     "supple.methods.explicit": "modal_subdomain explicit_subdomain",
+    "supple.progress": "show_progress",
     "supple.simulation": "simulate simulate_batch equilibrium Start",
     "supple.linearization": "linearize machine_modes",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",
+    "supple.report": "write_report player",
     "supple.quantities": "node_positions stress_modes",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
-    "supple.viz": "plot_mesh plot_contour animate skin_of displacement_magnitude stress_field",
+    "supple.export": "write_vtkhdf write_vtu",
+    "supple.viz": "plot_mesh plot_contour animate displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""
 
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 
-__all__ = list(_HOMES)  # pyright: ignore[reportUnsupportedDunderAll]
+__all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> Any:

@@ -161,7 +161,7 @@ def checked_arguments(function: _F) -> _F:
         hints = _hints(function)
         for name, value in signature.bind(*args, **kwargs).arguments.items():
             if name in hints:
-                _check(f"{function.__name__}, {name}", value, hints[name])
+                _check(f"{function.__name__}, {name}", value, hints[name])  # ty: ignore[missing-attribute]
         return function(*args, **kwargs)
 
     return cast(_F, with_checks)

@@ -65,6 +65,10 @@ class MemoryShortageError(SuppleError, MemoryError):
     """Work that would not fit in the memory that is left; the message names its size and the remedy."""
 
 
+class MissingPackageError(SuppleError, ModuleNotFoundError):
+    """An optional package that is not installed; the message names it and how to install it."""
+
+
 class ForkedProcessError(SuppleError, RuntimeError):
     """A simulation in a process that was forked after its parent had simulated."""
 

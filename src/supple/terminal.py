@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import TextIO
 
 import typer
 from rich.console import Console
@@ -189,11 +190,18 @@ def reported_warnings() -> Iterator[None]:
         warnings.simplefilter("always", SuppleWarning)
         show_others = warnings.showwarning
 
-        def show(message, category, filename, lineno, file=None, line=None):
+        def show(
+            message: Warning | str,
+            category: type[Warning],
+            filename: str,
+            lineno: int,
+            file: TextIO | None = None,
+            line: str | None = None,
+        ) -> None:
             if issubclass(category, SuppleWarning):
                 console.print(words("warning: ", "bold yellow") + words(str(message)), soft_wrap=True)
             else:
                 show_others(message, category, filename, lineno, file, line)
 
-        warnings.showwarning = show
+        warnings.showwarning = show  # ty: ignore[invalid-assignment]
         yield

@@ -15,6 +15,7 @@ from scipy.sparse import csc_array
 
 from supple.body import (
     FullBody,
+    MatrixFiles,
     MeanAxisFrame,
     NodalFixedFrame,
     RayleighDamping,
@@ -113,12 +114,12 @@ def files_of(form, folder, beam, labels):
 @pytest.mark.parametrize("form", ["dmig", "hdf5", "op4"])
 def test_every_form_gives_the_reduced_body(form, tmp_path, beam, labels, ours):
     """Frequencies, motions of the interfaces and inertia are those of the reduction made here."""
-    body = read_labelled_superelement("arm", **files_of(form, tmp_path, beam, labels))
+    body = read_labelled_superelement("arm", MatrixFiles(**files_of(form, tmp_path, beam, labels)))
     assert body.n_modal == MODES
     assert {each.name for each in body.interfaces} == {f"grid_{ROOT}", f"grid_{TIP}"}
     body = read_labelled_superelement(
         "arm",
-        **files_of(form, tmp_path, beam, labels),
+        MatrixFiles(**files_of(form, tmp_path, beam, labels)),
         interfaces=[RigidInterface("root", [body.interface(f"grid_{ROOT}").node_ids[0]])],
     )
     found = as_reduced(body)
@@ -154,7 +155,7 @@ def test_grids_in_coordinate_systems_of_their_own(tmp_path, beam, labels, ours):
     )
     write_dmig(tmp_path / "arm.pch", labels, KAAX=K, MAAX=M)
     found = read_labelled_superelement(
-        "arm", nodes=tmp_path / "arm.bdf", **dict.fromkeys(("stiffness", "mass"), tmp_path / "arm.pch")
+        "arm", MatrixFiles(tmp_path / "arm.bdf", tmp_path / "arm.pch", tmp_path / "arm.pch")
     )
     np.testing.assert_allclose(found.stiffness.toarray(), beam.stiffness, atol=1e-9 * beam.stiffness.max())
     np.testing.assert_allclose(found.mass.toarray(), beam.mass, atol=1e-9 * beam.mass.max())
@@ -168,12 +169,12 @@ def test_modal_coordinates_that_grids_bear(tmp_path, beam, labels):
     cards = [*cards_of_grids(beam), "GRID,77,,9.,9.,9."]
     files = {"nodes": tmp_path / "arm.bdf", **dict.fromkeys(("stiffness", "mass"), tmp_path / "arm.pch")}
     files["nodes"].write_text("\n".join([*cards, "QSET1,123456,77"]))
-    body = read_labelled_superelement("arm", **files)
+    body = read_labelled_superelement("arm", MatrixFiles(**files))
     assert body.n_modal == MODES
     np.testing.assert_array_equal(body.nodes, beam.grids)
 
     files["nodes"].write_text("\n".join(cards))
-    check = check_nodal_matrices(read_nodal_matrices(**files))
+    check = check_nodal_matrices(read_nodal_matrices(MatrixFiles(**files)))
     (found,) = [each for each in check.findings if each.what == "free of supports"]
     assert found.verdict is Verdict.REFUSED
     assert "most at node 77" in found.seen
@@ -291,17 +292,17 @@ def test_a_missing_qset_is_asked_for(tmp_path, beam, labels):
     with pytest.raises(
         ImportFormatError, match=r"6 rows more than the ASET may be some, which QSET1 and SPOINT"
     ):
-        read_labelled_superelement("arm", **files)
+        read_labelled_superelement("arm", MatrixFiles(**files))
 
 
 def test_a_component_of_a_scalar_point(tmp_path, beam, labels):
     files = files_of("op4", tmp_path, beam, labels)
     files["nodes"].write_text(files["nodes"].read_text() + "\nQSET1,1,1001\n")
     with pytest.raises(ImportFormatError, match=r"QSET1: scalar point 1001 has no component '1'"):
-        read_labelled_superelement("arm", **files)
+        read_labelled_superelement("arm", MatrixFiles(**files))
     files["nodes"].write_text(files["nodes"].read_text().replace("QSET1,1,1001", "QSET1,1,5001"))
     with pytest.raises(ImportFormatError, match="names 5001, which is no GRID or SPOINT of the file"):
-        read_labelled_superelement("arm", **files)
+        read_labelled_superelement("arm", MatrixFiles(**files))
 
 
 @pytest.mark.parametrize("form", ["hdf5", "op4", "python"])
@@ -319,7 +320,7 @@ def test_recovered_points_are_nodes(form, tmp_path, beam, labels, ours):
         write_condensed_hdf5(tmp_path / "arm.h5", beam, MIXED)
         path = tmp_path / "arm.h5"
         body = read_labelled_superelement(
-            "arm", **dict.fromkeys(("nodes", "stiffness", "mass", "recovery"), path)
+            "arm", MatrixFiles(nodes=path, stiffness=path, mass=path, recovery=path)
         )
     else:
         files = files_of("op4", tmp_path, beam, labels)
@@ -333,9 +334,7 @@ def test_recovered_points_are_nodes(form, tmp_path, beam, labels, ours):
         op4.write(str(tmp_path / "otm.op4"), {"OTM": T[:, order]})
         body = read_labelled_superelement(
             "arm",
-            **files,
-            recovery=tmp_path / "otm.op4",
-            recovery_name="OTM",
+            MatrixFiles(**files, recovery=tmp_path / "otm.op4", recovery_name="OTM"),
             interfaces=[RigidInterface("root", [0])],
         )
     assert len(body.nodes) == 2 + len(points)
@@ -394,7 +393,7 @@ def test_a_damping_matrix_is_that_of_the_body(tmp_path, beam, labels):
     (tmp_path / "arm.bdf").write_text("\n".join(cards_of_grids(beam)))
     write_dmig(tmp_path / "arm.pch", labels, KAAX=beam.stiffness, MAAX=beam.mass, BAAX=beta * beam.stiffness)
     files = dict.fromkeys(("stiffness", "mass", "damping"), tmp_path / "arm.pch")
-    body = read_labelled_superelement("arm", nodes=tmp_path / "arm.bdf", **files)
+    body = read_labelled_superelement("arm", MatrixFiles(nodes=tmp_path / "arm.bdf", **files))
     frame = NodalFixedFrame(f"grid_{ROOT}")
     plain = replace(body, damping=None)
     one = reduce(body, frame, CompleteBasis(), derivatives=NoDerivatives(), loads=NoLoads)

@@ -34,7 +34,7 @@ from supple.body.sections import CuttingPlane, section_loads
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
 from supple.body.turned_elements import turned_force
 from supple.errors import ModelError, SuppleWarning
-from supple.fem import lumped_mass, stress_recovery
+from supple.fem import stress_recovery
 from supple.importers.deck import (
     BeamProperty,
     BeamValues,
@@ -306,6 +306,25 @@ def test_a_mass_on_a_weighted_mean_takes_the_nodes_along():
     np.testing.assert_allclose(body.stiffness @ R, 0, atol=1e-3)
 
 
+def test_a_mean_turns_what_is_rigidly_tied_to_its_reference():
+    """Two bars of solids, a tie of one and a mean of the other at one node: joined, also about all axes."""
+    bare = solid_bar()
+    n = len(bare.nodes)
+    (cells,) = bare.elements
+    both = replace(
+        bare,
+        nodes=np.vstack([bare.nodes, bare.nodes + np.array([0.0, 0.0, 2.0])]),
+        node_ids=np.arange(2 * n) + 1,
+        elements=(cells, replace(cells, nodes=cells.nodes + n, ids=cells.ids + 100)),
+    )
+    own = middle(bare)
+    tie = RigidTie("rbe2_1", int(own[-1]), own[:-1], 1)
+    mean = WeightedMean("rbe3_2", int(own[-1]), n + own[:-1], np.ones(len(own) - 1), 2)
+    body = deck_body("two", replace(both, rigid=(tie,), means=(mean,)), [])
+    values = body.lowest_modes(7).values
+    assert values[6] > 1e6 * max(abs(values[5]), 1.0)
+
+
 def test_rods_and_nodes_that_nothing_turns():
     """A tetrahedron of rods: no node has a stiff rotation, 12 freedoms are left."""
     nodes = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
@@ -474,12 +493,6 @@ def test_stress_of_solids_and_shells_in_one_body():
     assert stress.shape == (model.mesh.n_nodes, 3, 6)
     np.testing.assert_allclose(stress[..., 0], STEEL.youngs_modulus * 1e-6, rtol=1e-9)
     np.testing.assert_allclose(stress[..., 1:], 0, atol=1e-3)
-
-
-def test_what_is_beside_the_elements_is_refused_where_elements_alone_count():
-    model = deck_model(skinned(rigid=(RigidTie("rbe2_1", 0, np.array([1, 2]), 1),)))
-    with pytest.raises(ModelError, match="a lumped mass has elements alone, and this model has rigid ties"):
-        lumped_mass(model)
 
 
 def test_a_body_with_ties_masses_and_a_rotation_that_rests_is_reduced():

@@ -12,6 +12,7 @@ from scipy.sparse import block_diag, csc_array, diags_array, kron
 from supple.algebra import lowest_modes
 from supple.body import (
     AveragingInterface,
+    MatrixFiles,
     MeanAxisFrame,
     RigidInterface,
     connection_named,
@@ -128,9 +129,9 @@ FORMATS = {
 }
 
 
-def read(folder, files, **options):
+def read(folder, files, interfaces=None, **names):
     nodes, stiffness, mass = (folder / name for name in files)
-    return read_labelled_superelement("arm", nodes=nodes, stiffness=stiffness, mass=mass, **options)
+    return read_labelled_superelement("arm", MatrixFiles(nodes, stiffness, mass, **names), interfaces)
 
 
 def same_body(one, other):
@@ -224,7 +225,7 @@ def test_few_digits_are_allowed_for(tmp_path, solid):
     frequencies = [lowest_modes(b.stiffness, b.mass, 4, constraint=D).values for b in (body, exact)]
     np.testing.assert_allclose(*frequencies, rtol=1e-6)
     matrices = read_nodal_matrices(
-        **dict.fromkeys(("stiffness", "mass"), tmp_path / "arm.pch"), nodes=tmp_path / "arm.bdf"
+        MatrixFiles(tmp_path / "arm.bdf", tmp_path / "arm.pch", tmp_path / "arm.pch")
     )
     assert matrices.rigid_tolerance == pytest.approx(100 * 5e-9)
     with pytest.raises(ModelError, match="resists rigid motion"):

@@ -134,3 +134,10 @@ def test_a_velocity_may_be_that_of_the_centre_of_mass(case_folder):
     path.write_text(given.replace("centre_velocity", "split = { parts = 2 }\ncentre_velocity"))
     with pytest.raises(CaseError, match="each part of a split body has a centre of its own"):
         read_case(path)
+
+
+def test_walls_with_transverse_shear(case_folder):
+    path = case_folder / "strip.toml"
+    path.write_text(path.read_text().replace("thickness = 0.01,", "thickness = 0.01, shear_factor = 0.8,"))
+    (section,) = read_case(path).elements["strip"].sections
+    assert (section.property.thickness, section.property.shear_factor) == (0.01, 0.8)

@@ -99,8 +99,16 @@ def test_the_scripts_of_the_import_page_run(tmp_path, monkeypatch, bulk):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "arm.bdf").write_text(bulk.text(mesh, *bulk.solid()))
     page = (ROOT / "docs" / "how-to" / "imported_models.md").read_text(encoding="utf-8")
-    writer, script, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    superelements, writer, script, *_ = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     names: dict[str, Any] = {}
+    bars = [
+        f"BEGIN SUPER={n + 1}\nGRID,1,,{n},0,0\nGRID,2,,{n + 1},0,0\nCBAR,1,7,1,2,0.,0.,1.\n"
+        "PBAR,7,5,4.-4,1.-8,1.-8,1.-8\nMAT1,5,2.1+11,,.3,7850.\n"
+        for n in (0, 1)
+    ]
+    (tmp_path / "wing.bdf").write_text("BEGIN BULK\n" + "".join(bars).replace(",0,0", ",0.,0.") + "ENDDATA\n")
+    exec(compile(superelements, "imported_models.md", "exec"), names)
+    assert [joint.name for joint in names["wing"].joints] == ["wing node-2"]
     exec(compile(writer, "imported_models.md", "exec"), names)
     ids = np.arange(1, mesh.n_nodes + 1)
     freedoms = np.column_stack([np.repeat(ids, 3), np.tile([1, 2, 3], len(ids))])

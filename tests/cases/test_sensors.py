@@ -59,19 +59,19 @@ def test_a_run_writes_what_its_sensors_read(case, tmp_path):
     assert "Sensors" in result.output
     with (out / "sensors.csv").open(newline="") as file:
         heads, *rows = csv.reader(file)
-    assert heads[:5] == ["time (s)", "tip.x (m)", "tip.y (m)", "tip.z (m)", "clamp load.Fx (N)"]
-    assert "fibre.top xx (Pa)" in heads
+    assert heads[:5] == ["Time_[s]", "tip.x_[m]", "tip.y_[m]", "tip.z_[m]", "clamp load.Fx_[N]"]
+    assert "fibre.top xx_[Pa]" in heads
     table = dict(zip(heads, np.array(rows, dtype=float).T, strict=True))
     report = json.loads((out / "strip.json").read_text())
     told = report["sensors"]["tip"]["z"]
     told_fibre = report["sensors"]["fibre"]["top xx"]
-    assert told["smallest"] == table["tip.z (m)"].min() < 0
+    assert told["smallest"] == table["tip.z_[m]"].min() < 0
     assert report["tracked"]["strip.TIP"]["last deflection"][2] == pytest.approx(told["last"])
-    assert table["fibre.top xx (Pa)"][-1] > 0 > table["fibre.bottom xx (Pa)"][-1]
-    assert heads[-6:] == [*(f"cut.F{axis} (N)" for axis in "xyz"), *(f"cut.M{axis} (N m)" for axis in "xyz")]
-    assert table["cut.Fz (N)"][-1] < 0 < table["cut.My (N m)"][-1], "what hangs on it pulls down"
+    assert table["fibre.top xx_[Pa]"][-1] > 0 > table["fibre.bottom xx_[Pa]"][-1]
+    assert heads[-6:] == [*(f"cut.F{axis}_[N]" for axis in "xyz"), *(f"cut.M{axis}_[N m]" for axis in "xyz")]
+    assert table["cut.Fz_[N]"][-1] < 0 < table["cut.My_[N m]"][-1], "what hangs on it pulls down"
     stress = report["stress"]["strip"]
-    assert stress["largest von Mises stress"] >= 0.99 * abs(table["fibre.top xx (Pa)"]).max()
+    assert stress["largest von Mises stress"] >= 0.99 * abs(table["fibre.top xx_[Pa]"]).max()
     assert stress["point"][0] < 0.2
     assert 0 < stress["time"] <= 0.04
     assert str(stress["node"]) in result.output

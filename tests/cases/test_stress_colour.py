@@ -9,7 +9,7 @@ import pytest
 
 from supple.cases import read_case
 from supple.errors import CaseError
-from supple.mesh import strip
+from supple.mesh import CellType, strip
 
 MESH = strip(1.0, 0.1, 4, 2)
 N_NODES = len(MESH.nodes)
@@ -37,7 +37,7 @@ colour = "von-mises"
 
 @pytest.fixture
 def write(tmp_path, bulk):
-    """Writes a case of bodies made of bulk data: 'plate', 'beams' and 'stiffened' (both)."""
+    """Writes a case of bodies of bulk data: 'plate', 'beams' and 'with_points', 'stiffened' (both)."""
     plate, wall = [*bulk.grids(MESH.nodes), *bulk.elements(MESH)], bulk.shell(0.01)
     along = np.flatnonzero(MESH.nodes[:, 1] == MESH.nodes[:, 1].min())[:5] + 1
     bars = [bulk.card("CBEAM", 900 + i, 9, *pair, 0.0, 0.0, 1.0) for i, pair in enumerate(pairwise(along))]
@@ -46,6 +46,8 @@ def write(tmp_path, bulk):
     (tmp_path / "plate.bdf").write_text(bulk.deck(*plate, *wall))
     (tmp_path / "stiffened.bdf").write_text(bulk.deck(*plate, *bars, *wall, *section))
     (tmp_path / "beams.bdf").write_text(bulk.deck(*line, *bars, *section, bulk.steel()))
+    points = [section[0], ",.01,.005,-.01,.005", section[2]]
+    (tmp_path / "with_points.bdf").write_text(bulk.deck(*line, *bars, *points, bulk.steel()))
 
     def write(*names, linear=False):
         bodies = [
@@ -76,16 +78,38 @@ def test_a_plate_has_stress(write):
     assert list(build(write("plate")).flexible) == ["plate"]
 
 
-def test_beams_have_no_faces_to_colour(write):
-    assert "stress colours faces, and beams have none" in mistake(write("beams"))
-
-
-def test_beams_that_are_not_drawn_do_not_matter(write):
-    assert list(build(write("plate", "beams")).flexible) == ["plate", "beams"]
-
-
 @pytest.mark.parametrize("linear", [False, True])
-def test_a_drawn_body_with_beams_is_named(write, linear):
-    assert "body 'stiffened': no stress recovery for beams" in mistake(
-        write("plate", "stiffened", linear=linear)
+def test_beams_alone_that_do_not_say_where_their_stress_acts(write, linear):
+    assert "body 'beams': no stress recovery for beams" in mistake(write("beams", linear=linear))
+
+
+def test_beams_without_points_beside_others_are_drawn_plain(write):
+    assert list(build(write("plate", "beams", "stiffened")).flexible) == ["plate", "beams", "stiffened"]
+
+
+def test_beams_with_points_have_stress(write):
+    assert list(build(write("with_points")).flexible) == ["with_points"]
+
+
+SENSOR = '[[sensor]]\nname = "strut"\nkind = "beam-force"\nbody = "BODY"\nbeam = BEAM\nend = 2\n'
+
+
+def test_a_beam_is_sensed_by_its_id(write):
+    """The element's id in the deck; one that is not there, or a body without elements, is a mistake."""
+    path = write("with_points").path
+    text = path.read_text()
+
+    def sensed(body, beam):
+        path.write_text(text + SENSOR.replace("BODY", body).replace("BEAM", str(beam)))
+        return read_case(path)
+
+    (sensor,) = sensed("with_points", 901).sensors
+    assert (sensor.beam, sensor.end, sensor.model.mesh.cell_ids[CellType.LINE2].tolist()) == (
+        901,
+        2,
+        [900, 901, 902, 903],
     )
+    with pytest.raises(CaseError, match=r"there is no beam 17; the body has ids 900 to 903"):
+        _ = sensed("with_points", 17).sensors
+    with pytest.raises(CaseError, match="body 'mast' has no elements"):
+        _ = sensed("mast", 901).sensors

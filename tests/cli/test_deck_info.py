@@ -123,3 +123,24 @@ def test_a_body_of_a_case_is_made_of_a_deck(bar):
         _ = read_case(case).flexible
     case.write_text(CASE.format(options='leave_out = ["*ELEMENT, TYPE=GAPUNI"]'))
     assert len(read_case(case).flexible) == 1
+
+
+def test_superelements_are_reported_beside_the_whole(tmp_path):
+    """Two bars of 0.5 m, each with grids and elements 1, 2, ..; the whole has the mass of both."""
+    halves = [
+        f"GRID,1,,{x},0.,0.\nGRID,2,,{x + 0.5},0.,0.\nCBAR,1,7,1,2,0.,0.,1.\nPBAR,7,5,4.-4,1.-8,1.-8,1.-8\n"
+        "MAT1,5,2.1+11,,.3,7850.\n"
+        for x in (0.0, 0.5)
+    ]
+    (tmp_path / "bars.bdf").write_text(
+        f"BEGIN BULK\nBEGIN SUPER=1\n{halves[0]}BEGIN SUPER=2\n{halves[1]}ENDDATA\n"
+    )
+    result = CliRunner().invoke(app, ["info", str(tmp_path / "bars.bdf"), "--json", str(tmp_path / "a.json")])
+    assert result.exit_code == 0
+    assert "superelement super_2" in result.output
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert (found["nodes"], found["elements"]) == (3, {"CBAR": 2})
+    assert found["mass"] == pytest.approx(3.14)
+    own = found["superelements"]["super_2"]
+    assert (own["nodes"], own["mass"]) == (2, pytest.approx(1.57))
+    assert own["centre"] == pytest.approx([0.75, 0, 0])

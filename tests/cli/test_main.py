@@ -186,6 +186,7 @@ def test_pictures_and_animation_are_drawn(case_folder, monkeypatch):
         "strip.h5",
         "strip.json",
         "strip-reduced.h5",
+        "report.html",
     }
 
 

@@ -17,8 +17,7 @@ from supple.fem import (
     shell_model,
     stress_recovery,
 )
-from supple.mesh import CellType, Mesh, strip
-from supple.viz import skin_of
+from supple.mesh import CellType, Mesh, skin_of, strip
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
 LENGTH = 2.0

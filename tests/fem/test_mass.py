@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from supple.body import rigid_mass_properties
+from supple.body import mesh_mass_properties, rigid_mass_properties
+from supple.errors import ModelError
 from supple.fem import (
     CellMass,
     HomogeneousSection,
@@ -128,3 +129,23 @@ def test_a_lumped_mass_of_no_density_is_none():
     section = Section(CellType.TRIANGLE3, np.arange(mesh.n_cells), wall)
     mass = finite_element_model(mesh, (section,), mass_of=CellMass.lumped).mass
     assert (mass.data == 0).all()
+
+
+@pytest.mark.parametrize("rule", [CellMass.lumped, consistent_mass])
+def test_a_share_of_the_mass_of_shells(rule):
+    """Mass and first moments scale by cell; of the mesh they are those of the matrix."""
+    wall = HomogeneousSection(Isotropic(1.0, 0.3, 7.0), 0.01, offset=0.05)
+    mesh = plate(1.0, 0.5, 4, 2)
+    cells = np.arange(mesh.n_cells)
+    share = np.random.default_rng(0).uniform(0.5, 1.0, mesh.n_cells)
+    section = Section(CellType.TRIANGLE3, cells, wall, mass_share=share)
+    model = finite_element_model(mesh, (section,), mass_of=rule)
+    x = section.corners(mesh)
+    area = np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) / 2
+    centre = (share * area) @ x.mean(axis=1) / (share @ area) + [0, 0, 0.05]
+    for found in (rigid_mass_properties(model.mass, mesh.nodes, 6), mesh_mass_properties(model)):
+        assert found.mass == pytest.approx(0.07 * share @ area, rel=1e-12)
+        np.testing.assert_allclose(found.centre, centre, atol=1e-12)
+    np.testing.assert_array_equal(section.of(cells[3:5]).mass_share, share[3:5])
+    with pytest.raises(ModelError, match="mass_share belongs to shells"):
+        Section(CellType.LINE2, cells[:1], RodSection(Isotropic(1.0, 0.3, 1.0), 1.0), mass_share=share[:1])

@@ -11,11 +11,11 @@ from supple.fem import (
     Isotropic,
     Section,
     finite_element_model,
-    part_of_model,
+    parts_of_model,
     shell_model,
     solid_model,
 )
-from supple.mesh import CellType, Mesh, block, mesh_part, plate
+from supple.mesh import CellType, DividedMesh, Mesh, block, mesh_part, plate
 
 
 @pytest.fixture
@@ -116,8 +116,8 @@ def test_parts_of_a_model_keep_what_each_cell_has(rng):
         ),
     )
     total = np.zeros((model.n_dofs, model.n_dofs))
-    for cells in ([0, 1], [2]):
-        part = mesh_part(mesh, {kind: np.array(cells) for kind in mesh.cells})
+    parts = tuple(mesh_part(mesh, {kind: np.array(cells) for kind in mesh.cells}) for cells in ([0, 1], [2]))
+    for part, own in zip(parts, parts_of_model(model, DividedMesh(mesh, parts, ())), strict=True):
         rows = (6 * part.nodes[:, None] + np.arange(6)).ravel()
-        total[np.ix_(rows, rows)] += part_of_model(model, part).stiffness.toarray()
+        total[np.ix_(rows, rows)] += own.stiffness.toarray()
     np.testing.assert_allclose(total, model.stiffness.toarray(), atol=1e-12)

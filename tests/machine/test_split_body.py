@@ -14,7 +14,7 @@ from supple.body import (
     rigid_mass_properties,
 )
 from supple.errors import ModelError, SuppleWarning
-from supple.fem import VON_KARMAN, HomogeneousSection, Isotropic, part_of_model, shell_model, solid_model
+from supple.fem import VON_KARMAN, HomogeneousSection, Isotropic, parts_of_model, shell_model, solid_model
 from supple.integrate import FixedStep, Run
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, Scaled, Sine, System, split_body
 from supple.machine.split_body import frequency_changes
@@ -40,8 +40,7 @@ def test_the_parts_on_their_shared_nodes_are_the_whole(model):
     mesh = divided(model.mesh, AlongAxis(3))
     n = model.dofs_per_node
     whole = {"stiffness": 0 * model.stiffness.toarray(), "mass": 0 * model.mass.toarray()}
-    for part in mesh.parts:
-        own = part_of_model(model, part)
+    for part, own in zip(mesh.parts, parts_of_model(model, mesh), strict=True):
         assert own.kinematics is model.kinematics
         dofs = (part.nodes[:, None] * n + np.arange(n)).ravel()
         for name, matrix in whole.items():

@@ -12,12 +12,13 @@ from fixtures.beam_lines import beam_line, straight
 
 from supple.body import FullBody, MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ModelError
+from supple.export import write_readings
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.integrate import Solution, Statistics
 from supple.machine import GROUND, At, DeadForce, Fixed, Placed, System
 from supple.mesh import CellType, Mesh, block, strip
 from supple.methods.intrinsic import CLAMPED, intrinsic_body
-from supple.quantities import Place, SectionForceSensor, read_sensors, write_readings, write_readings_hdf5
+from supple.quantities import Place, SectionForceSensor, read_sensors
 from supple.reduction import CraigBampton, NoLoads, reduce
 from supple.simulation import equilibrium
 from supple.units import UnitSystem
@@ -94,8 +95,8 @@ def test_own_weight_is_carried_as_shear_and_moment(tmp_path):
     units = UnitSystem("m", "kg", "s")
     with write_readings(tmp_path / "sensors.csv", readings, units=units).open(newline="") as file:
         heads = next(csv.reader(file))
-    assert [heads[3], heads[5]] == ["at 2.Fz (N)", "at 2.My (N m)"]
-    with h5py.File(write_readings_hdf5(tmp_path / "sensors.h5", readings, units=units)) as file:
+    assert [heads[3], heads[5]] == ["at 2.Fz_[N]", "at 2.My_[N m]"]
+    with h5py.File(write_readings(tmp_path / "sensors.h5", readings, units=units)) as file:
         np.testing.assert_array_equal(file["at 4"], readings[1].values)
         assert np.asarray(file["at 4"].attrs["axes"]).tolist() == ["axes of beam"] * 6
 

@@ -10,6 +10,7 @@ import pytest
 
 from supple.body import FullBody, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
 from supple.errors import ArgumentError, ModelError
+from supple.export import write_readings
 from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run
 from supple.machine import (
@@ -44,10 +45,8 @@ from supple.quantities import (
     StressSensor,
     VelocitySensor,
     VonMises,
-    as_dataset,
+    read_in_parts,
     read_sensors,
-    write_readings,
-    write_readings_hdf5,
 )
 from supple.simulation import equilibrium, simulate
 from supple.units import UnitSystem
@@ -103,6 +102,19 @@ def test_the_angle_of_a_joint_is_the_law_of_its_motion_over_whole_turns(spun):
     np.testing.assert_allclose([slide, speed], 0.0, atol=1e-8)
     turning = read(AngularVelocitySensor("root", At("blade", "root")), spun)
     np.testing.assert_allclose(turning[:, 2], rate, atol=1e-9)
+
+
+def test_readings_of_parts_are_those_of_the_whole(spun):
+    """Two turns, counted across the parts."""
+    system, whole = spun
+    sensors = [JointMotionSensor("hub", "hub"), PositionSensor("tip", Place("blade", "tip"))]
+    parts = (whole.at(slice(start, start + 150)) for start in range(0, len(whole.times), 150))
+    found, expected = read_in_parts(sensors, system, parts), read_sensors(sensors, system, whole)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one.times, other.times)
+        np.testing.assert_allclose(one.values, other.values, rtol=1e-12, atol=1e-12)
+    with pytest.raises(ModelError, match="there is no instant to read"):
+        read_in_parts(sensors, system, [])
 
 
 def test_a_deflection_is_a_position_seen_from_the_root(spun):
@@ -226,17 +238,17 @@ def test_readings_are_written_with_all_digits_units_and_axes(spun, tmp_path):
     with path.open(newline="") as file:
         heads, *rows = csv.reader(file)
     assert heads[:6] == [
-        "time (s)",
-        "tip.x (m)",
-        "tip.y (m)",
-        "tip.z (m)",
-        "hub motion.angle (rad)",
-        "hub motion.rate (rad/s)",
+        "Time_[s]",
+        "tip.x_[m]",
+        "tip.y_[m]",
+        "tip.z_[m]",
+        "hub motion.angle_[rad]",
+        "hub motion.rate_[rad/s]",
     ]
     table = np.array(rows, dtype=float)
     np.testing.assert_array_equal(table[:, 0], spun[1].times)
     np.testing.assert_array_equal(table[:, 1:4], readings[0].values)
-    with h5py.File(write_readings_hdf5(tmp_path / "sensors.h5", readings, units=SI)) as file:
+    with h5py.File(write_readings(tmp_path / "sensors.h5", readings, units=SI)) as file:
         np.testing.assert_array_equal(file["tip"], readings[0].values)
         assert np.asarray(file["tip"].attrs["units"]).tolist() == ["m"] * 3
         assert np.asarray(file["hub motion"].attrs["channels"]).tolist() == [
@@ -254,7 +266,7 @@ def test_readings_are_written_with_all_digits_units_and_axes(spun, tmp_path):
 def test_readings_as_a_data_set(spun):
     pytest.importorskip("xarray")
     readings = read_sensors([PositionSensor("tip", Place("blade", "tip"))], *spun)
-    data = as_dataset(readings, units=SI)
+    data = readings.to_xarray(SI)
     np.testing.assert_array_equal(data["tip.x"], readings[0].values[:, 0])
     assert data["tip.x"].attrs == {"units": "m", "axes": "global"}
     np.testing.assert_array_equal(data["time"], spun[1].times)

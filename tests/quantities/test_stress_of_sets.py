@@ -11,6 +11,7 @@ import pytest
 from supple.body import FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.error import ErrorStudy
 from supple.errors import ArgumentError, ModelError
+from supple.export import write_readings
 from supple.fem import HomogeneousSection, Isotropic, shell_model, von_mises
 from supple.machine import GROUND, At, Fixed, Placed, System
 from supple.mesh import strip
@@ -22,15 +23,14 @@ from supple.quantities import (
     Nearest,
     Place,
     PositionSensor,
+    Readings,
     StrainSensor,
     StressSensor,
     VelocitySensor,
-    as_dataset,
     largest_stress,
     read_sensors,
     stress_history,
     von_mises_history,
-    write_readings_hdf5,
 )
 from supple.quantities.stress_history import tensor_blocks
 from supple.quantities.tensor_modes import STRESS
@@ -111,14 +111,14 @@ def test_node_and_place_stand_in_report_file_and_data_set(bent, two_rows, tmp_pa
     assert told["point of largest"][0] == pytest.approx(0.25)
     assert told["place"] == "largest of 6 nodes"
     with h5py.File(
-        write_readings_hdf5(tmp_path / "sensors.h5", [found], units=UnitSystem("m", "kg", "s"))
+        write_readings(tmp_path / "sensors.h5", [found], units=UnitSystem("m", "kg", "s"))
     ) as file:
         np.testing.assert_array_equal(file["bolts.nodes"], found.nodes)
         np.testing.assert_array_equal(file["bolts"].attrs["nodes"], found.nodes[0])
         np.testing.assert_allclose(file["bolts"].attrs["points"], found.points[0])
         assert set(file["bolts"].attrs["places"]) == {"largest of 6 nodes"}
     pytest.importorskip("xarray")
-    assert as_dataset([found])["bolts.top xx"].attrs["place"] == "largest of 6 nodes"
+    assert Readings([found]).to_xarray()["bolts.top xx"].attrs["place"] == "largest of 6 nodes"
 
 
 def test_sensors_are_quantities_of_interest_at_their_points(bent, two_rows):

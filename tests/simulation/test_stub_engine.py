@@ -14,12 +14,13 @@ from scipy.spatial.transform import Rotation
 from supple.body import RigidBody
 from supple.integrate import FloatingMotion, Leg, Run, Solution, Statistics
 from supple.machine import Placed, System
+from supple.mesh import Skin
 from supple.quantities import node_positions
 from supple.results import summarize
 from supple.simulation import register_engine, simulate
 from supple.simulation.engines import _ENGINES
 from supple.storage import read_header, read_solution
-from supple.viz import Skin, animate
+from supple.viz import animate
 
 
 class Thrown(RigidBody):

@@ -6,9 +6,9 @@ from matplotlib.axes import Axes
 from PIL import Image
 
 from supple.errors import ModelError
-from supple.mesh import CellType, block, strip
+from supple.mesh import CellType, block, skin_of, strip
 from supple.units import SI
-from supple.viz import Camera, NodalField, animate, plot_contour, skin_of, stress_field
+from supple.viz import Camera, NodalField, animate, plot_contour, stress_field
 from supple.viz.shaded_surface import is_seen, page_around
 
 FROM_ABOVE = Camera.looking(along=[0.0, 0.0, -1.0], up=[0.0, 1.0, 0.0])

@@ -17,21 +17,20 @@ from supple.machine import (
     SurfaceContact,
     System,
 )
-from supple.mesh import CellType, block
+from supple.mesh import CellType, block, skin_of
 from supple.methods.explicit import (
     NodalMotion,
     explicit_subdomain,
     modal_subdomain,
 )
 from supple.reduction import NormalModes
+from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, stress_colouring
 from supple.simulation import simulate
-from supple.viz import run_pictures, skin_of
+from supple.viz import run_pictures
 from supple.viz.camera import Camera
-from supple.viz.colouring import DEFLECTION, PLASTIC_STRAIN, stress_colouring
 from supple.viz.contact_clearance import CLEARANCE, clear_of_contact
 from supple.viz.depth_buffer import visible_triangles
-from supple.viz.obstacle_surface import obstacle_actor
-from supple.viz.scene import Actor, scene_of
+from supple.viz.scene import Actor, obstacle_actor, scene_of
 
 WALL = RigidPlane((4.0, 0.0, 0.0), (-1.0, 0.0, 0.0))
 STILL = np.zeros((1, 1, 3))

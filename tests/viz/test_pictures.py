@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from supple.errors import ModelError, ResultFileError
-from supple.mesh import CellType, block, cylinder_shell, strip
+from supple.mesh import CellType, Skin, block, cylinder_shell, skin_of, strip
 from supple.results import MotionError
 from supple.viz import (
     PUBLISHED,
@@ -21,7 +21,6 @@ from supple.viz import (
     NodalField,
     Panel,
     Series,
-    Skin,
     Traces,
     animate,
     displacement_magnitude,
@@ -31,7 +30,6 @@ from supple.viz import (
     plot_mode_shapes,
     plot_rms_error,
     plot_time_history,
-    skin_of,
 )
 from supple.viz.shaded_surface import page_around, render
 

@@ -5,16 +5,14 @@ import pytest
 from PIL import Image
 
 from supple.errors import ModelError
-from supple.mesh import CellType, block
+from supple.mesh import CellType, Skin, block, skin_of
 from supple.viz import (
     Actor,
     Response,
     Series,
-    Skin,
     animate,
     plot_response_errors,
     scene_of,
-    skin_of,
 )
 
 T = np.linspace(0.0, 1.0, 50)

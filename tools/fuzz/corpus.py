@@ -138,6 +138,51 @@ CBAR,9,8,1,2,0.,0.,1.
 PBARL,8,5,,BAR
 ,0.1,0.2
 """
+# Superelements that are moved, mirrored and joined by hand, and a mass at a grid of the main bulk data.
+_PARTS_BDF = """\
+BEGIN BULK
+GRID,1,,1.,0.,0.
+GRID,11,,1.,0.,0.
+GRID,12,,2.,0.,0.
+GRID,13,,2.,1.,0.
+POINT,14,,3.,0.,0.
+POINT,15,,3.,1.,0.
+POINT,16,,3.,0.,1.
+CONM2,9,1,,5.
+SELOC,2,1,2,3,11,12,13
+SEBULK,2,PRIMARY,,MANUAL
+SEBULK,3,MIRROR,2,AUTO,1.-4
+SEMPLN,3,PLANE,14,15,16
+SECONCT,1,2
+,2,1,3,4
+SEBNDRY,1,ALL,2,THRU,3
+SEEXCLD,1,2,4
+BEGIN SUPER=1
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,1.,0.
+GRID,4,,0.,1.,0.
+CQUAD4,1,7,1,2,3,4
+PSHELL,7,5,.1,5
+MAT1,5,2.1+11,,.3,7850.
+CELAS2,6,4.+6,1,2,4,2
+BEGIN BULK SUPER=2
+GRID,1,,0.,5.,0.
+GRID,2,,0.,6.,0.
+GRID,3,,-1.,6.,0.
+GRID,4,,-1.,5.,0.
+CQUAD4,1,7,1,2,3,4
+CBAR,2,8,1,3,0.,0.,1.
+RBE2,5,2,123456,3
+PBAR,8,5,4.-4,1.-8,2.-8,1.-8
+PCOMP,7
+,5,.1,30.
+MAT1,5,2.1+11,,.3,7850.
+BEGIN SUPER=3
+PLOAD2,1,2.,1
+ENDDATA
+"""
+
 _DECK_BDF = """\
 SOL 103
 CEND
@@ -323,6 +368,18 @@ LOWER, UPPER
 *END STEP
 """
 )
+_MADE_INP = (
+    "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n5, .5, 0., 0.\n6, .25, 0., 0.\n"
+    "*NSET, NSET=N\n1, 2, 3, 4\n*NCOPY, CHANGE NUMBER=10, OLD SET=N, NEW SET=M, REFLECT=MIRROR\n"
+    "0., 0., 0., 0., 1., 0.\n0., 0., 1.\n*NCOPY, CHANGE NUMBER=20, OLD SET=N, POLE\n1\n"
+    "*ELEMENT, TYPE=C3D4, ELSET=E\n1, 1, 2, 3, 4\n*ELSET, ELSET=OLD\n1\n"
+    "*ELCOPY, ELEMENT SHIFT=10, OLD SET=OLD, SHIFT NODES=10, NEW SET=E, REFLECT\n"
+    "*ELEMENT, TYPE=B31, ELSET=B\n31, 1, 5\n32, 5, 2\n"
+    "*BEAM SECTION, ELSET=B, MATERIAL=STEEL, SECTION=RECT\n.1, .2\n0., 1., 0.\n"
+    "*RELEASE\nB, S1, M1-T, S2, ALLM\n*MPC\nLINEAR, 6, 1, 5\nQUADRATIC, 6, 1, 2, 5\nSLIDER, 5, 1, 2\n"
+    "*DISTRIBUTION, NAME=D, LOCATION=ELEMENT\n, 1., 0., 0., 0., 1., 0.\n11, 0., 0., 1., 1., 0., 0.\n"
+    "*ORIENTATION, NAME=O\nD\n3, 30.\n*SOLID SECTION, ELSET=E, MATERIAL=STEEL, ORIENTATION=O\n" + _STEEL_INP
+)
 _TWO_INP = (
     "*PART, NAME=P\n"
     + _INP
@@ -366,9 +423,19 @@ def _meshes() -> Iterator[Kind]:
         ),
     )
     yield Kind("Nastran", nastran, (Seed("mesh.bdf", _BDF.encode()), Seed("mesh.bdf", _SOLID_BDF.encode())))
-    yield Kind("Nastran deck", read_deck, (Seed("deck.bdf", _DECK_BDF.encode()),))
     yield Kind(
-        "Abaqus deck", read_deck, (Seed("deck.inp", _DECK_INP.encode()), Seed("two.inp", _TWO_INP.encode()))
+        "Nastran deck",
+        read_deck,
+        (Seed("deck.bdf", _DECK_BDF.encode()), Seed("parts.bdf", _PARTS_BDF.encode())),
+    )
+    yield Kind(
+        "Abaqus deck",
+        read_deck,
+        (
+            Seed("deck.inp", _DECK_INP.encode()),
+            Seed("two.inp", _TWO_INP.encode()),
+            Seed("made.inp", _MADE_INP.encode()),
+        ),
     )
     folder = REPOSITORY / "tests" / "importers" / "gmsh_square"
     squares = tuple(Seed("mesh.msh", path.read_bytes()) for path in sorted(folder.glob("*.msh")))

@@ -261,7 +261,7 @@ def _lanczos(
             (known.vectors.T @ load) / (known.values + shift)[:, None]
         )
 
-    operator = LinearOperator((inverse.n, inverse.n), matvec=solve, matmat=solve, dtype=np.float64)  # pyright: ignore[reportCallIssue]
+    operator = LinearOperator((inverse.n, inverse.n), matvec=solve, matmat=solve, dtype=np.float64)  # ty: ignore[missing-argument, parameter-already-assigned, unknown-argument]
     start = solve(mass @ np.random.default_rng(known.values.size).standard_normal(inverse.n))[:, 0]
     try:
         _, vectors = eigsh(

@@ -7,7 +7,6 @@ from supple.body.damping import *
 from supple.body.deck_body import *
 from supple.body.deck_modes import *
 from supple.body.deck_parts import *
-from supple.body.finite_element_body import *
 from supple.body.flexible_body import *
 from supple.body.floating_kinematics import *
 from supple.body.frame import *
@@ -23,3 +22,7 @@ from supple.body.recovery import *
 from supple.body.rigid_body import *
 from supple.body.section_beams import *
 from supple.body.superelement import *
+
+# isort: split
+# Last, for its function has the name of a module above.
+from supple.body.finite_element_body import *

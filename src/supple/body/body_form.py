@@ -78,6 +78,10 @@ class BodyForm(Protocol):
         """
         ...
 
+    def node_rotations(self, motion: Any) -> NDArray[np.float64]:
+        """Rotation matrices (t, N, 3, 3) of the material at all nodes, from rest to space."""
+        ...
+
     def node_motion(self, motion: Any, nodes: ArrayLike) -> NodeMotion:
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
         ...

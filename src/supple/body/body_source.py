@@ -15,7 +15,12 @@ from supple.body.deck_parts import named_part
 from supple.body.finite_element_body import flexible_body
 from supple.body.flexible_body import FlexibleBody
 from supple.body.interface import AveragingInterface, RigidInterface
-from supple.body.labelled_superelement import NodalMatrices, labelled_superelement, read_nodal_matrices
+from supple.body.labelled_superelement import (
+    MatrixFiles,
+    NodalMatrices,
+    labelled_superelement,
+    read_nodal_matrices,
+)
 from supple.body.model_check import ModelCheck, check_elements, check_model, check_nodal_matrices
 from supple.body.section_beams import section_beams
 from supple.body.superelement import read_superelement
@@ -103,19 +108,7 @@ def section_beams_source(path: Path) -> BodySource:
     return elements_source(model.mesh, lambda: model)
 
 
-def labelled_matrices_source(
-    *,
-    nodes: Path,
-    stiffness: Path,
-    mass: Path,
-    damping: Path | None = None,
-    recovery: Path | None = None,
-    stiffness_name: str | None = None,
-    mass_name: str | None = None,
-    damping_name: str | None = None,
-    recovery_name: str | None = None,
-    rigid_tolerance: float | None = None,
-) -> BodySource:
+def labelled_matrices_source(files: MatrixFiles, *, rigid_tolerance: float | None = None) -> BodySource:
     """Matrices of another program with the file of its nodes, as for `read_labelled_superelement`.
 
     They stand for any elements, also such as a mesh cannot have: the mesh of the node file is not read.
@@ -123,17 +116,7 @@ def labelled_matrices_source(
 
     @cache
     def read() -> NodalMatrices:
-        return read_nodal_matrices(
-            nodes=nodes,
-            stiffness=stiffness,
-            mass=mass,
-            damping=damping,
-            recovery=recovery,
-            stiffness_name=stiffness_name,
-            mass_name=mass_name,
-            damping_name=damping_name,
-            recovery_name=recovery_name,
-        )
+        return read_nodal_matrices(files)
 
     exact = rigid_tolerance
     return BodySource(

@@ -231,6 +231,7 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
                 each.released,
                 each.reduced,
                 each.incompatible,
+                each.mass_share,
             )
         )
     return tuple(made)
@@ -284,7 +285,7 @@ def _property(
             )
         case RodProperty():
             material, J = _of_lines(given.material), given.J if _has_shear(given.material) else 0.0
-            return RodSection(material, given.area, J, given.mass_per_length)
+            return RodSection(material, given.area, J, given.mass_per_length, abs(given.torsion_arm))
         case BeamProperty():
             second = None if given.second is None else _beam(given.material, given.second, None)
             return _beam(given.material, given.first, second)
@@ -306,6 +307,7 @@ def _beam(material: IsotropicMaterial, values: BeamValues, second: BeamSection |
         mass_centre=values.mass_centre,
         rotary=values.rotary,
         second=second,
+        geometry=values.geometry,
     )
 
 
@@ -336,7 +338,13 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
 
 
 def _turns(deck: Deck) -> bool:
-    """Whether anything beside the elements has a freedom of rotation."""
+    """Whether anything beside the elements has a freedom of rotation.
+
+    A mean turns its reference node, and so what else is rigidly tied to it.
+    """
+    turned = [mean.reference for mean in deck.means if any(mean.components[3:])]
+    if any(np.isin(turned, [*tie.nodes, tie.reference]).any() for tie in deck.rigid):
+        return True
     matrices = (*deck.masses, *deck.stiffnesses)
     terms = (*deck.springs, *deck.inertias, *deck.constraints)
     return any((_rows(each)[0] % 6 > 2).any() for each in matrices) or any(
@@ -483,8 +491,9 @@ def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
 
 
 def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:
-    """Rows of a single freedom: springs to ground."""
-    return np.bincount(terms.rows, minlength=len(terms.lines)) == 1
+    """Rows of a single node, whatever its axes: springs to ground."""
+    nodes = np.unique(np.column_stack([terms.rows, terms.freedoms // 6]), axis=0)
+    return np.bincount(nodes[:, 0], minlength=len(terms.lines)) == 1
 
 
 def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from supple.errors import ModelError, did_you_mean
 from supple.importers.deck import Deck, ScalarTerms
-from supple.importers.restricted_deck import restricted_deck
+from supple.importers.restricted_deck import kept_terms, restricted_deck
 
 __all__ = ["deck_links", "deck_parts", "named_part", "with_scalar_points", "without_scalar_points"]
 
@@ -75,9 +75,9 @@ def with_scalar_points(deck: Deck) -> Deck:
 
 def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
     """The rows that have none of the refused terms."""
-    gone = np.zeros(len(given.lines), dtype=bool)
-    gone[given.rows[refused]] = True
-    return _rows(given, ~gone[given.rows])
+    kept = np.ones(len(given.lines), dtype=bool)
+    kept[given.rows[refused]] = False
+    return kept_terms(given, kept)
 
 
 def named_part(deck: Deck, name: str | None) -> Deck:
@@ -107,7 +107,10 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 
 
 def deck_links(deck: Deck) -> IntArray:
-    """Pairs (L, 2) of nodes that something beside cells connects; a node with itself where it is alone."""
+    """Pairs (L, 2) of nodes that something beside cells connects, ties and means from their reference node.
+
+    A node is paired with itself where it is alone.
+    """
     stars = [np.array(nodes, dtype=np.int64) for nodes in _stars(deck)]
     pairs = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in stars]
     return np.concatenate([np.empty((0, 2), dtype=np.int64), *pairs])
@@ -123,24 +126,10 @@ def _stars(deck: Deck) -> Iterator[IntArray]:
         nodes = terms.freedoms[order] // 6
         yield from _split(nodes, terms.rows[order])
     for tie in deck.rigid:
-        yield np.unique(np.append(tie.nodes, tie.reference))
+        yield np.append(tie.reference, tie.nodes)
     for mean in deck.means:
-        yield np.unique(np.append(mean.nodes, mean.reference))
+        yield np.append(mean.reference, mean.nodes)
 
 
 def _split(values: IntArray, by: IntArray) -> Iterable[IntArray]:
     return np.split(values, np.flatnonzero(np.diff(by)) + 1) if len(by) else ()
-
-
-def _rows(given: ScalarTerms, inside: NDArray[np.bool_]) -> ScalarTerms:
-    """The rows of some terms."""
-    rows, place = np.unique(given.rows[inside], return_inverse=True)
-    return replace(
-        given,
-        rows=place,
-        freedoms=given.freedoms[inside],
-        factors=given.factors[inside],
-        lines=given.lines[rows],
-        values=given.values[rows] if len(given.values) else given.values,
-        dependent=given.dependent[rows] if len(given.dependent) else given.dependent,
-    )

@@ -16,12 +16,13 @@ from supple.body.interface import BodyInterface, interface_named
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
 from supple.errors import ModelError
 from supple.fem import Assembly, FiniteElementModel
+from supple.summary import Summarized, Summary, point
 
 __all__ = ["FlexibleBody"]
 
 
-@dataclass(frozen=True, eq=False)
-class FlexibleBody:
+@dataclass(frozen=True, eq=False, repr=False)
+class FlexibleBody(Summarized):
     """A free elastic body; build it with `flexible_body` or `superelement`, which check it.
 
     Its n coordinates q are the nodal freedoms left after rigid pieces, constraints and freedoms without mass
@@ -62,6 +63,21 @@ class FlexibleBody:
     threes: tuple[sparse.csc_array, sparse.csc_array] | None = field(default=None, repr=False)
     n_modal: int = 0
     damping: sparse.csc_array | None = field(default=None, repr=False)
+
+    def summary(self) -> Summary:
+        """Coordinates, mass, elements, kind of its force, damping and interfaces."""
+        kind = "linear" if self.is_linear else "geometrically nonlinear"
+        rows = [
+            ("coordinates", f"{self.n} of {self.n_nodal} freedoms of {len(self.nodes)} nodes; {kind}"),
+            ("mass", f"{self.rigid_modes[:, 0] @ (self.mass @ self.rigid_modes[:, 0]):g}"),
+        ]
+        if self.model is not None:
+            cells = self.model.mesh.cells.items()
+            rows.append(("elements", ", ".join(f"{len(array)} {cell.name}" for cell, array in cells)))
+        if self.damping is not None:
+            rows.append(("damping", "of its files"))
+        rows += [(f"interface {one.name}", f"at {point(one.position)}") for one in self.interfaces]
+        return Summary(f"FlexibleBody '{self.name}', {self.n} coordinates, {kind}", rows)
 
     @property
     def n(self) -> int:

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from supple.body.sections import Sections
 from supple.errors import ModelError
@@ -72,6 +73,17 @@ class FormDefaults:
     def missing_centrifugal_stiffness(self) -> Array:
         """(3,) none."""
         return np.zeros(3)
+
+    def node_rotations(self: Any, motion: Any) -> Array:
+        """(t, N, 3, 3) those of the frame, times that of the rotation vector of a node that has one."""
+        n_times, n_nodes = len(motion.coordinates), len(self.nodes)
+        of_frame = np.broadcast_to(motion.rotation[:, None], (n_times, n_nodes, 3, 3))
+        if self.dofs_per_node < 6:
+            return of_frame
+        moved, condensed = self.nodal_fields(motion.coordinates)
+        fields = (moved if condensed is None else moved + condensed).T.reshape(-1, 6)
+        local = Rotation.from_rotvec(fields[:, 3:]).as_matrix()
+        return of_frame @ local.reshape(n_times, n_nodes, 3, 3)
 
     def sections(self: Any, _model: FiniteElementModel | None, /) -> Sections:
         """ModelError: it has no section forces."""

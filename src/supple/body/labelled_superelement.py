@@ -35,6 +35,7 @@ from supple.importers import (
 from supple.importers.matrices.recovery_matrix import in_order
 
 __all__ = [
+    "MatrixFiles",
     "NodalMatrices",
     "labelled_superelement",
     "nodal_matrices",
@@ -84,75 +85,62 @@ class NodalMatrices:
         return max(RIGID_TOLERANCE, ROUNDED_ROWS * self.resolution)
 
 
-def read_labelled_superelement(
-    name: str,
-    *,
-    nodes: str | Path,
-    stiffness: str | Path,
-    mass: str | Path,
-    damping: str | Path | None = None,
-    interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
-    recovery: str | Path | None = None,
-    stiffness_name: str | None = None,
-    mass_name: str | None = None,
-    damping_name: str | None = None,
-    recovery_name: str | None = None,
-) -> FlexibleBody:
-    """A linear body from the matrices of another program and the file with its nodes, whole or condensed.
+@dataclass(frozen=True)
+class MatrixFiles:
+    """Files of a linear body from another program, whole or condensed.
 
     Condensed: boundary grids and modal coordinates (Craig-Bampton), which QSET and SPOINT cards of the mesh
     file name, or the component 0 in the matrix file. See `superelement`.
 
-    Parameters
-    ----------
     nodes           : Abaqus or CalculiX .inp, Nastran .bdf, or HDF5
     stiffness, mass : DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5, Abaqus .mtx, CalculiX .sti and .mas
-    interfaces      : with node sets of the mesh file, or node numbers; None takes its RBE2 and RBE3, and
-                      where it has none each boundary grid of a condensed model (grid_ID)
     damping         : as stiffness and mass; None without
     recovery        : HDF5 or OUTPUT4 file of displacements of points inside, which become nodes of the body
     stiffness_name, mass_name, damping_name, recovery_name : where a file holds several (DMIG, OUTPUT4)
+    """
+
+    nodes: str | Path
+    stiffness: str | Path
+    mass: str | Path
+    damping: str | Path | None = None
+    recovery: str | Path | None = None
+    stiffness_name: str | None = None
+    mass_name: str | None = None
+    damping_name: str | None = None
+    recovery_name: str | None = None
+
+
+def read_labelled_superelement(
+    name: str,
+    files: MatrixFiles,
+    interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
+) -> FlexibleBody:
+    """A linear body from the matrices of another program and the file with its nodes, whole or condensed.
+
+    interfaces : with node sets of the mesh file, or node numbers; None takes its RBE2 and RBE3, and where it
+        has none each boundary grid of a condensed model (grid_ID)
     Raises
     ------
     ImportFormatError   files that cannot be read
     ModelError          as for `nodal_matrices` and `superelement`
     """
-    matrices = read_nodal_matrices(
-        nodes=nodes,
-        stiffness=stiffness,
-        mass=mass,
-        damping=damping,
-        recovery=recovery,
-        stiffness_name=stiffness_name,
-        mass_name=mass_name,
-        damping_name=damping_name,
-        recovery_name=recovery_name,
-    )
-    return labelled_superelement(name, matrices, interfaces)
+    return labelled_superelement(name, read_nodal_matrices(files), interfaces)
 
 
-def read_nodal_matrices(
-    *,
-    nodes: str | Path,
-    stiffness: str | Path,
-    mass: str | Path,
-    damping: str | Path | None = None,
-    recovery: str | Path | None = None,
-    stiffness_name: str | None = None,
-    mass_name: str | None = None,
-    damping_name: str | None = None,
-    recovery_name: str | None = None,
-) -> NodalMatrices:
+def read_nodal_matrices(files: MatrixFiles) -> NodalMatrices:
     """The matrices of `read_labelled_superelement`, before any body is made of them."""
-    table = read_nodes(nodes)
+    table = read_nodes(files.nodes)
+
+    def matrix(path: str | Path, role: MatrixRole, name: str | None) -> LabelledMatrix:
+        return read_labelled_matrix(path, role, table, name=name)
+
+    recovery, damping = files.recovery, files.damping
     return nodal_matrices(
         table,
-        read_labelled_matrix(stiffness, MatrixRole.STIFFNESS, table, name=stiffness_name),
-        read_labelled_matrix(mass, MatrixRole.MASS, table, name=mass_name),
-        None if recovery is None else read_recovery(recovery, table, name=recovery_name),
-        None
-        if damping is None
-        else read_labelled_matrix(damping, MatrixRole.DAMPING, table, name=damping_name),
+        matrix(files.stiffness, MatrixRole.STIFFNESS, files.stiffness_name),
+        matrix(files.mass, MatrixRole.MASS, files.mass_name),
+        None if recovery is None else read_recovery(recovery, table, name=files.recovery_name),
+        None if damping is None else matrix(damping, MatrixRole.DAMPING, files.damping_name),
     )
 
 

@@ -113,7 +113,7 @@ def _moments(
             normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
             normal /= np.linalg.norm(normal, axis=1)[:, None]
             m, offset = given.mass_per_area, given.mass_offset
-            area, first, second = _simplex_moments(x + offset * normal[:, None])
+            area, first, second = _simplex_moments(x + offset * normal[:, None], section.mass_share)
             own = (given.rotary_inertia_per_area - m * offset**2) * area * np.eye(3)
             return m * area, m * first, m * second, own
         case RodSection():
@@ -164,9 +164,11 @@ def _solid_moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, Fl
     return volume, first, second
 
 
-def _simplex_moments(x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-    """The same over lines (E, 2, 3) or triangles (E, 3, 3)."""
+def _simplex_moments(x: FloatArray, share: FloatArray | None = None) -> tuple[float, FloatArray, FloatArray]:
+    """The same over lines (E, 2, 3) or triangles (E, 3, 3), of which a share (E,) counts, or all."""
     k, sizes, s = x.shape[1], _sizes(x), x.sum(axis=1)
+    if share is not None:
+        sizes = share * sizes
     second = np.einsum("e,eai,eaj->ij", sizes, x, x, optimize=True)
     second += np.einsum("e,ei,ej->ij", sizes, s, s, optimize=True)
     return float(sizes.sum()), sizes @ s / k, second / (k * (k + 1))

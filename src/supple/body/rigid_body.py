@@ -15,6 +15,7 @@ from supple.arguments import check_fields, check_numbers, check_text
 from supple.body.interface import PointInterface, interface_named
 from supple.body.point_motion import FloatingForm
 from supple.errors import ModelError
+from supple.summary import Summarized, Summary, point
 
 __all__ = ["RigidBody"]
 
@@ -22,8 +23,8 @@ __all__ = ["RigidBody"]
 ROUNDING = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class RigidBody(FloatingForm):
+@dataclass(frozen=True, eq=False, repr=False)
+class RigidBody(FloatingForm, Summarized):
     """A body without deformation.
 
     Parameters
@@ -52,6 +53,13 @@ class RigidBody(FloatingForm):
         object.__setattr__(self, "centre", self._position("centre", self.centre))
         points = {name: self._position(f"interface '{name}'", place) for name, place in self.points.items()}
         object.__setattr__(self, "points", MappingProxyType(points))
+
+    def summary(self) -> Summary:
+        """Mass, centre, inertia and interfaces."""
+        moments = ", ".join(f"{value:g}" for value in np.linalg.eigvalsh(self.inertia))
+        rows = [("mass", f"{self.mass:g}"), ("centre", point(self.centre)), ("principal moments", moments)]
+        rows += [(f"interface {name}", f"at {point(place)}") for name, place in self.points.items()]
+        return Summary(f"RigidBody '{self.name}', mass {self.mass:g}", rows)
 
     def __reduce__(self):
         # Mapping proxies do not pickle.

@@ -83,7 +83,7 @@ def tied_recovery(
     if not sets:
         return recovery
     sections = tuple(
-        replace(section, nodes=section.nodes[cells], arrays=arrays, of_strain=section.of_strain[cells])
+        replace(section.of(cells), arrays=arrays)
         for section in recovery.sections
         for cells, arrays in tied_parts(section.arrays, nodes, dofs_per_node, sets)
     )

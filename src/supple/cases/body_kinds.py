@@ -13,6 +13,7 @@ from pydantic import Field
 
 from supple.body import (
     BodySource,
+    MatrixFiles,
     RigidBody,
     deck_source,
     elements_source,
@@ -37,6 +38,7 @@ from supple.importers.toml import (
     KeyPath,
     Matrix,
     Mistakes,
+    NonNegative,
     Positive,
     Raw,
     Vector,
@@ -106,6 +108,10 @@ class Shell(Homogeneous):
     """Homogeneous flat-shell triangles on every cell of the mesh."""
 
     thickness: Positive = Field(description="wall thickness, a length")
+    shear_factor: NonNegative = Field(
+        0.0,
+        description="k of the transverse shear stiffness k G t, such as 0.8333; rigid in shear if left out",
+    )
     kinematics: Kinematics = Field(
         "green-lagrange",
         description="membrane strain; von-karman only for flat structures bending out of their plane",
@@ -113,7 +119,7 @@ class Shell(Homogeneous):
 
     def model(self, mesh: Mesh, material: Isotropic) -> FiniteElementModel:
         """Shells of one thickness."""
-        section = HomogeneousSection(material, self.thickness)
+        section = HomogeneousSection(material, self.thickness, shear_factor=self.shear_factor)
         return shell_model(mesh, section, kinematics=_KINEMATICS[self.kinematics])
 
 
@@ -188,7 +194,7 @@ class Matrices(ElasticKind):
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
         """The matrices, and the nodes of the mesh file."""
-        return labelled_matrices_source(
+        files = MatrixFiles(
             nodes=folder / mesh,
             stiffness=folder / self.stiffness,
             mass=folder / self.mass,
@@ -198,8 +204,8 @@ class Matrices(ElasticKind):
             mass_name=self.mass_name,
             damping_name=self.damping_name,
             recovery_name=self.recovery_name,
-            rigid_tolerance=self.rigid_tolerance,
         )
+        return labelled_matrices_source(files, rigid_tolerance=self.rigid_tolerance)
 
 
 class Superelement(ElasticKind):

@@ -27,7 +27,7 @@ from supple.fem import FiniteElementModel, stress_recovery
 from supple.importers.toml import KeyPath, LineIndex, did_you_mean, listed_mistakes
 from supple.integrate import Run
 from supple.machine import At, ForceElement, SplitBody, System
-from supple.mesh import Mesh
+from supple.mesh import CellType, Mesh
 from supple.quantities import Place, Quantity, QuantityOfInterest
 from supple.reduction import BodyModes, body_modes
 from supple.results.run_summary import N_DRAWN_MODES
@@ -333,21 +333,34 @@ class Case:
             found[name] = body_modes(full.body, held, n_modes=N_DRAWN_MODES)
         return found
 
-    @property
-    def drawn(self) -> Mapping[str, Mesh]:
-        """The meshes that can be drawn: beams alone have no faces."""
-        return {
-            name: mesh for name, mesh in self.meshes.items() if any(kind.dimension > 1 for kind in mesh.cells)
+    @cached_property
+    def drawn(self) -> Mapping[str, Mesh | FiniteElementModel | None]:
+        """What bodies are drawn by: their meshes, their elements where these have beams, or None: points."""
+        found: dict[str, Mesh | FiniteElementModel | None] = {
+            table.name: None for table in self.parts.body if table.name not in self.meshes
         }
+        for name, mesh in self.meshes.items():
+            if CellType.LINE2 in mesh.cells and name in self.elements:
+                found[name] = self.elements[name]
+            elif any(kind.dimension > 1 for kind in mesh.cells):
+                found[name] = mesh
+        return found
 
     def _check_stress(self) -> None:
-        """CaseError where what is drawn has no stress: better now than when the run is over."""
-        mistakes = [] if self.drawn else ["stress colours faces, and beams have none; remove the key"]
-        for name in self.drawn:
+        """CaseError where what is drawn has no stress: better now than when the run is over.
+
+        Bodies of beams that do not say where their stress acts are drawn plain beside others.
+        """
+        mistakes, beams = [], []
+        shown = [name for name, look in self.drawn.items() if look is not None]
+        for name in shown:
             try:
                 stress_recovery(self.elements[name])
             except ModelError as error:
-                mistakes.append(f"body '{name}': {error}; remove the key")
+                alone = set(self.meshes[name].cells) == {CellType.LINE2}
+                (beams if alone else mistakes).append(f"body '{name}': {error}; remove the key")
+        if len(beams) == len(shown):
+            mistakes += beams or ["there is no body with elements to colour; remove the key"]
         if mistakes:
             raise self.error((("output", "colour"), mistake) for mistake in mistakes)
 

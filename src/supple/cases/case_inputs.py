@@ -11,6 +11,8 @@ from supple.importers import files_read_with
 from supple.importers.toml import CheckedTable
 from supple.storage.run_inputs import Inputs, digest_of
 
+FILE = "the file "
+"""Before the name of a file among inputs."""
 _SAID_NOT_COMPUTED = {"title", "units", "output"}
 
 
@@ -43,7 +45,7 @@ def _digests(files: Iterable[str], folder: Path) -> Iterator[tuple[str, str]]:
     for name in files:
         for path in files_read_with(folder / name):
             try:
-                yield f"the file {_shown(path, folder)}", digest_of(path.read_bytes())
+                yield f"{FILE}{_shown(path, folder)}", digest_of(path.read_bytes())
             except OSError as error:
                 raise CaseError(f"cannot read {path}: {error.strerror}; check the path") from error
 

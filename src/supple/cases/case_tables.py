@@ -31,6 +31,7 @@ from supple.cases.ends import place_exists
 from supple.cases.joints import Joint
 from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
+from supple.cases.machine_file import MachineFile
 from supple.cases.output import Output
 from supple.cases.sensors import Sensor
 from supple.cases.simulation import Simulation
@@ -62,6 +63,7 @@ class CaseTables(CheckedTable):
         default_factory=dict,
         description='such as { length = "mm", mass = "t", time = "s" }; nothing is converted',
     )
+    machine: MachineFile | None = None
     body: Annotated[tuple[Body, ...], Field(strict=False)]
     joint: Annotated[tuple[Joint, ...], Field(strict=False)] = ()
     load: Annotated[tuple[Load, ...], Field(strict=False)] = ()

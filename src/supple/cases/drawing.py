@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
+from supple.cases.page import coloured_elements
+from supple.errors import CaseError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import At, System
@@ -16,7 +19,7 @@ from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
 from supple.units import UnitSystem
 
-__all__ = ["Drawing", "drawing_of"]
+__all__ = ["Drawing", "check_drawing", "drawing_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +33,7 @@ class Drawing:
     folder: Path
     system: System
     solution: Solution
-    meshes: Mapping[str, Mesh]
+    meshes: Mapping[str, Mesh | FiniteElementModel | None]
     tracked: Mapping[str, TrackedMotion]
     modes: Mapping[str, BodyModes]
     elements: Mapping[str, FiniteElementModel] | None
@@ -43,8 +46,8 @@ class Drawing:
     def draw(self, progress: StepProgress = silent) -> None:
         """Draw them into the folder."""
         # Imported here: a run without pictures does not wait for the drawing library.
+        from supple.results.colouring import PLASTIC_STRAIN
         from supple.viz import animate_run, draw_run
-        from supple.viz.colouring import PLASTIC_STRAIN
 
         run = (self.system, self.solution, self.meshes)
         if self.pictures:
@@ -71,6 +74,19 @@ class Drawing:
             )
 
 
+def check_drawing(case: Case) -> None:
+    """CaseError where a case asks for pictures and no library draws them: before anything is computed."""
+    output = case.tables.output
+    if not (output.pictures or output.animation):
+        return
+    missing = [name for name in ("matplotlib", "PIL") if find_spec(name) is None]
+    if missing:
+        raise CaseError(
+            f"{case.path}: pictures need {' and '.join(missing)}, not installed here: "
+            "pip install 'supple[plot]', or give pictures = false and animation = false in [output]"
+        )
+
+
 def drawing_of(
     case: Case,
     system: System,
@@ -82,8 +98,6 @@ def drawing_of(
     output = case.tables.output
     if not (output.pictures or output.animation):
         return None
-    # What has no frame does not deflect: its animation is of its stress.
-    framed = all(placed.body.has_frame for placed in system.bodies)
     return Drawing(
         folder,
         system,
@@ -91,7 +105,7 @@ def drawing_of(
         case.drawn,
         tracked,
         case.held_modes if output.pictures and system.bodies_of(ReducedBody) else {},
-        case.elements if output.colour == "von-mises" or not framed else None,
+        coloured_elements(case, system),
         case.bases,
         case.units,
         pictures=output.pictures,

@@ -10,7 +10,7 @@ from supple import machine
 from supple.cases.laws import ONE, LoadLaw
 from supple.cases.shared_rules import End, axes_with_length, usable_names
 from supple.cases.table import Key, Made, OneOf, part, table_of
-from supple.importers.toml import Mistakes, NonNegative, Positive, Raw, on_each, tables
+from supple.importers.toml import Mistakes, NonNegative, Positive, Raw, Vector, on_each, tables
 
 Pair = Annotated[tuple[float, float], Field(strict=False)]
 Numbers = Annotated[tuple[float, ...], Field(strict=False)]
@@ -65,7 +65,7 @@ ElementTable = Annotated[
             "bushing",
             stiffness=Key(Six, "three of translation, three of rotation"),
             damping=Six,
-            offset=None,
+            offset=Key(Vector, "undeformed, in its axes; as its ends start if left out", default=None),
         ),
         _element(machine.AngleStop, "angle-stop", penalty=_PENALTY),
         _element(machine.SlideStop, "slide-stop", penalty=_PENALTY),

@@ -11,14 +11,16 @@ import numpy as np
 
 from supple.body import FullBody
 from supple.cases.case import Case
+from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
+from supple.cases.page import case_texts
 from supple.cases.reductions import DEFAULT_ACCURACY
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
 from supple.error import Missed, correct_statically
 from supple.errors import CaseError
-from supple.integrate import StepProgress
+from supple.integrate import Solution, StepProgress
 from supple.linearization import (
     CampbellDiagram,
     LinearMachine,
@@ -31,17 +33,16 @@ from supple.linearization import (
     whirl,
 )
 from supple.machine import Spin, System
+from supple.results.mode_tables import SENSES, mode_table, speed_tables
 from supple.results.run_summary import unit_names
 from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
-__all__ = ["campbell_case", "modes_case"]
+__all__ = ["campbell_case", "mode_case", "modes_case"]
 
 AMPLITUDE = 0.1
 """Of a drawn mode, as a share of the machine's size."""
-SENSES = {1: "forward", -1: "backward", 0: ""}
-"""Of whirl."""
 NO_DEFORMATION = 1e-12
 """Of the machine's size: a rest with less has no error that matters."""
 
@@ -56,7 +57,7 @@ def modes_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> tuple[MachineModes, dict[str, Any]]:
-    """Modes of a case's machine; writes `CASE-modes.json`, and pictures and animations of the shapes.
+    """Modes of a case's machine; writes `CASE-modes.json`, a page, and pictures and animations of the shapes.
 
     Modes that are off by 1 % or more are listed with their error, and not drawn.
 
@@ -70,21 +71,51 @@ def modes_case(
     ModelError              whatever `linearize` refuses
     ConvergenceError        no equilibrium
     """
+    check_drawing(case)
     warn_of_units(case)
     progress("linearising", 0.0)
+    modes = found_modes(case, n_modes, time=time, errors=errors, allow_code=allow_code)
+    progress("linearising", 1.0)
+    numbers: dict[str, Any] = {"title": case.title, "time": time, **_numbers(case, modes)}
+    with file_errors("make the folder", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    write_json(folder / f"{case.path.stem}-modes.json", numbers)
+    if case.tables.output.report:
+        from supple.report import write_modes_report
+
+        write_modes_report(
+            folder / f"{case.path.stem}-modes.html",
+            modes,
+            case.meshes,
+            tables=[mode_table(numbers)],
+            chosen=_drawn(modes),
+            title=f"{case.title}: modes",
+            bases=case.bases,
+            inputs=case_texts(case, case.inputs),
+            units=case.units,
+        )
+    if case.tables.output.pictures or case.tables.output.animation:
+        _draw(case, modes, folder, progress)
+    return modes, numbers
+
+
+def found_modes(case: Case, n_modes: int, *, time: float, errors: bool, allow_code: bool) -> MachineModes:
+    """Modes of a case's machine; parameters and errors as of `modes_case`."""
     system, spin = analysed_system(case, allow_code=allow_code), spin_of(case)
     fulls = None if errors or case.starts else ()
     if case.starts:
         system = _accurate(case, system, (spin,), n_modes, time)
-    modes = machine_modes(linearize(system, time=time, spin=spin, fulls=fulls), n_modes)
-    progress("linearising", 1.0)
-    numbers = {"title": case.title, "time": time, **_numbers(case, modes)}
-    with file_errors("make the folder", folder):
-        folder.mkdir(parents=True, exist_ok=True)
-    write_json(folder / f"{case.path.stem}-modes.json", numbers)
-    if case.tables.output.pictures or case.tables.output.animation:
-        _draw(case, modes, folder, progress)
-    return modes, numbers
+    return machine_modes(linearize(system, time=time, spin=spin, fulls=fulls), n_modes)
+
+
+def mode_case(case: Case, number: int, *, time: float) -> tuple[System, Solution]:
+    """A mode of a case's machine, without its controllers, as a motion; errors as of `modes_case`.
+
+    number : from 1, the slowest; its phase 0 comes first
+    """
+    modes = found_modes(case, number, time=time, errors=False, allow_code=False)
+    system = modes.machine.system
+    return system, mode_motion(modes, number - 1, amplitude=AMPLITUDE * system_length(system))
 
 
 def campbell_case(
@@ -97,11 +128,12 @@ def campbell_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CampbellDiagram:
-    """Modes over the rate of the case's spin; writes `CASE-campbell.json` and a picture.
+    """Modes over the rate of the case's spin; writes `CASE-campbell.json`, a page and a picture.
 
     Bodies reduced to an accuracy keep to it at the first and the last rate.
     Raises CaseError where the case has no spin, and as for `modes_case`.
     """
+    check_drawing(case)
     warn_of_units(case)
     spin = spin_of(case)
     if spin is None:
@@ -119,25 +151,34 @@ def campbell_case(
     )
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
-    write_json(
-        folder / f"{case.path.stem}-campbell.json",
-        {
-            "title": case.title,
-            "units": unit_names(case.units),
-            "axes": diagram.axes,
-            "rates": diagram.rates.tolist(),
-            "frequencies": _shown(case, diagram.frequencies).tolist(),
-            "damping_ratios": diagram.damping_ratios.tolist(),
-            "likeness": diagram.likeness.tolist(),
-            "errors": _known(diagram.errors),
-            "names": list(diagram.names),
-            "whirl": [[SENSES[sense] for sense in row] for row in diagram.sense.tolist()],
-            "frequencies in space": _known(_shown(case, diagram.in_space)),
-            "critical speeds": [
-                {"rate": each.rate, "whirl": SENSES[each.sense]} for each in diagram.critical_speeds
-            ],
-        },
-    )
+    numbers = {
+        "title": case.title,
+        "units": unit_names(case.units),
+        "axes": diagram.axes,
+        "rates": diagram.rates.tolist(),
+        "frequencies": _shown(case, diagram.frequencies).tolist(),
+        "damping_ratios": diagram.damping_ratios.tolist(),
+        "likeness": diagram.likeness.tolist(),
+        "errors": _known(diagram.errors),
+        "names": list(diagram.names),
+        "whirl": [[SENSES[sense] for sense in row] for row in diagram.sense.tolist()],
+        "frequencies in space": _known(_shown(case, diagram.in_space)),
+        "critical speeds": [
+            {"rate": each.rate, "whirl": SENSES[each.sense]} for each in diagram.critical_speeds
+        ],
+    }
+    write_json(folder / f"{case.path.stem}-campbell.json", numbers)
+    if case.tables.output.report:
+        from supple.report import write_campbell_report
+
+        write_campbell_report(
+            folder / f"{case.path.stem}-campbell.html",
+            diagram,
+            tables=list(speed_tables(diagram, case.units)),
+            title=f"{case.title}: Campbell diagram",
+            inputs=case_texts(case, case.inputs),
+            units=case.units,
+        )
     if case.tables.output.pictures:
         from supple.viz import plot_campbell
 
@@ -236,14 +277,19 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
     }
 
 
+def _drawn(modes: MachineModes) -> list[int]:
+    """Numbers of the modes whose shapes are shown."""
+    wrong = np.zeros(len(modes.eigenvalues)) if modes.error is None else modes.error.relative
+    return np.flatnonzero(wrong < LARGEST_ERROR).tolist()
+
+
 def _draw(case: Case, modes: MachineModes, folder: Path, progress: StepProgress) -> None:
     from supple.viz import animate_run, draw_machine, mode_titles
 
     titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)
     system = replace(modes.machine.system, loads=())
     size = system_length(system)
-    wrong = np.zeros(len(modes.eigenvalues)) if modes.error is None else modes.error.relative
-    for number in np.flatnonzero(wrong < LARGEST_ERROR).tolist():
+    for number in _drawn(modes):
         motion = mode_motion(modes, number, amplitude=AMPLITUDE * size)
         stem = f"{case.path.stem}-mode-{number + 1}"
         if case.tables.output.pictures:

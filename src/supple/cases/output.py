@@ -19,9 +19,10 @@ class Output(CheckedTable):
     )
     pictures: bool = Field(True, description="draw mesh, modes, motion and deformed bodies (PNG)")
     animation: bool = Field(True, description="draw the motion (GIF)")
+    report: bool = Field(True, description="write the report for a browser (HTML): motion, curves, tables")
     colour: Literal["deflection", "von-mises", "plastic-strain"] = Field(
         "deflection",
-        description="what colours the animation; von-mises also draws contours where the stress is largest; "
+        description="what colours animation and report; von-mises also draws contours of the largest stress; "
         "plastic-strain is of bodies in explicit elements",
     )
 

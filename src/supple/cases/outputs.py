@@ -7,6 +7,7 @@ from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.existing_results import readings_paths, report_path, result_path
+from supple.cases.page import page_path
 from supple.errors import CaseError
 from supple.importers import files_read_with
 from supple.simulation.kept_bodies import kept_path
@@ -27,7 +28,7 @@ def check_outputs(case: Case, folder: Path) -> None:
             f"{case.path}: the file of its motion and that of its sensors would both be {result}; give "
             "the case file another name"
         )
-    check_not_an_input(case, [result, report_path(case, folder), *kept, *readings])
+    check_not_an_input(case, [result, report_path(case, folder), page_path(folder), *kept, *readings])
 
 
 def check_not_an_input(case: Case, targets: Sequence[Path]) -> None:

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from supple.arguments import checked_arguments
 from supple.cases.case import Case
 from supple.cases.case_tables import CaseTables, broken_rules
+from supple.cases.machine_file import with_machine
 from supple.cases.notify import Notify, silent
 from supple.cases.reduced_file import with_interfaces_of_files
 from supple.errors import CaseError, SuppleError
@@ -50,8 +51,9 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
     path = Path(path)
 
     def completed(raw: Raw) -> tuple[Raw, Sequence[tuple[KeyPath, str]]]:
+        raw, of_machine = with_machine(raw, path.parent)
         raw, mistakes = with_interfaces_of_files(raw, path.parent)
-        return raw, [*mistakes, *broken_rules(raw, path.parent)]
+        return raw, [*of_machine, *mistakes, *broken_rules(raw, path.parent)]
 
     text, tables, lines = checked_file(path, CaseTables, completed)
     unusable = list(_unusable_parts(tables, path.parent))

@@ -10,25 +10,26 @@ from typing import Any
 from supple.cases.case import Case
 from supple.cases.condense import with_modes_enough
 from supple.cases.damping import warn_of_ratios
-from supple.cases.drawing import drawing_of
+from supple.cases.drawing import check_drawing, drawing_of
 from supple.cases.drawing_beside import DrawingBeside
 from supple.cases.existing_results import readings_paths, refuse_overwrite, report_path, result_path
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
+from supple.cases.page import write_run_page
+from supple.cases.result_machine import CASE_FILE, path_from
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
+from supple.export import write_readings
 from supple.integrate import Solution, StepProgress, Validity
 from supple.machine import System
 from supple.quantities import (
-    Reading,
+    Readings,
     TrackedMotion,
     read_sensors,
     tracked_places,
-    write_readings,
-    write_readings_hdf5,
 )
 from supple.results import stress_numbers, summarize
 from supple.simulation import reduced_bodies, simulate_kept
@@ -69,7 +70,7 @@ def run_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CaseResult:
-    """Run a case and write its results (HDF5, JSON) and, if it asks for them, its pictures into `folder`.
+    """Run a case; write its results (HDF5, JSON) and, where it asks for them, its report and pictures.
 
     Parameters
     ----------
@@ -93,6 +94,7 @@ def run_case(
     if resume and force:
         raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
     check_outputs(case, folder)
+    check_drawing(case)
     _check_control(case, allow_code=allow_code)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -162,7 +164,7 @@ def _run_case(
             {
                 "case": case.text,
                 "inputs": inputs,
-                "metadata": _metadata(case),
+                "metadata": _metadata(case, folder),
                 "resume": resume,
                 "overwrite": force,
             },
@@ -184,6 +186,18 @@ def _run_case(
     result = CaseResult(system, solution, correction_numbers(rounds), tracked, numbers)
     _write_readings(case, folder, readings)
     _write_report(case, folder, result.rounds, result.numbers)
+    write_run_page(
+        case,
+        folder,
+        system,
+        solution,
+        tracked=tracked,
+        readings=readings,
+        numbers=numbers,
+        rounds=result.rounds,
+        inputs=inputs,
+        progress=progress,
+    )
     beside.finish(drawing_of(case, system, solution, tracked, folder), progress)
     return result
 
@@ -202,13 +216,12 @@ def _tracked(case: Case, system: System, solution: Solution) -> dict[str, Tracke
     return tracked_places(system, solution, places, case.bases)
 
 
-def _write_readings(case: Case, folder: Path, readings: Sequence[Reading]) -> None:
+def _write_readings(case: Case, folder: Path, readings: Readings) -> None:
     """Write what the sensors read, and draw it if the case asks for pictures."""
     if not readings:
         return
-    table, arrays = readings_paths(folder)
-    write_readings(table, readings, units=case.units)
-    write_readings_hdf5(arrays, readings, units=case.units)
+    for path in readings_paths(folder):
+        write_readings(path, readings, units=case.units)
     if case.tables.output.pictures:
         from supple.viz import plot_readings
 
@@ -261,8 +274,9 @@ def _simulated(
     return system, solution
 
 
-def _metadata(case: Case) -> dict[str, str]:
-    return {"title": case.title} | ({"units": str(case.units)} if str(case.units) else {})
+def _metadata(case: Case, folder: Path) -> dict[str, str]:
+    units = {"units": str(case.units)} if str(case.units) else {}
+    return {"title": case.title, CASE_FILE: path_from(folder, case.path), **units}
 
 
 def _write_report(

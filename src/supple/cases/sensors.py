@@ -124,6 +124,21 @@ _ELEMENT = {
     )
 }
 _ELEMENTS = Key(str, name="at", through=lambda at, case: case.elements.get(case.place(at).body))
+
+
+def _model_of(body: str, case: SensedCase) -> FiniteElementModel:
+    if body not in case.elements:
+        raise ModelError(
+            f"body '{body}' has no elements, so it has no beams ({', '.join(case.elements) or 'none'} has)"
+        )
+    return case.elements[body]
+
+
+_BEAMS = {
+    "body": Key(str, "its name"),
+    "model": Key(str, name="body", through=_model_of),
+    "end": Key(Literal[1, 2], "where the element begins, or ends", default=1),
+}
 Sensor = Annotated[
     SensorTable,
     OneOf(
@@ -135,6 +150,7 @@ Sensor = Annotated[
         _sensor(quantities.JointMotionSensor, "joint-motion", **_JOINT),
         _sensor(quantities.JointForceSensor, "joint-force", **_JOINT),
         _sensor(quantities.SectionForceSensor, "section-force", **_AT, model=_ELEMENTS),
+        _sensor(quantities.BeamForceSensor, "beam-force", **_BEAMS),
         _sensor(quantities.SpringForceSensor, "spring-force", **_ELEMENT),
         _sensor(quantities.ElementEnergySensor, "element-energy", **_ELEMENT),
         TensorSensor,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal
+from functools import cache
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,20 @@ from supple.body import BodySource, elements_source
 from supple.cases.body_kinds import kind_of, kinds_that
 from supple.cases.shared_rules import BODY_AXIS
 from supple.errors import ModelError
-from supple.fem import part_of_model
+from supple.fem import FiniteElementModel, parts_of_model
 from supple.importers import Connection
 from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, Vector, table
-from supple.machine.split_body import cut_name, part_name
-from supple.mesh import AlongAxis, ByCellSets, DividedMesh, Division, divided
+from supple.machine.split_body import part_name
+from supple.mesh import (
+    AlongAxis,
+    ByCellSets,
+    DividedMesh,
+    Division,
+    MeshPart,
+    cuts_at_nodes,
+    cuts_at_sections,
+    divided,
+)
 
 IntArray = NDArray[np.int64]
 
@@ -35,8 +45,9 @@ class Split(CheckedTable):
     cell_sets: Annotated[tuple[str, ...], Field(strict=False)] | None = Field(
         None, description="instead of parts: the cell sets that are the parts"
     )
-    tie: Literal["rigid", "averaging"] = Field(
-        "rigid", description="sections between parts keep their shape, or may warp"
+    tie: Literal["rigid", "averaging", "nodes"] = Field(
+        "rigid",
+        description="sections between parts keep their shape, or may warp, or each shared node is tied alone",
     )
 
     def division(self) -> Division:
@@ -54,7 +65,8 @@ class SplitSource:
 
     whole : the body as one
     mesh  : its parts
-    parts : what each of them is made of, by its name; `cut-1 of NAME` and so on are node sets of their meshes
+    parts : what each of them is made of, by its name; their meshes have node sets `cut-1 of NAME` and so on,
+        or `node-ID of NAME`
     """
 
     name: str
@@ -84,33 +96,37 @@ def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
     ModelError   a connection whose nodes lie in several parts
     """
     assert source.mesh is not None  # a rule of the case file
-    mesh = divided(source.mesh, split.division())
+    cuts = cuts_at_nodes if split.tie == "nodes" else cuts_at_sections
+    mesh = divided(source.mesh, split.division(), cuts)
     connections = [(mesh.holder(each.nodes), each) for each in source.connections()]
     for holder, each in connections:
         if holder is None:
             raise ModelError(
                 f"body '{name}': the nodes of {each.name} lie in several parts; move the cut away from it"
             )
+    with_cuts = [_with_cuts(part, i, mesh, name) for i, part in enumerate(mesh.parts)]
+
+    @cache
+    def models() -> tuple[FiniteElementModel, ...]:
+        assert source.model is not None
+        return parts_of_model(source.model(), replace(mesh, parts=tuple(with_cuts)))
+
     parts = {}
-    for i, part in enumerate(mesh.parts):
-        cuts = {
-            f"{cut_name(number)} of {name}": part.numbers(cut.nodes)
-            for number, cut in enumerate(mesh.cuts)
-            if i in cut
-        }
+    for i, part in enumerate(with_cuts):
         own = tuple(
             Connection(each.name, part.numbers(each.nodes), each.position, each.weights)
             for holder, each in connections
             if holder == i
         )
-        with_cuts = replace(part, mesh=replace(part.mesh, node_sets={**part.mesh.node_sets, **cuts}))
-
-        def assemble(whole: BodySource = source, part: Any = with_cuts) -> Any:
-            assert whole.model is not None
-            return part_of_model(whole.model(), part)
-
-        parts[part_name(name, i)] = elements_source(with_cuts.mesh, assemble, own)
+        made = elements_source(part.mesh, lambda i=i: models()[i], own)
+        parts[part_name(name, i)] = replace(made, ties_itself=source.ties_itself)
     return SplitSource(name, source, mesh, parts)
+
+
+def _with_cuts(part: MeshPart, number: int, mesh: DividedMesh, name: str) -> MeshPart:
+    """A part whose nodes at cuts are node sets."""
+    cuts = {f"{cut} of {name}": part.numbers(nodes) for cut, nodes in mesh.cut_nodes(number).items()}
+    return replace(part, mesh=replace(part.mesh, node_sets={**part.mesh.node_sets, **cuts}))
 
 
 def _is_divided_one_way(path: KeyPath, body: Raw) -> Mistakes:

@@ -23,7 +23,7 @@ from supple.cases.split import SplitSource
 from supple.cases.table import named_in
 from supple.errors import ModelError, SuppleWarning
 from supple.machine import At
-from supple.machine.split_body import SplitBody, cut_name, frequency_changes, part_name
+from supple.machine.split_body import SplitBody, frequency_changes, part_name
 
 IntArray = NDArray[np.int64]
 
@@ -182,15 +182,14 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
             given = interface.node_indices
             own_numbers = None if given is None else tuple(part.numbers(np.array(given)).tolist())
             own.append(interface.model_copy(update={"node_indices": own_numbers}))
-        for number, cut in enumerate(mesh.cuts):
-            if i in cut:
-                tied = {
-                    "name": cut_name(number),
-                    "nodes": f"{cut_name(number)} of {body.name}",
-                    "kind": body.split.tie,
-                    "position": mesh.whole.nodes[cut.nodes].mean(axis=0).tolist(),
-                }
-                own.append(Interface.model_validate(tied))
+        for cut, nodes in mesh.cut_nodes(i).items():
+            tied = {
+                "name": cut,
+                "nodes": f"{cut} of {body.name}",
+                "kind": "averaging" if body.split.tie == "averaging" else "rigid",
+                "position": mesh.whole.nodes[nodes].mean(axis=0).tolist(),
+            }
+            own.append(Interface.model_validate(tied))
         changed = {
             "name": part_name(body.name, i),
             "interface": tuple(own),
@@ -208,18 +207,16 @@ def _frame(split: _SplitTable, part: int) -> object:
     held = split.holders[frame.interface]
     if part == held:
         return frame
-    cuts = split.source.mesh.cuts
     towards = dict(split.source.mesh.neighbours_from(held))
-    number = next(i for i, cut in enumerate(cuts) if cut is towards[part])
-    return NodalFixed(kind="nodal-fixed", interface=cut_name(number))
+    return NodalFixed(kind="nodal-fixed", interface=towards[part].name)
 
 
 def _ties(split: _SplitTable) -> Iterator[Joint]:
     name = split.body.name
-    for number, cut in enumerate(split.source.mesh.cuts):
-        first, second = (f"{part_name(name, part)}.{cut_name(number)}" for part in (cut.first, cut.second))
-        tie = {"kind": "fixed", "name": f"{name} {cut_name(number)}", "first": first, "second": second}
-        yield Joint.model_validate(tie)
+    for tie, cut in split.source.mesh.ties.items():
+        first, second = (f"{part_name(name, part)}.{cut.name}" for part in (cut.first, cut.second))
+        table = {"kind": "fixed", "name": f"{name} {tie}", "first": first, "second": second}
+        yield Joint.model_validate(table)
 
 
 def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, float]]:

@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 
 from supple.cases.case import Case
+from supple.cases.drawing import check_drawing
 from supple.cases.going_on import StartState, gone_on
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
+from supple.cases.page import case_texts, coloured_elements
 from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.integrate import StepProgress
@@ -81,14 +83,10 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
         that fails
     ConvergenceError    no equilibrium; joints that do not fit
     """
-    wanted, system = case.tables.simulation, case.system
+    wanted = case.tables.simulation
     if wanted.kinematic:
         _check_fixed_sizes(case)
-    if wanted.assemble:
-        found = assemble(system, time=case.run.start)
-        case.notify(_assembly_line(found))
-        system = found.system
-    system = case.controlled(system, allow_code=allow_code)
+    system = case.controlled(assembled_system(case), allow_code=allow_code)
     if isinstance(wanted.start, StartState):
         return gone_on(wanted.start, case, system)
     if wanted.start == "placed":
@@ -100,6 +98,15 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
     return replace(found, controllers=controllers)
+
+
+def assembled_system(case: Case) -> System:
+    """The machine as it is placed, assembled if the case asks for it; errors as `starting_system`."""
+    if not case.tables.simulation.assemble:
+        return case.system
+    found = assemble(case.system, time=case.run.start)
+    case.notify(_assembly_line(found))
+    return found.system
 
 
 def _assembly_line(found: AssembledMachine) -> str:
@@ -131,7 +138,7 @@ def static_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> StaticResult:
-    """Find the equilibrium of a case, write its numbers (`CASE-static.json`) and a picture.
+    """Find the equilibrium of a case, write its numbers (`CASE-static.json`), a page and a picture.
 
     folder : made if it is not there
     time : at which loads and laws are taken
@@ -144,6 +151,7 @@ def static_case(
     SelfCorrectionError     a body that does not reach its accuracy
     ConvergenceError        no equilibrium
     """
+    check_drawing(case)
     warn_of_units(case)
     system = analysed_system(case, allow_code=allow_code)
 
@@ -170,6 +178,20 @@ def static_case(
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     write_json(folder / f"{case.path.stem}-static.json", numbers)
+    if case.tables.output.report:
+        from supple.report import write_static_report
+
+        write_static_report(
+            folder / f"{case.path.stem}-static.html",
+            found,
+            case.meshes,
+            numbers,
+            title=f"{case.title}: equilibrium",
+            elements=coloured_elements(case, found.system),
+            bases=case.bases,
+            inputs=case_texts(case, case.inputs),
+            units=case.units,
+        )
     if case.tables.output.pictures:
         from supple.viz import draw_machine
 

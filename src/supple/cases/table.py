@@ -95,9 +95,9 @@ def table_of(
     base : table with keys that all tables of a section have
     by_hand : by parameter, what differs: a type, a `Key`, a `part`, or None for a parameter without key
     """
-    fields: dict[str, Any] = {} if kind is None else {base.choice: (Literal[kind], ...)}
+    fields: dict[str, Any] = {} if kind is None else {base.choice: (Literal[kind], ...)}  # ty: ignore[invalid-type-form]
     plan = _planned(makes, by_hand, fields, base.model_fields)
-    made = create_model(makes.__name__, __base__=base, __doc__=(makes.__doc__ or "").split("\n")[0], **fields)
+    made = create_model(makes.__name__, __base__=base, __doc__=(makes.__doc__ or "").split("\n")[0], **fields)  # ty: ignore[missing-attribute]
     made.plan = plan
     return made
 
@@ -113,7 +113,7 @@ def _planned(
     hints, descriptions = _hints(makes), _descriptions(makes)
     unknown = [name for name, own in by_hand.items() if own is not None and name not in _parameters(makes)]
     if unknown:
-        raise TypeError(f"{makes.__name__} has no parameter {', '.join(unknown)}")
+        raise TypeError(f"{makes.__name__} has no parameter {', '.join(unknown)}")  # ty: ignore[missing-attribute]
     for name, parameter in _parameters(makes).items():
         own = by_hand.get(name, Key())
         if own is None:
@@ -177,7 +177,7 @@ def _of_toml(hint: Any) -> Any:
         return ranges[hint]
     inner = tuple(map(_of_toml, get_args(hint)))
     if get_origin(hint) is tuple:
-        return Annotated[tuple[inner], Field(strict=False)]
+        return Annotated[tuple[inner], Field(strict=False)]  # ty: ignore[invalid-type-form]
     return reduce(or_, inner) if get_origin(hint) in (Union, UnionType) else hint
 
 
@@ -219,4 +219,4 @@ class OneOf:
 
     def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Of the union of the tables."""
-        return handler.generate_schema(Annotated[reduce(or_, self.tables), Field(discriminator=self.by)])
+        return handler.generate_schema(Annotated[reduce(or_, self.tables), Field(discriminator=self.by)])  # ty: ignore[invalid-type-form]

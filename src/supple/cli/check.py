@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from supple.body import ModelCheck, Verdict, deck_source, labelled_matrices_source
+from supple.body import MatrixFiles, ModelCheck, Verdict, deck_source, labelled_matrices_source
 from supple.body.model_check import LOWEST_FREQUENCIES
 from supple.cases import Case, read_case
 from supple.cases.notify import silent
@@ -79,7 +79,7 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
     if suffix in DECK_SUFFIXES:
         yield str(path), deck_source(path).check(n_frequencies), UNNAMED
     elif suffix in HDF5_SUFFIXES:
-        source = labelled_matrices_source(nodes=path, stiffness=path, mass=path)
+        source = labelled_matrices_source(MatrixFiles(path, path, path))
         yield str(path), source.check(n_frequencies), UNNAMED
     elif suffix == ".toml":
         case = read_case(path)

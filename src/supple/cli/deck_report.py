@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.body import MassProperties, deck_frequencies, deck_mass, deck_parts
 from supple.errors import SuppleError
-from supple.importers.deck import Deck
+from supple.importers.deck import BeamProperty, Deck, Property
 from supple.results.descriptions import Row
 
 __all__ = ["DeckReport", "deck_report", "deck_rows", "write_report"]
@@ -25,29 +25,41 @@ class DeckReport:
     mass : None where elements could not be made
     frequencies : Hz, in the unit of time of the deck; None where they were not asked for, or not found
     faults : why something is not there
+    superelements : their own masses by name; None where elements could not be made
     """
 
     deck: Deck
     mass: MassProperties | None
     frequencies: tuple[float, ...] | None
     faults: tuple[str, ...]
+    superelements: Mapping[str, MassProperties | None] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
         """The contract of `supple info --json`."""
-        mass, given = self.mass, self.deck
         found: dict[str, Any] = {
-            "nodes": len(given.node_ids),
-            "elements": element_counts(given),
-            "mass": None if mass is None else mass.mass,
-            "centre": None if mass is None else mass.centre.tolist(),
-            "inertia": None if mass is None else inertia_terms(mass),
+            **_described(self.deck, self.mass),
             "left_out": [
-                {"card": each.card, "count": each.count, "line": each.line} for each in given.left_out
+                {"card": each.card, "count": each.count, "line": each.line} for each in self.deck.left_out
             ],
         }
+        if self.superelements:
+            found["superelements"] = {
+                name: _described(self.deck.superelements[name], mass)
+                for name, mass in self.superelements.items()
+            }
         if self.frequencies is not None:
             found["frequencies_hz"] = list(self.frequencies)
         return found
+
+
+def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
+    return {
+        "nodes": len(deck.node_ids),
+        "elements": element_counts(deck),
+        "mass": None if mass is None else mass.mass,
+        "centre": None if mass is None else mass.centre.tolist(),
+        "inertia": None if mass is None else inertia_terms(mass),
+    }
 
 
 def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
@@ -68,7 +80,15 @@ def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckRepo
             frequencies = tuple(deck_frequencies(deck, n_modes, held=held).tolist())
         except SuppleError as error:
             faults.append(f"no frequencies: {error}")
-    return DeckReport(deck, mass, frequencies, tuple(faults))
+    parts = {name: _mass(part) for name, part in deck.superelements.items()}
+    return DeckReport(deck, mass, frequencies, tuple(faults), parts)
+
+
+def _mass(deck: Deck) -> MassProperties | None:
+    try:
+        return deck_mass(deck)
+    except SuppleError:
+        return None
 
 
 def element_counts(deck: Deck) -> dict[str, int]:
@@ -101,7 +121,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     for name, count in element_counts(deck).items():
         yield f"elements {name}", str(count)
     for name, given in deck.properties.items():
-        yield f"property {name}", type(given).__name__.removesuffix("Property").lower()
+        yield f"property {name}", _kind(given)
     if mass is not None:
         yield "mass", f"{mass.mass:.6g}"
         yield "centre", _listed(mass.centre)
@@ -110,6 +130,9 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     for what, given in _beside(deck):
         yield what, given
     yield from _named(deck)
+    for name, own in report.superelements.items():
+        weight = "" if own is None else f", mass {own.mass:.6g}"
+        yield f"superelement {name}", f"{len(deck.superelements[name].node_ids)} nodes{weight}"
     if report.frequencies is not None:
         yield "frequencies", _listed(report.frequencies) + " per unit of time"
     yield "cards read", _counted(deck.read)
@@ -120,6 +143,17 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
         yield "note", note
 
 
+def _kind(given: Property) -> str:
+    """What a property is of; of beams also at how many points their stress is recovered."""
+    kind = type(given).__name__.removesuffix("Property").lower()
+    if not isinstance(given, BeamProperty):
+        return kind
+    points = given.first.geometry.points if given.first.geometry else ()
+    return (
+        f"{kind}, stress at {len(points)} points" if points else f"{kind}, without points of stress recovery"
+    )
+
+
 def _named(deck: Deck) -> Iterator[Row]:
     """What a case can take hold of."""
     for name, nodes in deck.node_sets.items():
@@ -128,8 +162,6 @@ def _named(deck: Deck) -> Iterator[Row]:
         yield f"element set {name}", f"{len(members)} elements"
     for tie in (*deck.rigid, *deck.means):
         yield f"connection {tie.name}", f"{len(tie.nodes)} nodes"
-    for name, own in deck.superelements.items():
-        yield f"superelement {name}", f"{len(own.node_ids)} nodes"
 
 
 def _parts(deck: Deck) -> Iterator[Row]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,12 @@ from supple.terminal import console, print_rows, worded
 from supple.units import headed, measured
 
 
-def export_case(path: Path, target: Path, *, body: str | None, time: float | None, abaqus: bool) -> None:
+def export_case(
+    path: Path, target: Path, *, body: Sequence[str] | None, time: float | None, abaqus: bool
+) -> None:
     """Write a body of the case at `path`, clamped where joints hold it, under its loads at one instant.
 
-    body : its name; the only one with elements when None
+    body : its name, one; the only one with elements when None
     abaqus : three-node shells for Abaqus, not the six-node ones that CalculiX needs
     time : s, at which the laws of the loads are taken; the end of the run when None
 
@@ -70,8 +73,11 @@ def export_case(path: Path, target: Path, *, body: str | None, time: float | Non
     console.print(f"written to {target} for {program.name}", highlight=False)
 
 
-def _chosen(case: Case, body: str | None) -> str:
+def _chosen(case: Case, bodies: Sequence[str] | None) -> str:
     known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
+    if bodies and len(bodies) > 1:
+        raise CaseError(f"{case.path}: a deck is of one body, and {len(bodies)} are named: name one")
+    body = bodies[0] if bodies else None
     if body is None and len(known) == 1:
         return known[0]
     if body in known:

@@ -9,8 +9,9 @@ from supple.cases import read_case
 from supple.cli.deck_report import deck_report, deck_rows, write_report
 from supple.errors import ArgumentError, ImportFormatError
 from supple.importers import DECK_SUFFIXES, MESH_SUFFIXES, read_deck, read_mesh
-from supple.results.descriptions import Row, describe_mesh, describe_reduced_body, describe_result
+from supple.results.descriptions import describe_result
 from supple.storage import holds_reduced_body, read_reduced_body
+from supple.summary import Row
 from supple.terminal import print_rows
 from supple.units import measured
 
@@ -39,11 +40,11 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
     if suffix == ".toml":
         print_rows(f"Case {path}", _describe_case(path))
     elif suffix == ".h5" and holds_reduced_body(path):
-        print_rows(f"Reduced body {path}", describe_reduced_body(read_reduced_body(path)))
+        print_rows(f"Reduced body {path}", read_reduced_body(path).summary().rows)
     elif suffix == ".h5":
         print_rows(f"Result {path}", describe_result(path))
     elif suffix in MESH_SUFFIXES:
-        print_rows(f"Mesh {path}", describe_mesh(read_mesh(path)))
+        print_rows(f"Mesh {path}", read_mesh(path).summary().rows)
     else:
         known = ", ".join((".toml", ".h5", *MESH_SUFFIXES))
         raise ImportFormatError(f"{path}: no such kind of file is known; give one that ends in {known}")

@@ -9,6 +9,7 @@ import typer
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
+from supple.progress import show_progress
 from supple.terminal import console, reported_errors, reported_warnings, show_any_character
 
 app = typer.Typer(
@@ -51,6 +52,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback o
 def main() -> None:
     """Entry point of the command."""
     show_any_character()
+    show_progress(False)  # commands draw bars of their own
     app()
 
 
@@ -85,7 +87,7 @@ def run(
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Simulate a case file; write results (HDF5, JSON), pictures (PNG) and an animation (GIF)."""
+    """Simulate a case file; write results (HDF5, JSON), report (HTML), pictures (PNG) and animation (GIF)."""
     # Imported here: the solvers take seconds to load, which help and version need not wait for.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple.cli.run_case import run_case
@@ -169,24 +171,59 @@ def modes(
 
 @app.command()
 def export(
-    case: CaseFile,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Deck to write, FILE.inp.")],
+    path: Annotated[Path, typer.Argument(help="Result of a run (.h5), or a case file (.toml).")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o",
+            "--output",
+            help="File to write. Of a result: FILE.vtkhdf (ParaView), .vtu (one instant), .csv, .mat, .outb, "
+            ".nc or .h5 (tables). Of a case: a deck, FILE.inp; of a mode FILE.vtkhdf or .vtu.",
+        ),
+    ],
     body: Annotated[
-        str | None, typer.Option(help="Which body; may be left out where one alone has elements.")
+        list[str] | None,
+        typer.Option(help="Which body, for ParaView also several (--body A --body B); all if left out."),
     ] = None,
     time: Annotated[
-        float | None, typer.Option(help="Instant of the loads, s; the end of the run if left out.")
+        float | None,
+        typer.Option(help="Instant of a .vtu or of a deck's loads; the end of the run if left out."),
+    ] = None,
+    mode: Annotated[
+        int | None,
+        typer.Option(min=1, help="Which mode of a case's machine, for ParaView; 1: the slowest."),
+    ] = None,
+    times: Annotated[
+        str | None, typer.Option(help="FROM:TO:NUMBER: so many instants of a result; all if left out.")
+    ] = None,
+    stress: Annotated[
+        bool, typer.Option("--stress/--no-stress", help="Stress in files for ParaView, or none.")
+    ] = True,
+    case: Annotated[
+        Path | None, typer.Option("--case", help="Case file of a result, where it is not where it was.")
     ] = None,
     abaqus: Annotated[
         bool, typer.Option("--abaqus", help="Three-node shells, for Abaqus; CalculiX bends six-node ones.")
     ] = False,
     debug: Debug = False,
 ) -> None:
-    """Write a body, clamped where joints hold it, under its loads, as an Abaqus or CalculiX deck."""
-    from supple.cli.export_case import export_case
+    """Write a run for ParaView or as a table; of a case a mode, or a body under its loads as a deck.
 
+    A deck (Abaqus, CalculiX) is of one body, clamped where joints hold it.
+    """
     with reported_errors(debug=debug), reported_warnings():
-        export_case(case, output, body=body, time=time, abaqus=abaqus)
+        if mode is not None:
+            from supple.cli.export_mode import export_mode
+
+            export_mode(path, output, mode, bodies=body, time=time or 0.0)
+        elif path.suffix.lower() == ".toml":
+            from supple.cli.export_case import export_case
+
+            export_case(path, output, body=body, time=time, abaqus=abaqus)
+        else:
+            from supple.cli.export_result import export_result
+
+            export_result(path, output, bodies=body, time=time, times=times, stress=stress, case_file=case)
 
 
 @app.command()

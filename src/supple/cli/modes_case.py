@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from supple import cases
-from supple.cases.modes_case import SENSES
 from supple.errors import CaseError
-from supple.linearization import CampbellDiagram
-from supple.linearization.linear_machine import STANDING
+from supple.results.mode_tables import mode_table, speed_tables
 from supple.terminal import Steps, print_table, progress_bars, say
-from supple.units import UnitSystem, headed, plain_number
-
-_Table = tuple[str, list[str], list[list[str]]]
 
 
 def modes_case(
@@ -44,7 +37,7 @@ def modes_case(
                 progress=steps.share,
             )
             steps.finish()
-        print_table(*_mode_table(numbers))
+        print_table(*mode_table(numbers))
     else:
         with bars:
             diagram = cases.campbell_case(
@@ -57,7 +50,7 @@ def modes_case(
                 progress=steps.share,
             )
             steps.finish()
-        for table in _speed_tables(diagram, case.units):
+        for table in speed_tables(diagram, case.units):
             print_table(*table)
     say(f"Results are in {folder}/")
 
@@ -72,81 +65,3 @@ def _speeds(text: str) -> np.ndarray:
         raise CaseError(
             f"--rates '{text}' is not FROM:TO:NUMBER, such as 0:2:9 (two speeds or more)"
         ) from error
-
-
-def _speed_tables(diagram: CampbellDiagram, units: UnitSystem) -> Iterator[_Table]:
-    """Frequencies over speed, those of whirls in space, and critical speeds, as far as there are any."""
-    unit, factor = units.frequency_shown
-    shown, by_rate = units.rotation_shown
-    speeds = [plain_number(by_rate * rate, 5) for rate in diagram.rates]
-
-    def table(title: str, values: np.ndarray) -> _Table:
-        heads = [headed("speed", shown), *(headed(name, unit) for name in diagram.names)]
-        cells = factor * values / (2 * np.pi)
-        rows = [[speed, *map(_frequency, row)] for speed, row in zip(speeds, cells, strict=True)]
-        return title, heads, rows
-
-    title, heads, rows = table(f"Frequencies over speed, in axes {diagram.axes}", diagram.frequencies)
-    if diagram.errors is not None:
-        heads.append("largest error, %")
-        for row, off in zip(rows, diagram.errors, strict=True):
-            row.append(_largest_error(off))
-    yield title, heads, rows
-    if np.any(diagram.sense) and diagram.axes != STANDING:
-        yield table("Whirl in space", diagram.in_space)
-    if critical := diagram.critical_speeds:
-        found = [[plain_number(by_rate * each.rate, 5), SENSES[each.sense]] for each in critical]
-        yield "Critical speeds", [headed("speed", shown), "whirl"], found
-
-
-def _frequency(value: float) -> str:
-    return plain_number(value, 5) if np.isfinite(value) else ""
-
-
-def _mode_table(numbers: dict[str, Any]) -> _Table:
-    unit = numbers["units"].get("frequency", "")
-    turns = numbers["axes"] != STANDING
-    whirls = any(mode["frequency in space"] is not None for mode in numbers["modes"])
-    rows = []
-    for number, mode in enumerate(numbers["modes"], start=1):
-        body, share = max(mode["kinetic_share"].items(), key=lambda item: item[1])
-        space = mode["frequency in space"]
-        whirl = [mode["whirl"]] if whirls else []
-        whirl += ["" if space is None else _frequency(space)] if whirls and turns else []
-        rows.append(
-            [
-                str(number),
-                mode["name"],
-                _frequency(mode["frequency"]),
-                *whirl,
-                _error(mode),
-                f"{100 * mode['damping_ratio']:.3g}",
-                f"{body} ({100 * share:.0f} %)",
-                "unstable" if mode["unstable"] else "",
-            ]
-        )
-    whirl = ["whirl", headed("in space", unit)][: 1 + turns] if whirls else []
-    heads = ["mode", "motion", headed("frequency", unit), *whirl, "error, %", "damping, %"]
-    floquet = " (Floquet's modes, of equations that change as it turns)" if numbers["periodic"] else ""
-    title = f"Modes of the machine, in axes {numbers['axes']}{floquet}"
-    return title, [*heads, "moves most", "stability"], rows
-
-
-def _error(mode: dict[str, Any]) -> str:
-    """Of a frequency, in percent."""
-    if mode["none of the machine's"]:
-        return "no such mode"
-    return "unknown" if mode["error"] is None else _percent(mode["error"])
-
-
-def _largest_error(errors: np.ndarray) -> str:
-    """Of the frequencies at one speed, in percent, and of which mode."""
-    if np.isnan(errors).all():
-        return "unknown"
-    worst = int(np.nanargmax(errors))
-    shown = _percent(errors[worst]) if np.isfinite(errors[worst]) else "no such mode"
-    return f"{shown} (mode {worst + 1})"
-
-
-def _percent(error: float) -> str:
-    return "< 0.01" if 100 * error < 0.01 else f"{100 * error:.2g}"

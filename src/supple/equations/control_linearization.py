@@ -89,7 +89,7 @@ def unrest(
     first = np.concatenate([own.initial for own in controllers])
     # States are of many units: those of the matrix that couples them make them comparable.
     _, (units, _) = scipy.linalg.matrix_balance(linear.by_state, permute=False, separate=True)
-    largest = np.max(np.maximum(abs(np.asarray(states)), abs(first)) / units)
+    largest = np.max(np.maximum(np.abs(states), np.abs(first)) / units)
     parts = abs(linear.by_position) @ position_scale + abs(linear.by_velocity) @ abs(velocity)
     parts += abs(linear.by_state) @ units * largest
     relative = abs(rates) / np.where(parts > 0, parts, np.where(rates == 0, 1.0, abs(rates)))

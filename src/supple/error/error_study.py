@@ -15,6 +15,7 @@ from supple.errors import ModelError
 from supple.integrate import ErrorPart, ErrorStatement, Kinematic, Run, Solution, StepProgress
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody, with_chosen_step
+from supple.progress import by_step, with_progress_bar
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody
 from supple.reduction import ReductionBasis
 from supple.simulation.engines import refuse_explicit
@@ -48,6 +49,7 @@ class ErrorStudy:
 
 
 @checked_arguments
+@with_progress_bar("estimating the error", by_step)
 def state_errors(
     system: System,
     run: Run,

@@ -15,11 +15,13 @@ from supple.error.whole_correction import correct_wholly
 from supple.errors import ModelError
 from supple.integrate import Run, StepProgress
 from supple.machine import System
+from supple.progress import by_step, with_progress_bar
 
 __all__ = ["self_correct"]
 
 
 @checked_arguments
+@with_progress_bar("correcting the basis", by_step)
 def self_correct(
     system: System,
     run: Run,

@@ -4,3 +4,5 @@ from supple.export.dmig_punch import *
 from supple.export.exudyn import *
 from supple.export.static_deck import *
 from supple.export.static_load import *
+from supple.export.tables import *
+from supple.export.vtk import *

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra.cross import cross_matrix
 from supple.errors import ModelError
 from supple.fem.material import Isotropic, lowest_scaled_eigenvalue, stiffness_matrix
+from supple.mesh import SectionGeometry
 
 __all__ = ["BeamSection", "CoupledBeamSection", "LineSection", "RodSection"]
 
@@ -44,6 +46,7 @@ class BeamSection:
                                         density times I1 + I2, I2, I1 (and -I12 between y and z) when None
     second : BeamSection or None        the section at the second end of a tapered beam; values between are
                                         linear (inertia: its matrix)
+    geometry : SectionGeometry or None  its outline and the points at which stress is recovered
 
     Raises
     ------
@@ -64,6 +67,7 @@ class BeamSection:
     mass_centre: tuple[float, float] = (0.0, 0.0)
     rotary: ArrayLike | None = None
     second: BeamSection | None = None
+    geometry: SectionGeometry | None = None
 
     def __post_init__(self) -> None:
         if self.mass_per_length is None:
@@ -120,7 +124,7 @@ class BeamSection:
         if self.second is None:
             return self
         names = ("area", "I1", "I2", "J", "K1", "K2", "I12", "neutral")
-        between = {
+        between: dict[str, Any] = {
             name: (1 - s) * np.asarray(getattr(self, name)) + s * np.asarray(getattr(self.second, name))
             for name in names
         }
@@ -192,6 +196,7 @@ class RodSection:
     area : float                        m^2
     J : float                           torsion constant, m^4; 0 for none
     mass_per_length : float or None     kg/m; density times area when None
+    torsion_arm : float                 c of the shear stress c M_x / J, m; 0 where torsion has none
 
     Raises
     ------
@@ -202,13 +207,14 @@ class RodSection:
     area: float
     J: float = 0.0
     mass_per_length: float | None = None
+    torsion_arm: float = 0.0
 
     def __post_init__(self) -> None:
         if self.mass_per_length is None:
             object.__setattr__(self, "mass_per_length", self.material.density * self.area)
         if not (isfinite(self.area) and self.area > 0):
             raise ModelError(f"rod: area is {self.area}; it must be positive and finite")
-        for name in ("J", "mass_per_length"):
+        for name in ("J", "mass_per_length", "torsion_arm"):
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0):
                 raise ModelError(f"rod: {name} is {value}; it must be finite and not negative")

@@ -52,18 +52,24 @@ def consistent_mass(mass: CellMass) -> CellMass:
     return mass
 
 
-def shell_mass(corners: FloatArray, nodes: NDArray[np.int64], section: ShellSection) -> CellMass:
+def shell_mass(
+    corners: FloatArray,
+    nodes: NDArray[np.int64],
+    section: ShellSection,
+    mass_share: FloatArray | None = None,
+) -> CellMass:
     """Consistent mass of shell triangles, with linear shape functions.
 
         m_ab = (mass per area) A/12 (1 + delta_ab),   and the same with the rotary inertia on all rotations
 
     The rotary inertia about the mass centre acts on all three rotations: drilling has none physically, but M
     must be positive definite and independent of the element's axes. A mass centre beside the nodes couples
-    translations and rotations.
+    translations and rotations. mass_share (E,): the share of the area that has mass; None where all has.
     """
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normal, axis=1)
-    pattern = area[:, None, None] / 12 * (1 + np.eye(3))
+    covered = area if mass_share is None else mass_share * area
+    pattern = covered[:, None, None] / 12 * (1 + np.eye(3))
     mass, offset = section.mass_per_area, section.mass_offset
     about_centre = section.rotary_inertia_per_area - mass * offset**2
     coupled = None

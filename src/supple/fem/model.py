@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import chain
 
@@ -15,8 +15,10 @@ from scipy.sparse import csc_array
 from supple.arguments import check_instance
 from supple.errors import ModelError, SuppleWarning
 from supple.fem.attached import Attached
+from supple.fem.attached_parts import attached_parts, point_masses
 from supple.fem.beam2 import BeamLine, beam_line, beam_mass, beam_strain
 from supple.fem.beam_section import LineSection, RodSection
+from supple.fem.coarse_curvature import warn_of_coarse_curvature
 from supple.fem.mass import CellMass, consistent_mass, mass_matrix, shell_mass
 from supple.fem.material import Anisotropic, Isotropic
 from supple.fem.node_sparsity import cell_nodes, full_cells, node_sparsity
@@ -27,14 +29,17 @@ from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 from supple.fem.shell_section import HomogeneousSection, LaminateSection, ShellSection
 from supple.fem.shell_triangle import shell_triangle
 from supple.fem.solid_element import SOLID_ELEMENTS, solid_element, solid_mass, solid_strain
-from supple.mesh import CellType, Mesh, MeshPart
+from supple.mesh import CellType, DividedMesh, Mesh, MeshPart
+from supple.mesh.facet_curvature import facet_curvature
 
 __all__ = [
     "FiniteElementModel",
     "cell_masses",
     "finite_element_model",
     "lumped_mass",
-    "part_of_model",
+    "node_masses",
+    "parts_of_model",
+    "refuse_attached",
     "shell_model",
     "solid_model",
 ]
@@ -175,20 +180,29 @@ def finite_element_model(
     return _model(mesh, d, given, limit, kinematics, attached or Attached(), mass_of)
 
 
-def part_of_model(model: FiniteElementModel, part: MeshPart) -> FiniteElementModel:
-    """The elements of a part of the model's mesh, with its own mass and stiffness.
+def parts_of_model(model: FiniteElementModel, divided: DividedMesh) -> tuple[FiniteElementModel, ...]:
+    """The elements of each part of the model's mesh, with its own mass and stiffness.
 
-    part : of `model.mesh`; each of its cells keeps its property
+    Springs, masses and ties are of the first part that has all of their nodes.
+
+    divided : `model.mesh` in parts; each cell keeps its property
+
+    Raises
+    ------
+    ModelError   springs, masses, dashpots, ties or constraints whose nodes lie in several parts
     """
-    refuse_attached(model, "a part of a model")
-    given = tuple(_in_part(section, part) for section in model.sections)
-    given = tuple(section for section in given if len(section.cells))
-    return finite_element_model(
-        part.mesh,
-        given,
-        kinematics=model.kinematics,
-        dofs_per_node=model.dofs_per_node,
-        mass_of=model.mass_of,
+    nodes = [part.nodes for part in divided.parts]
+    beside = attached_parts(model.attached, nodes, model.mesh.node_ids, model.dofs_per_node)
+    return tuple(
+        finite_element_model(
+            part.mesh,
+            tuple(made for section in model.sections if len((made := _in_part(section, part)).cells)),
+            kinematics=model.kinematics,
+            attached=own,
+            dofs_per_node=model.dofs_per_node,
+            mass_of=model.mass_of,
+        )
+        for part, own in zip(divided.parts, beside, strict=True)
     )
 
 
@@ -200,24 +214,51 @@ def _in_part(section: Section, part: MeshPart) -> Section:
 
 
 def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
-    """Consistent mass of the cells of each section, before it is assembled; ModelError of other masses."""
-    refuse_attached(model, "the mass of cells")
-    return _cell_masses(model.mesh, model.sections)
+    """Consistent mass of the cells of each section, before it is assembled, and of concentrated masses.
+
+    Raises ModelError for masses that several nodes share.
+    """
+    beside = point_masses(model.attached, model.dofs_per_node)
+    return (*_cell_masses(model.mesh, model.sections), *(() if beside is None else (beside,)))
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
     """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
-    refuse_attached(model, "a lumped mass")
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
-    return mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+    diagonal = mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
+    diagonal.reshape(model.mesh.n_nodes, -1)[:, :3] += node_masses(model)[:, None]
+    return diagonal
 
 
-def refuse_attached(model: FiniteElementModel, what: str) -> None:
-    """ModelError where more than elements makes the model, of which `what` knows nothing."""
-    if model.attached.what:
+def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
+    """Concentrated masses (N,) at nodes, kg.
+
+    Raises ModelError for one that has inertia, lies beside its node or differs by direction.
+    """
+    found = np.zeros(model.mesh.n_nodes)
+    beside = point_masses(model.attached, model.dofs_per_node)
+    if beside is None or beside.coupled is None:
+        return found
+    own = beside.coupled[:, 0, 0]
+    plain = own[:, None, None] * np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    other = np.abs(beside.coupled - plain).max(axis=(1, 2)) > 1e-12 * np.abs(own)
+    if other.any():
+        node = model.mesh.node_ids[beside.nodes[other][0, 0]]
         raise ModelError(
-            f"{what} has elements alone, and this model has {model.attached.what} as well; leave them out of "
-            "the model, or use a body in a floating frame"
+            f"the concentrated mass at node {node} (one of {np.count_nonzero(other)}) has inertia, lies "
+            "beside its node or differs by direction; a lumped mass does not: give the mass alone, or use a "
+            "body in a floating frame"
+        )
+    found[beside.nodes[:, 0]] = own
+    return found
+
+
+def refuse_attached(attached: Attached, what: str) -> None:
+    """ModelError where something stands beside the elements of which `what` knows nothing."""
+    if attached.what:
+        raise ModelError(
+            f"{what} has no {attached.what} beside its elements; leave them out of the model, or use a body "
+            "in a floating frame"
         )
 
 
@@ -279,7 +320,8 @@ def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_n
             given,
             section.directions,
         )
-    return shell_triangle(corners, nodal_freedoms(nodes, 6), given, kinematics, section.directions)
+    dofs = nodal_freedoms(nodes, 6)
+    return shell_triangle(corners, dofs, given, kinematics, section.directions, section.surface_curvature)
 
 
 def line_of(mesh: Mesh, section: Section) -> BeamLine:
@@ -305,6 +347,7 @@ def _model(
     mass_of: MassRule = consistent_mass,
 ) -> FiniteElementModel:
     d = dofs_per_node
+    given = _on_their_surface(mesh, given)
     cells = [section.nodes(mesh) for section in given]
     sparsity = node_sparsity(
         [*cells, *(cell_nodes(spring.dofs, d) for spring in attached.springs)], mesh.n_nodes, d
@@ -326,6 +369,23 @@ def _model(
     )
 
 
+def _on_their_surface(mesh: Mesh, given: tuple[Section, ...]) -> tuple[Section, ...]:
+    """The sections, with the curvature of the surface where they are shells, curved, and have none."""
+    shells = [section for section in given if section.cell_type is CellType.TRIANGLE3]
+    if all(section.surface_curvature is not None for section in shells):
+        return given
+    warn_of_coarse_curvature(mesh, shells)
+    cells = np.concatenate([section.cells for section in shells])
+    found = np.zeros((len(mesh.cells[CellType.TRIANGLE3]), 3, 3))
+    found[cells] = facet_curvature(mesh.nodes, mesh.cells[CellType.TRIANGLE3][cells])
+    return tuple(
+        replace(section, surface_curvature=found[section.cells])
+        if section in shells and section.surface_curvature is None and found[section.cells].any()
+        else section
+        for section in given
+    )
+
+
 def _cell_masses(mesh: Mesh, given: tuple[Section, ...]) -> tuple[CellMass, ...]:
     return tuple(_cell_mass(mesh, section) for section in given)
 
@@ -339,7 +399,7 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
     if isinstance(section.property, Isotropic | Anisotropic):
         element = SOLID_ELEMENTS[section.cell_type]
         return CellMass(nodes, solid_mass(element, corners, section.property.density))
-    return shell_mass(corners, nodes, section.property)
+    return shell_mass(corners, nodes, section.property, section.mass_share)
 
 
 def nodal_freedoms(

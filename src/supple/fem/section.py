@@ -21,7 +21,7 @@ __all__ = ["Section"]
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 Property = ShellSection | LineSection | RodSection | Isotropic | Anisotropic
-PER_CELL = ("directions", "offsets", "released")
+PER_CELL = ("directions", "offsets", "released", "mass_share", "surface_curvature")
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +43,10 @@ class Section:
                                                 carry no force or moment
     reduced : bool                              of HEXA20: eight strain points, with a share of fourteen
     incompatible : bool                         of HEXA8: motions of its own, with which it bends freely
+    mass_share : float array (E,) or None       of shells: the share of a cell's area that has mass
+    surface_curvature : float array (E, 3, 3) or None
+        of shells: curvature of the surface that each flat triangle stands for, 1/m; a model finds it from
+        neighbouring triangles where it is not given
 
     Raises
     ------
@@ -57,10 +61,12 @@ class Section:
     released: NDArray[np.bool_] | None = None
     reduced: bool = False
     incompatible: bool = False
+    mass_share: FloatArray | None = None
+    surface_curvature: FloatArray | None = None
 
     def __post_init__(self) -> None:
         axes = (3, 3) if self.cell_type.dimension == 3 else (3,)
-        for name, shape in zip(PER_CELL, (axes, (2, 3), (12,)), strict=True):
+        for name, shape in zip(PER_CELL, (axes, (2, 3), (12,), (), (3, 3)), strict=True):
             given = getattr(self, name)
             if given is None:
                 continue
@@ -74,6 +80,8 @@ class Section:
                 raise ModelError(f"{name} of {self.cell_type.name} cells are not all finite")
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+        if self.mass_share is not None and self.cell_type.dimension != 2:
+            raise ModelError(f"mass_share belongs to shells; {self.cell_type.name} cells have none")
         if not isinstance(self.property, LineSection):
             for name in ("offsets", "released"):
                 if getattr(self, name) is not None:

@@ -53,6 +53,13 @@ def _energy(
 ) -> NDArray[np.float64]:
     """Energy (k,) of the linear strains of some walls."""
     dofs = nodal_freedoms(section.nodes(model.mesh), 6)
-    block = shell_triangle(section.corners(model.mesh), dofs, wall, GREEN_LAGRANGE, section.directions)
+    block = shell_triangle(
+        section.corners(model.mesh),
+        dofs,
+        wall,
+        GREEN_LAGRANGE,
+        section.directions,
+        section.surface_curvature,
+    )
     linear = replace(block, N=np.zeros_like(block.N))
     return energies(linear, shapes[dofs]).sum(axis=0)

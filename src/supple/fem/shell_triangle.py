@@ -9,9 +9,9 @@ the strain eps_m of the middle surface and the curvature kappa, linear over the 
 and 1/2 d^T K_h d of the drilling d, with the section's stiffness A_s, B_s, D_s, the area A, and kappa_1 the
 curvature of rotations that are linear over the triangle; of a wall that shears also A/2 mean(gamma^T H
 gamma). D_f = D_s - B_s A_s^-1 B_s bends a wall that is free to stretch: one beside its nodes bends about its
-own middle, as if arms held it.
-The displacement gradients are
-constant, so the membrane does not lock and the foreshortening converges at second order.
+own middle, as if arms held it. A facet of a curved surface has less of eps_m and d by what bending of that
+surface makes of them (supple.fem.curved_facet). The displacement gradients are constant, and the
+foreshortening converges at second order.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
+from supple.fem.curved_facet import bent_with_surface
 from supple.fem.kirchhoff_bending import (
     CENTRE,
     MIDSIDES,
@@ -67,6 +68,7 @@ def shell_triangle(
     section: ShellSection,
     kinematics: ShellKinematics,
     directions: FloatArray | None = None,
+    surface_curvature: FloatArray | None = None,
 ) -> QuadraticStrain:
     """Quadratic-strain arrays of shell triangles with one section.
 
@@ -76,7 +78,8 @@ def shell_triangle(
     dofs : int array (E, 18)            nodal freedoms
     section : HomogeneousSection or LaminateSection
     kinematics : ShellKinematics
-    directions : float array (E, 3) or None     as in `Section`
+    directions : float array (E, 3) or None             as in `Section`
+    surface_curvature : float array (E, 3, 3) or None   as in `Section`
 
     Raises
     ------
@@ -84,38 +87,67 @@ def shell_triangle(
     """
     axes = element_axes(corners, section, directions)
     xy = plane_coordinates(corners, axes)
-    phi = _shear_flexibility(xy, section)
-    gradients = _gradients(xy, phi)
+    gradients = _gradients(xy, _shear_flexibility(xy, section))
     return QuadraticStrain(
         dofs=dofs,
         B=_to_global(_linear_strain(gradients), axes)[:, None],
         G=_to_global(gradients[:, kinematics.gradients], axes)[:, None],
         N=kinematics.form,
-        D=_stiffness_per_area(xy, section, phi),
+        D=_stiffness_per_area(xy, section, plane_tensor(surface_curvature, axes)),
         w=triangle_area(xy)[:, None],
     )
 
 
+def drilling_rotations(
+    xy: FloatArray, section: ShellSection, surface_curvature: FloatArray | None = None
+) -> FloatArray:
+    """Drilling d_i (E, 3, 18) of the middle of the wall from the strains of the element.
+
+    Parameters as of `resultant_strains`.
+    """
+    drilling = np.zeros((len(xy), 3, N_STRAINS))
+    drilling[..., DRILLING] = np.eye(3)
+    if section.coupling.any():
+        # The wall turns in its plane where its middle is: on arms of the nodes.
+        middle = (section.coupling * section.membrane).sum() / (section.membrane**2).sum()
+        drilling[..., CORNER_ROTATION] += 0.5 * middle * linear_gradients(xy)[:, None]
+    if surface_curvature is not None:
+        drilling[..., BENDING] -= bent_with_surface(xy, surface_curvature)[1]
+    return drilling
+
+
 def resultant_strains(
-    xy: FloatArray, points: FloatArray, section: ShellSection
+    xy: FloatArray,
+    points: FloatArray,
+    section: ShellSection,
+    surface_curvature: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Strain of the middle surface (E, 3, 18) and curvature (E, p, 3, 18) from the strains of the element.
+    """Strain eps_m + A^-1 B kappa_1 (E, 3, 18), and curvature (E, p, 3, 18), from the strains of the element.
 
     Parameters
     ----------
-    xy : float array (E, 3, 2)      corners in the plane of the element
-    points : float array (p, 3)     area coordinates of the curvature; the membrane strain is constant
+    xy : float array (E, 3, 2)                          corners in the plane of the element
+    points : float array (p, 3)                         area coordinates of the curvature
+    surface_curvature : float array (E, 2, 2) or None   of the surface, in that plane, 1/m
     """
-    membrane = np.zeros((len(xy), 3, N_STRAINS))
-    membrane[:, :, MEMBRANE] = np.eye(3)
-    membrane[:, :, DRILLING] = drilling_strain(xy)
+    membrane = drilling_strain(xy) @ drilling_rotations(xy, section, surface_curvature)
+    membrane[..., MEMBRANE] += np.eye(3)
+    if surface_curvature is not None:
+        membrane[..., BENDING] -= bent_with_surface(xy, surface_curvature)[0]
+    if section.coupling.any():
+        to_stretch = np.linalg.solve(section.membrane, section.coupling)
+        membrane[..., BENDING] += to_stretch @ linear_curvature(xy)
     bending = np.zeros((len(xy), len(points), 3, N_STRAINS))
     bending[..., BENDING] = curvature(xy, points, _shear_flexibility(xy, section))
     return membrane, bending
 
 
 def layer_strain(
-    corners: FloatArray, axes: FloatArray, section: HomogeneousSection, heights: ArrayLike
+    corners: FloatArray,
+    axes: FloatArray,
+    section: HomogeneousSection,
+    heights: ArrayLike,
+    surface_curvature: FloatArray | None = None,
 ) -> FloatArray:
     """Plane strain eps_m + o kappa_1 + z kappa at the centroid from the strains of triangles, (E, l, 3, 18).
 
@@ -125,51 +157,41 @@ def layer_strain(
     axes : float array (E, 3, 3)    of the elements
     section : HomogeneousSection    with the offset o of its middle
     heights : float array (l,)      z along the normal from the middle of the wall, m
+    surface_curvature : float array (E, 3, 3) or None   as in `Section`
     """
     xy = plane_coordinates(corners, axes)
-    membrane, bending = resultant_strains(xy, CENTRE, section)
-    membrane[..., BENDING] += section.offset * linear_curvature(xy)
+    membrane, bending = resultant_strains(xy, CENTRE, section, plane_tensor(surface_curvature, axes))
     return membrane[:, None] + np.asarray(heights)[:, None, None] * bending
 
 
 def _shear_flexibility(xy: FloatArray, section: ShellSection) -> FloatArray:
     """Phi (E, 3) of the sides."""
-    return side_shear_flexibility(xy, _free_bending(section), section.shear)
+    return side_shear_flexibility(xy, free_bending(section), section.shear)
 
 
-def _free_bending(section: ShellSection) -> FloatArray:
+def free_bending(section: ShellSection) -> FloatArray:
     """Bending stiffness (3, 3) of a wall that is free to stretch, D - B A^-1 B, N m."""
     if not section.coupling.any():
         return section.bending
     return section.bending - section.coupling @ np.linalg.solve(section.membrane, section.coupling)
 
 
-def _stiffness_per_area(xy: FloatArray, section: ShellSection, phi: FloatArray) -> FloatArray:
+def _stiffness_per_area(
+    xy: FloatArray, section: ShellSection, surface_curvature: FloatArray | None
+) -> FloatArray:
     """The constitutive matrix (E, 18, 18) of the strains of the element."""
-    membrane, bending = resultant_strains(xy, MIDSIDES, section)
-    turn = np.zeros((len(xy), 1, N_STRAINS))
-    if section.coupling.any():
-        # The wall stretches, and turns in its plane, where its middle is: on arms of the nodes.
-        middle = (section.coupling * section.membrane).sum() / (section.membrane**2).sum()
-        turn[..., CORNER_ROTATION] = 0.5 * middle * linear_gradients(xy)[:, None]
-        membrane += membrane[..., DRILLING].sum(axis=2, keepdims=True) * turn
-        to_stretch = np.linalg.solve(section.membrane, section.coupling)
-        membrane[..., BENDING] += to_stretch @ linear_curvature(xy)
+    membrane, bending = resultant_strains(xy, MIDSIDES, section, surface_curvature)
     D = membrane.swapaxes(1, 2) @ (section.membrane @ membrane)
     points = bending.reshape(len(xy), -1, N_STRAINS)
-    D += points.swapaxes(1, 2) @ (_free_bending(section) @ bending).reshape(points.shape) / len(MIDSIDES)
+    D += points.swapaxes(1, 2) @ (free_bending(section) @ bending).reshape(points.shape) / len(MIDSIDES)
     if section.shear is not None:
-        shear = transverse_shear(xy, MIDSIDES, phi)
+        shear = transverse_shear(xy, MIDSIDES, _shear_flexibility(xy, section))
         points = shear.reshape(len(xy), -1, shear.shape[3])
         stress = (section.shear @ shear).reshape(points.shape)
         D[:, BENDING, BENDING] += points.swapaxes(1, 2) @ stress / len(MIDSIDES)
+    drilling = drilling_rotations(xy, section, surface_curvature)
     stiffness = drilling_stiffness(xy, section.membrane) / triangle_area(xy)[:, None, None]
-    if not turn.any():
-        D[:, DRILLING, DRILLING] += stiffness
-        return D
-    turn = np.repeat(turn, 3, axis=1)
-    turn[..., DRILLING] = np.eye(3)
-    return D + turn.swapaxes(1, 2) @ stiffness @ turn
+    return D + drilling.swapaxes(1, 2) @ stiffness @ drilling
 
 
 def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
@@ -246,6 +268,11 @@ def plane_coordinates(corners: FloatArray, axes: FloatArray) -> FloatArray:
     """Corners (E, 3, 2) in the axes of each element, from its centroid."""
     centred = corners - corners.mean(axis=1, keepdims=True)
     return centred @ axes[:, :2].swapaxes(1, 2)
+
+
+def plane_tensor(tensor: FloatArray | None, axes: FloatArray) -> FloatArray | None:
+    """Components (E, 2, 2) of tensors (E, 3, 3) in the plane of each element; None of None."""
+    return None if tensor is None else axes[:, :2] @ tensor @ axes[:, :2].swapaxes(1, 2)
 
 
 def _to_global(operator: FloatArray, axes: FloatArray) -> FloatArray:

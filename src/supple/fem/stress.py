@@ -6,6 +6,7 @@ in axes that turn with the material. Strains likewise, with engineering shears.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,19 +16,30 @@ from scipy.sparse import csc_array, csr_array
 
 from supple.errors import ModelError
 from supple.fem.attached import RigidPiece
-from supple.fem.kinematics import VOIGT
-from supple.fem.material import Anisotropic, Isotropic
-from supple.fem.model import SOLID_ELEMENTS, FiniteElementModel
-from supple.fem.quadratic_strain import QuadraticStrain, strain, strains
-from supple.fem.section import Section
-from supple.fem.shell_section import HomogeneousSection
-from supple.fem.shell_triangle import element_axes, layer_strain
-from supple.fem.solid_element import extrapolation, solid_element
+from supple.fem.beam_section import LineSection, RodSection
+from supple.fem.beam_stress import FIRST, SECOND, stress_by_forces
+from supple.fem.model import FiniteElementModel
+from supple.fem.section_stress import (
+    LAYERS,
+    SectionStress,
+    as_strain,
+    section_forces,
+    section_stress,
+    states_stress,
+)
+from supple.fem.shell_section import LaminateSection
+from supple.mesh import CellType
 
 __all__ = [
+    "StressLayers",
     "StressRecovery",
+    "beam_end_ranks",
+    "beam_force_recovery",
+    "beam_forces",
+    "cells_without_stress",
     "has_stress",
     "strain_recovery",
+    "stress_layers",
     "stress_recovery",
     "von_mises",
     "von_mises_strain",
@@ -35,69 +47,50 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 
-LAYERS = (-1.0, 0.0, 1.0)
-"""Layers of a shell, bottom, middle and top: z over half the thickness, along the element normal."""
 
+@dataclass(frozen=True)
+class StressLayers:
+    """What the layers of a node are: those of solids and shells, then the points of each end of a beam there.
 
-@dataclass(frozen=True, eq=False)
-class SectionStress:
-    """Stress, or strain, of the cells of one section.
+    Ends of beams that meet at a node keep layers of their own, in the order of the cells: their section
+    forces differ by the load on the node, and in a frame by their directions.
 
-    Parameters
-    ----------
-    nodes : int array (E, k)
-    arrays : QuadraticStrain                    strain at g points
-    of_strain : float array (E, l', 6, s)       tensors at l' heights of a point (1 in solids) from its strain
-    to_nodes : float array (k, l, g l')         from these tensors to l layers at each node of the cell
+    walls : 0, 1 (solids) or 3 (shells, and solids beside them)
+    points : of stress recovery, at most, of a beam's end
+    ends : of beams at a node, at most
     """
 
-    nodes: NDArray[np.int64]
-    arrays: QuadraticStrain
-    of_strain: FloatArray
-    to_nodes: FloatArray
+    walls: int
+    points: int
+    ends: int
 
-    def at_points(self, displacement: FloatArray) -> FloatArray:
-        """Stress (E, g l', 6)."""
-        n_cells, _, _, s = self.of_strain.shape
-        of_strain = self.of_strain.reshape(n_cells, -1, s)
-        stress = strain(self.arrays, displacement[self.arrays.dofs]) @ of_strain.swapaxes(1, 2)
-        return stress.reshape(n_cells, -1, 6)
+    @property
+    def count(self) -> int:
+        """Layers of a node, l."""
+        return self.walls + self.points * self.ends
 
-    def at_points_over(self, displacements: FloatArray) -> FloatArray:
-        """Stress (E, g l', 6, t) of t displacements (n, t)."""
-        n_cells, _, _, s = self.of_strain.shape
-        of_strain = self.of_strain.reshape(n_cells, 1, -1, s)
-        stress = of_strain @ strains(self.arrays, displacements[self.arrays.dofs])
-        return stress.reshape(n_cells, -1, 6, displacements.shape[1])
-
-    def of(self, cells: NDArray[np.int64]) -> SectionStress:
-        """The same for some of the cells."""
-        return replace(
-            self, nodes=self.nodes[cells], arrays=self.arrays.of(cells), of_strain=self.of_strain[cells]
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of each layer; empty of solids alone."""
+        walls = ("bottom", "middle", "top") if self.walls > 1 else ("solid",) * self.walls
+        if not self.ends:
+            return walls if self.walls > 1 else ("",)
+        return (
+            *walls,
+            *(f"beam {end + 1} point {p + 1}" for end in range(self.ends) for p in range(self.points)),
         )
 
-    def in_layers(self, n_layers: int) -> SectionStress:
-        """The same with its one layer, where it has one, repeated."""
-        k, _, points = self.to_nodes.shape
-        return replace(self, to_nodes=np.broadcast_to(self.to_nodes, (k, n_layers, points)))
+    def largest(self, values: FloatArray) -> FloatArray:
+        """Largest (..., 1 + ends) of solids and shells, then of each beam's end, of values (..., l)."""
+        ends = values[..., self.walls :].reshape(*values.shape[:-1], self.ends, self.points)
+        walls = values[..., : self.walls].max(axis=-1, initial=0.0)
+        return np.concatenate([walls[..., None], ends.max(axis=-1, initial=0.0)], axis=-1)
 
-    def linearized(self) -> SectionStress:
-        """The same without the quadratic strain."""
-        return replace(self, arrays=replace(self.arrays, N=np.zeros_like(self.arrays.N)))
-
-    def shares(self, n_nodes: int, cells_at_node: NDArray[np.int64]) -> csc_array:
-        """What each point gives to the mean over the cells at each node: (N l, E g)."""
-        k, n_layers, n_points = self.to_nodes.shape
-        n_cells = len(self.nodes)
-        layers, points = np.arange(n_layers)[:, None], np.arange(n_points)
-        shape = (n_cells, k, n_layers, n_points)
-        rows = np.broadcast_to(self.nodes[..., None, None] * n_layers + layers, shape)
-        columns = np.broadcast_to(np.arange(n_cells)[:, None, None, None] * n_points + points, shape)
-        values = self.to_nodes / cells_at_node[self.nodes][..., None, None]
-        used = values != 0.0
-        return csc_array(
-            (values[used], (rows[used], columns[used])), shape=(n_nodes * n_layers, n_cells * n_points)
-        )
+    @property
+    def outer(self) -> tuple[int, ...]:
+        """Layers among which the largest von Mises value lies: it is convex, and linear through a wall."""
+        walls = (0, 2) if self.walls > 1 else (0,) * self.walls
+        return (*walls, *range(self.walls, self.count))
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +99,7 @@ class StressRecovery:
 
     n_nodes: int
     sections: tuple[SectionStress, ...]
+    layers: StressLayers
     pieces: tuple[RigidPiece, ...] = ()
     """Nodes that move as one, to second order in their rotation: elements beside them see it"""
 
@@ -115,21 +109,23 @@ class StressRecovery:
 
     @property
     def n_layers(self) -> int:
-        """Layers l at a node: 1 (solids) or 3 (shells, and solids beside them)."""
-        return self.sections[0].to_nodes.shape[1]
+        """Layers l at a node."""
+        return self.layers.count
 
     @cached_property
     def averaging(self) -> tuple[csc_array, ...]:
         """For each section, the matrix (N l, E g) from its points to the layers at the nodes."""
-        cells_at_node = np.zeros(self.n_nodes, dtype=np.int64)
-        for section in self.sections:
-            np.add.at(cells_at_node, section.nodes, 1)
-        return tuple(section.shares(self.n_nodes, cells_at_node) for section in self.sections)
+        return tuple(section.shares(self.n_nodes, self.n_layers) for section in self.sections)
+
+    def layers_at(self, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Which layers (k, l) some nodes have; the stress in the others is zero."""
+        there = sum(np.diff(own.indptr) for own in self.averaging_at(nodes))
+        return (np.asarray(there) > 0).reshape(len(nodes), self.n_layers)
 
     def around(self, nodes: NDArray[np.int64]) -> StressRecovery:
         """The recovery with the cells at some nodes alone, which is right at these nodes.
 
-        Raises ModelError where one of the nodes belongs to no cell.
+        Raises ModelError where one of the nodes belongs to no cell that has stress.
         """
         cells = [np.flatnonzero(np.isin(section.nodes, nodes).any(axis=1)) for section in self.sections]
         kept = tuple(section.of(own) for section, own in zip(self.sections, cells, strict=True) if len(own))
@@ -137,23 +133,24 @@ class StressRecovery:
         alone = np.setdiff1d(nodes, known)
         if alone.size:
             raise ModelError(
-                f"node number {alone[0]} (of {alone.size}) belongs to no element: there is no stress; choose "
-                "nodes of elements"
+                f"node number {alone[0]} (of {alone.size}) belongs to no element whose section says where "
+                "its stress acts: there is no stress; choose nodes of elements, and give beams a geometry"
             )
         return replace(self, sections=kept)
 
     def at_points(self, displacement: FloatArray) -> tuple[FloatArray, ...]:
         """Stress (E, g, 6) of each section, Pa.
 
-        Solids: at the integration points. Shells: at the centroid, g = bottom, middle, top.
+        Solids: at the integration points. Shells: at the centroid, g = bottom, middle, top. Beams: at the
+        points of their first, then of their second end.
         """
         return tuple(section.at_points(displacement) for section in self.sections)
 
     def at_nodes(self, displacement: FloatArray) -> FloatArray:
         """Stress (N, l, 6) at nodes, Pa: linear from the points of each cell, averaged over its cells.
 
-        Solids have one layer, shells three (bottom, middle, top). Where shells meet at an angle or in
-        different thickness the average mixes them; look at the points there.
+        Layers are those of `StressLayers`. Where shells meet at an angle or in different thickness the
+        average mixes them; look at the points there. Ends of beams are not averaged.
         """
         total = np.zeros((self.n_nodes * self.n_layers, 6))
         for section, averaging in zip(self.sections, self.averaging, strict=True):
@@ -185,23 +182,101 @@ class StressRecovery:
 def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     """Prepare the stress recovery of a model.
 
+    Beams by matrices, and those without points of stress recovery, are left out.
+
     Raises
     ------
-    ModelError   a laminate: its A-B-D matrix does not say which stress acts in which ply
+    ModelError   a laminate: its A-B-D matrix does not say which stress acts in which ply; beams alone, of
+                 which none says where its stress acts
     """
-    pairs = zip(model.sections, model.blocks, strict=True)
-    sections = [_section(model, *pair) for pair in pairs]
-    n_layers = max(section.to_nodes.shape[1] for section in sections)
+    made = [
+        section_stress(model, section, block)
+        for section, block in zip(model.sections, model.blocks, strict=True)
+        if states_stress(section)
+    ]
+    if not made:
+        raise ModelError(
+            "no stress recovery for beams whose sections do not say where the stress acts: give "
+            "BeamSection a geometry, such as rectangular_section(height, width), or the deck's property "
+            "points C, D, E, F"
+        )
+    layers = stress_layers(model)
     # Solids beside shells have the same stress in all layers.
-    pieces = model.attached.rigid if model.strains_vanish_when_turned else ()
-    layered = tuple(section.in_layers(n_layers) for section in sections)
-    return StressRecovery(model.mesh.n_nodes, layered, pieces)
+    walls = [each.in_layers(layers.walls) for each in made if not each.is_line]
+    sections = (*_averaged(walls, model.mesh.n_nodes), *_stacked([s for s in made if s.is_line], layers))
+    return StressRecovery(model.mesh.n_nodes, sections, layers, _pieces(model))
+
+
+def beam_forces(model: FiniteElementModel, displacement: FloatArray) -> FloatArray:
+    """N V_y V_z M_x M_y M_z (E, 2, 6) at the ends of all LINE2 cells, in the order of the mesh; N, N m.
+
+    They are what lies beyond, towards the second end, exerts on what lies before, in the axes of the section
+    (`BeamSection`), which turn with it; M_x is about the axis of the beam, its shear centre. Two cells that
+    share a node differ there by the load on it.
+
+    displacement : (n,) nodal freedoms, m and rad
+    """
+    found = np.zeros((len(_lines(model)), 2, 6))
+    for section, block in zip(model.sections, model.blocks, strict=True):
+        if section.cell_type is CellType.LINE2:
+            found[section.cells] = section_forces(model, section, block).at_points(displacement)
+    return found
+
+
+def beam_force_recovery(model: FiniteElementModel, cell: int) -> StressRecovery:
+    """Section forces of one LINE2 cell by its number, in the place of stresses, at its two nodes alone.
+
+    Raises ModelError where there is no such cell.
+    """
+    for section, block in zip(model.sections, model.blocks, strict=True):
+        own = np.flatnonzero(section.cells == cell)
+        if section.cell_type is CellType.LINE2 and own.size:
+            forces = section_forces(model, section.of(own), block.of(own))
+            return StressRecovery(model.mesh.n_nodes, (forces,), StressLayers(1, 0, 0), _pieces(model))
+    raise ModelError(f"there is no beam or rod number {cell}; the mesh has {len(_lines(model))} LINE2 cells")
+
+
+def stress_layers(model: FiniteElementModel) -> StressLayers:
+    """The layers of the nodes of a model, without its elements."""
+    stating = [section for section in model.sections if states_stress(section)]
+    walls = [
+        len(LAYERS) if section.cell_type.dimension == 2 else 1
+        for section in stating
+        if section.cell_type is not CellType.LINE2
+    ]
+    lines = [section for section in stating if section.cell_type is CellType.LINE2]
+    points = [
+        len(stress_by_forces(section.property, end))
+        for section in lines
+        if isinstance(section.property, LineSection | RodSection)
+        for end in (FIRST, SECOND)
+    ]
+    at_nodes = np.bincount(
+        np.concatenate([np.zeros(0, dtype=np.int64), *(s.nodes(model.mesh).ravel() for s in lines)])
+    )
+    return StressLayers(max(walls, default=0), max(points, default=0), int(at_nodes.max(initial=0)))
+
+
+def beam_end_ranks(model: FiniteElementModel) -> dict[int, NDArray[np.int64]]:
+    """Which of the beams of a node each end is, (E, 2), by the number of its section, if it has stress."""
+    numbers = [
+        number
+        for number, section in enumerate(model.sections)
+        if section.cell_type is CellType.LINE2 and states_stress(section)
+    ]
+    ranks = _ranks([model.sections[number].nodes(model.mesh) for number in numbers])
+    return dict(zip(numbers, ranks, strict=True))
 
 
 def has_stress(model: FiniteElementModel) -> bool:
-    """Whether every section says where its stress acts: solids and homogeneous shells do."""
-    states_stress = Isotropic | Anisotropic | HomogeneousSection
-    return all(isinstance(section.property, states_stress) for section in model.sections)
+    """Whether some section says where its stress acts, and none is a laminate, whose plies are unknown."""
+    given = [section for section in model.sections if states_stress(section)]
+    return bool(given) and not any(isinstance(section.property, LaminateSection) for section in given)
+
+
+def cells_without_stress(model: FiniteElementModel) -> int:
+    """How many beams have no stress: those by matrices, and those without points of stress recovery."""
+    return sum(len(section.cells) for section in model.sections if not states_stress(section))
 
 
 def strain_recovery(model: FiniteElementModel) -> StressRecovery:
@@ -215,8 +290,11 @@ def strain_recovery(model: FiniteElementModel) -> StressRecovery:
     ModelError   as for stress_recovery
     """
     recovery = stress_recovery(model)
-    pairs = zip(model.sections, recovery.sections, strict=True)
-    return replace(recovery, sections=tuple(_as_strain(*pair) for pair in pairs))
+    stating = [section for section in model.sections if states_stress(section)]
+    # Walls stand before lines.
+    stating.sort(key=lambda section: section.cell_type is CellType.LINE2)
+    pairs = zip(stating, recovery.sections, strict=True)
+    return replace(recovery, sections=tuple(as_strain(*pair) for pair in pairs))
 
 
 def von_mises(stress: FloatArray) -> FloatArray:
@@ -236,44 +314,37 @@ def von_mises_strain(strain: FloatArray) -> FloatArray:
     return von_mises(half) / 1.5
 
 
-def _as_strain(section: Section, stress: SectionStress) -> SectionStress:
-    given = section.property
-    if not isinstance(given, HomogeneousSection):  # a solid: stress_recovery has refused the others
-        return replace(stress, of_strain=np.broadcast_to(np.eye(6), stress.of_strain.shape))
-    return replace(stress, of_strain=np.linalg.inv(given.material.elasticity) @ stress.of_strain)
+def _averaged(walls: Sequence[SectionStress], n_nodes: int) -> Iterator[SectionStress]:
+    """Solids and shells, a node of which takes the mean over its cells."""
+    cells_at_node = np.zeros(n_nodes, dtype=np.int64)
+    for section in walls:
+        np.add.at(cells_at_node, section.nodes, 1)
+    for section in walls:
+        yield replace(section, share=1 / cells_at_node[section.nodes])
 
 
-def _section(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
-    nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
-    if section.cell_type in SOLID_ELEMENTS:
-        element = solid_element(section.cell_type, reduced=section.reduced, incompatible=section.incompatible)
-        to_nodes = extrapolation(element)[:, None]
-        of_strain = block.D if block.D.ndim == 3 else block.D[None]
-        return SectionStress(
-            nodes, block, np.broadcast_to(of_strain[:, None], (len(nodes), 1, 6, 6)), to_nodes
-        )
-    given = section.property
-    if section.cell_type.dimension == 1:
-        raise ModelError("no stress recovery for beams: their sections do not say where the stress acts")
-    if not isinstance(given, HomogeneousSection):
-        raise ModelError(
-            "stress needs a HomogeneousSection; an A-B-D matrix does not say the stress of each ply"
-        )
-    to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
-    axes = element_axes(corners, given, section.directions)
-    layers = layer_strain(corners, axes, given, 0.5 * given.thickness * np.array(LAYERS))
-    to_global = _plane_to_global(axes) @ given.material.plane_stress
-    return SectionStress(nodes, block, to_global[:, None] @ layers, to_nodes)
+def _stacked(lines: Sequence[SectionStress], layers: StressLayers) -> Iterator[SectionStress]:
+    """Beams and rods, every end of which has layers of its own at its node, in the order of the cells."""
+    for section, rank in zip(lines, _ranks([section.nodes for section in lines]), strict=True):
+        yield replace(section, first_layer=layers.walls + layers.points * rank)
 
 
-def _plane_to_global(axes: FloatArray) -> FloatArray:
-    """Global components (E, 6, 3) of plane stress xx yy xy in the axes (E, 3, 3) of each element."""
-    x, y = axes[:, 0], axes[:, 1]
-    columns = [(x, x, 1.0), (y, y, 1.0), (x, y, 2.0)]
-    return np.stack(
-        [
-            np.stack([0.5 * f * (a[:, i] * b[:, j] + a[:, j] * b[:, i]) for a, b, f in columns], axis=1)
-            for i, j in VOIGT
-        ],
-        axis=1,
-    )
+def _ranks(lines: Sequence[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
+    """How many earlier ends there are at the node of each end, (E, 2) of the nodes (E, 2) of each section."""
+    if not lines:
+        return []
+    nodes = np.concatenate([own.ravel() for own in lines])
+    order = np.argsort(nodes, kind="stable")
+    in_order = nodes[order]
+    rank = np.empty_like(nodes)
+    rank[order] = np.arange(len(nodes)) - np.searchsorted(in_order, in_order)
+    parts = np.split(rank, np.cumsum([own.size for own in lines])[:-1])
+    return [part.reshape(own.shape) for part, own in zip(parts, lines, strict=True)]
+
+
+def _pieces(model: FiniteElementModel) -> tuple[RigidPiece, ...]:
+    return model.attached.rigid if model.strains_vanish_when_turned else ()
+
+
+def _lines(model: FiniteElementModel) -> NDArray[np.int64]:
+    return model.mesh.cells.get(CellType.LINE2, np.empty((0, 2), dtype=np.int64))

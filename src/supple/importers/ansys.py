@@ -63,7 +63,7 @@ def read_ansys(
     """
     path = Path(path)
     try:
-        from mapdl_archive import Archive  # pyright: ignore[reportMissingImports]
+        from mapdl_archive import Archive
     except ImportError as error:
         raise ImportFormatError(
             f"{path}: Ansys archives are read by the library mapdl-archive; pip install 'supple[ansys]', "

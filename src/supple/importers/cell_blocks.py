@@ -1,4 +1,4 @@
-"""Blocks of cells as formats have them, as cells of ours: what VTU, Exodus and Ansys files share."""
+"""Blocks of cells as formats have them, as cells of ours: what Gmsh, VTU, Exodus and Ansys files share."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def _cut(path: Path, nodes: FloatArray, block: CellBlock) -> tuple[CellType, Cel
         return CellType.TRIANGLE3, _split(block, triangles, len(triangles) // len(cells))
     if name not in _CELL_TYPES:
         raise ImportFormatError(
-            f"{path}: cells of type '{name}' are not read; supported are "
+            f"{path}: cells of type '{name}' are not read; write cells of first or second order: "
             f"{', '.join([*_CELL_TYPES, *_SURFACES, *_FEWER])}"
         )
     return _CELL_TYPES[name], CellBlock(name, cells, block.ids, block.sets)

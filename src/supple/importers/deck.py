@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.mesh import CellType
+from supple.mesh import CellType, SectionGeometry
 
 __all__ = [
     "AnisotropicMaterial",
@@ -107,6 +107,7 @@ class BeamValues:
     mass_per_length : with non-structural mass, kg/m
     neutral, mass_centre : (y, z) of the neutral axis and of the mass from the shear centre, m
     rotary : (Ixx, Iyy, Izz) per length about the mass centre, kg m; None: density times second moments
+    geometry : outline and points of stress recovery, from the shear centre; None where the file gives none
     """
 
     area: float
@@ -120,6 +121,7 @@ class BeamValues:
     neutral: tuple[float, float] = (0.0, 0.0)
     mass_centre: tuple[float, float] = (0.0, 0.0)
     rotary: tuple[float, float, float] | None = None
+    geometry: SectionGeometry | None = None
 
 
 @dataclass(frozen=True)
@@ -133,12 +135,16 @@ class BeamProperty:
 
 @dataclass(frozen=True)
 class RodProperty:
-    """A bar that carries tension and torsion alone; mass_per_length with non-structural mass, kg/m."""
+    """A bar that carries tension and torsion alone; mass_per_length with non-structural mass, kg/m.
+
+    torsion_arm : c of its shear stress c M_x / J, m
+    """
 
     material: IsotropicMaterial
     area: float
     J: float
     mass_per_length: float
+    torsion_arm: float = 0.0
 
 
 Property = SolidProperty | ShellProperty | WallProperty | BeamProperty | RodProperty
@@ -159,6 +165,7 @@ class DeckElements:
     released : (C, 12) freedoms of beam ends, in the beam's axes, that carry no force
     reduced : whether HEXA20 cells have reduced integration
     incompatible : whether HEXA8 cells have incompatible motions
+    mass_share : (C,) the share of the area of shells that has mass; None where all has
     """
 
     name: str
@@ -172,6 +179,7 @@ class DeckElements:
     released: NDArray[np.bool_] | None = None
     reduced: bool = False
     incompatible: bool = False
+    mass_share: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -92,7 +92,7 @@ def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
     if content.startswith(_HDF5):
         with open_copied(path, ("/",)) as file:
             return {
-                name: (each[()], _text(each.attrs.get("elem_type", b"")))  # pyright: ignore
+                name: (each[()], _text(each.attrs.get("elem_type", b"")))
                 for name, each in file.items()
                 if hasattr(each, "shape")
             }

@@ -4,45 +4,24 @@ from __future__ import annotations
 
 import codecs
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
 from supple.errors import ImportFormatError
-from supple.importers.file_mesh import FileMesh, UnusedNodes
+from supple.importers.cell_blocks import CellBlock, file_mesh
+from supple.importers.file_mesh import UnusedNodes
 from supple.importers.gmsh_file import GmshFile, read_gmsh_file
 from supple.importers.numbering import numbers_of
-from supple.importers.quadrilateral import (
-    CROSSED,
-    crossed_quadrilaterals,
-    split_quadratic_surfaces,
-    split_quadrilaterals,
-)
 from supple.importers.text_file import file_content
-from supple.mesh import CellType, Mesh
+from supple.mesh import Mesh
 
 __all__ = ["read_gmsh"]
 
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
-_CELL_TYPES = {kind.meshio_name: kind for kind in CellType if kind.dimension > 1}
-_SURFACES = {"quad": 4, "triangle6": 6, "quad8": 8}
 _ENTITIES = ("point", "curve", "surface", "volume")  # Gmsh's words for dimensions 0 to 3
-
-
-@dataclass(frozen=True)
-class _Block:
-    """Cells of one type, and for each physical group which of them are in it."""
-
-    type_name: str
-    dimension: int
-    cells: IntArray
-    groups: dict[str, BoolArray]
-    ids: IntArray
 
 
 @checked_arguments
@@ -76,16 +55,19 @@ def read_gmsh(
     read = read_gmsh_file(path, text.encode("latin-1"))
     blocks = _blocks(path, read, names)
     node_sets = {
-        name: np.unique(np.concatenate([b.cells[b.groups[name]].ravel() for b in blocks if name in b.groups]))
-        for name in dict.fromkeys(name for block in blocks for name in block.groups)
+        name: np.unique(np.concatenate([b.cells[b.sets[name]].ravel() for _, b in blocks if name in b.sets]))
+        for name in dict.fromkeys(name for _, block in blocks for name in block.sets)
     }
-    asked = [block for block in blocks if only in block.groups] or blocks
-    dimension = max(block.dimension for block in asked)
-    chosen = [block for block in blocks if block.dimension == dimension]
-    cells, cell_sets, cell_ids = _cells_by_type(path, read.positions, chosen)
-    return FileMesh(
-        path, read.positions, cells, node_sets, cell_sets, node_ids=read.tags, cell_ids=cell_ids
-    ).to_mesh(only=only, unused_nodes=unused_nodes)
+    asked = [each for each in blocks if only in each[1].sets] or blocks
+    highest = max(dimension for dimension, _ in asked)
+    by_type: dict[str, list[CellBlock]] = {}
+    for dimension, block in blocks:
+        if dimension == highest:
+            by_type.setdefault(block.type_name, []).append(block)
+    once = [_each_once(name, parts) for name, parts in by_type.items()]
+    return file_mesh(path, read.positions, once, node_sets, read.tags).to_mesh(
+        only=only, unused_nodes=unused_nodes
+    )
 
 
 def _whole_text(path: Path) -> str:
@@ -124,7 +106,8 @@ def _line(text: str, place: int) -> int:
     return text.count("\n", 0, place) + 1
 
 
-def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> list[_Block]:
+def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> list[tuple[int, CellBlock]]:
+    """Dimension of each block, and its cells in the order of the file's nodes, physical groups as sets."""
     blocks = []
     for elements in read.blocks:
         cells, known = numbers_of(read.tags, elements.nodes)
@@ -134,65 +117,26 @@ def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> li
                 f"{path}: {elements.type_name} cell {lost[0]} (of its block, from 0) names a node that the "
                 "file does not define; save the mesh from Gmsh anew"
             )
-        groups: dict[str, BoolArray] = {}
-        for tag, inside in elements.groups.items():
-            name = names.get((elements.dimension, tag), f"{_ENTITIES[elements.dimension]} {tag}")
-            groups[name] = inside
+        groups = {
+            names.get((elements.dimension, tag), f"{_ENTITIES[elements.dimension]} {tag}"): inside
+            for tag, inside in elements.groups.items()
+        }
         if len(cells):
-            blocks.append(_Block(elements.type_name, elements.dimension, cells, groups, elements.ids))
+            blocks.append((elements.dimension, CellBlock(elements.type_name, cells, elements.ids, groups)))
     if not blocks:
         raise ImportFormatError(f"{path}: no cells; mesh the geometry before saving it")
     return blocks
 
 
-def _cells_by_type(
-    path: Path, points: NDArray[np.float64], blocks: list[_Block]
-) -> tuple[dict[CellType, IntArray], dict[str, dict[CellType, IntArray]], dict[CellType, IntArray]]:
-    by_kind: dict[CellType, list[_Block]] = {}
-    for block in blocks:
-        if block.type_name in _SURFACES:
-            by_kind.setdefault(CellType.TRIANGLE3, []).append(_in_triangles(path, points, block))
-        elif block.type_name in _CELL_TYPES:
-            by_kind.setdefault(_CELL_TYPES[block.type_name], []).append(block)
-        else:
-            raise ImportFormatError(
-                f"{path}: unknown element type '{block.type_name}'; supported are "
-                f"{', '.join([*_CELL_TYPES, *_SURFACES])} (in Gmsh: Mesh.ElementOrder = 1 or 2)"
-            )
-    cells: dict[CellType, IntArray] = {}
-    cell_sets: dict[str, dict[CellType, IntArray]] = {}
-    cell_ids: dict[CellType, IntArray] = {}
-    for kind, parts in by_kind.items():
-        repeated = np.vstack([part.cells for part in parts])
-        first, number = _first_of_each(repeated)
-        cells[kind] = repeated[first]
-        cell_ids[kind] = np.concatenate([part.ids for part in parts])[first]
-        for name in dict.fromkeys(name for part in parts for name in part.groups):
-            inside = np.concatenate(
-                [part.groups.get(name, np.zeros(len(part.cells), bool)) for part in parts]
-            )
-            cell_sets.setdefault(name, {})[kind] = np.unique(number[inside])
-    return cells, cell_sets, cell_ids
-
-
-def _in_triangles(path: Path, points: NDArray[np.float64], block: _Block) -> _Block:
-    """Triangles over all nodes of its surfaces, in the same groups."""
-    if block.type_name == "quad":
-        crossed = crossed_quadrilaterals(points, block.cells)
-        if crossed.size:
-            raise ImportFormatError(f"{path}: quadrilateral {crossed[0]} (of its block, from 0): {CROSSED}")
-        triangles = split_quadrilaterals(points, block.cells)
-    else:
-        triangles = split_quadratic_surfaces(points, block.cells)
-    n = len(triangles) // len(block.cells)
-    groups = {name: np.repeat(inside, n) for name, inside in block.groups.items()}
-    return _Block("triangle", 2, triangles, groups, np.repeat(block.ids, n))
-
-
-def _first_of_each(cells: IntArray) -> tuple[IntArray, IntArray]:
-    """Rows where each set of nodes first appears, in order; and for every row its place among these."""
+def _each_once(type_name: str, parts: Sequence[CellBlock]) -> CellBlock:
+    """Cells of one type, each where it first appears, in the sets of all its appearances."""
+    cells = np.vstack([part.cells for part in parts])
     _, first, same = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_inverse=True)
     in_order = np.argsort(first)
-    place = np.empty_like(in_order)
-    place[in_order] = np.arange(len(in_order))
-    return first[in_order], place[same.ravel()]
+    place = np.argsort(in_order)[same.ravel()]
+    sets = {}
+    for name in dict.fromkeys(name for part in parts for name in part.sets):
+        inside = np.concatenate([part.sets.get(name, np.zeros(len(part.cells), bool)) for part in parts])
+        sets[name] = np.bincount(place[inside], minlength=len(first)) > 0
+    ids = np.concatenate([part.ids for part in parts])
+    return CellBlock(type_name, cells[first[in_order]], ids[first[in_order]], sets)

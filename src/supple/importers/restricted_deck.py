@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from supple.importers.deck import Deck, DeckElements, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 
-__all__ = ["restricted_deck"]
+__all__ = ["kept_elements", "kept_terms", "restricted_deck", "used_nodes"]
 
 IntArray = NDArray[np.int64]
 Tie = TypeVar("Tie", RigidTie, WeightedMean)
@@ -56,14 +56,27 @@ def _renumbered(freedoms: IntArray, number: IntArray) -> IntArray:
 
 
 def _elements(given: DeckElements, own: NDArray[np.bool_], number: IntArray) -> DeckElements:
-    inside = own[given.nodes].all(axis=1)
-    arrays = {name: getattr(given, name) for name in ("directions", "offsets", "released")}
-    return replace(
-        given,
-        nodes=number[given.nodes[inside]],
-        ids=given.ids[inside],
-        lines=given.lines[inside],
-        **{name: None if array is None else array[inside] for name, array in arrays.items()},
+    kept = kept_elements(given, np.all(own[given.nodes], axis=1))
+    return replace(kept, nodes=number[kept.nodes])
+
+
+def kept_elements(given: DeckElements, own: NDArray[np.bool_]) -> DeckElements:
+    """Some (C,) of the cells."""
+    arrays = ("nodes", "ids", "lines", "directions", "offsets", "released", "mass_share")
+    values = {name: getattr(given, name) for name in arrays}
+    return replace(given, **{name: None if array is None else array[own] for name, array in values.items()})
+
+
+def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
+    """Some of the rows (rows,)."""
+    kept, count = own[given.rows], np.cumsum(own) - 1
+    return ScalarTerms(
+        rows=count[given.rows[kept]],
+        freedoms=given.freedoms[kept],
+        factors=given.factors[kept],
+        lines=given.lines[own],
+        values=given.values[own] if len(given.values) else given.values,
+        dependent=given.dependent[own] if len(given.dependent) else given.dependent,
     )
 
 
@@ -71,13 +84,24 @@ def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> Scal
     """Rows all of whose freedoms are own."""
     rows = np.ones(len(given.lines), dtype=bool)
     rows[given.rows[~own[given.freedoms // 6]]] = False
-    kept, count = rows[given.rows], np.cumsum(rows) - 1
-    dependent = given.dependent[rows] if len(given.dependent) else given.dependent
-    return ScalarTerms(
-        rows=count[given.rows[kept]],
-        freedoms=_renumbered(given.freedoms[kept], number),
-        factors=given.factors[kept],
-        lines=given.lines[rows],
-        values=given.values[rows] if len(given.values) else given.values,
-        dependent=np.where(dependent < 0, dependent, _renumbered(np.maximum(dependent, 0), number)),
+    kept = kept_terms(given, rows)
+    dependent = np.where(
+        kept.dependent < 0, kept.dependent, _renumbered(np.maximum(kept.dependent, 0), number)
     )
+    return replace(kept, freedoms=_renumbered(kept.freedoms, number), dependent=dependent)
+
+
+def used_nodes(deck: Deck) -> NDArray[np.bool_]:
+    """Whether anything uses a node (N,): cells, matrices, rows, ties; others only give a place."""
+    terms = (*deck.springs, *deck.dashpots, *deck.inertias, *deck.constraints, *deck.held)
+    matrices = (*deck.masses, *deck.stiffnesses, *deck.dampings)
+    named = [
+        np.empty(0, dtype=np.int64),
+        *(each.nodes.ravel() for each in deck.elements),
+        *(each.freedoms // 6 for each in (*terms, *matrices)),
+        *(np.append(each.nodes, each.reference) for each in (*deck.rigid, *deck.means)),
+    ]
+    numbers = np.concatenate(named)
+    used = np.zeros(len(deck.nodes), dtype=bool)
+    used[numbers[numbers < len(used)]] = True
+    return used

@@ -7,6 +7,8 @@ from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Any
 
+from supple.summary import Summarized, Summary
+
 __all__ = ["PARTS", "ErrorPart", "ErrorStatement"]
 
 PARTS = ("basis", "step", "newton", "model")
@@ -27,8 +29,8 @@ class ErrorPart:
     remedy: str = ""
 
 
-@dataclass(frozen=True)
-class ErrorStatement:
+@dataclass(frozen=True, repr=False)
+class ErrorStatement(Summarized):
     """The error of a run in one quantity, part by part.
 
     of : str            the quantity and the norm, in words
@@ -49,6 +51,16 @@ class ErrorStatement:
     newton: ErrorPart | None = None
     model: ErrorPart | None = None
     allowed: float | None = None
+
+    def summary(self) -> Summary:
+        """The sum, what was allowed, the parts and the remedy."""
+        bound = "at least " if self.missing else ""
+        rows = [("size of the quantity", f"{self.size:.3g}")]
+        rows += [] if self.allowed is None else [("allowed", f"{self.allowed:.2g}")]
+        rows += [(name, f"{part.value:.2g}  {part.how}") for name, part in self.parts.items()]
+        rows += [("not estimated", ", ".join(self.missing))] if self.missing else []
+        rows += [("remedy", self.advice)] if self.advice else []
+        return Summary(f"Error of {self.of}: {bound}{self.at_least:.2g}", rows)
 
     @property
     def parts(self) -> dict[str, ErrorPart]:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import ClassVar, Protocol, Self, TypeVar
+from types import MappingProxyType
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
 from supple.integrate.error_statement import ErrorStatement
+from supple.optional_packages import optional_package
+from supple.summary import Summarized, Summary
 
 __all__ = ["FloatingMotion", "Motion", "StackedMotion", "motion_from_arrays", "register_motion"]
 
@@ -28,8 +31,8 @@ class Motion(Protocol):
         ...
 
 
-_M = TypeVar("_M", bound=type)
-_KINDS: dict[str, type] = {}
+_M = TypeVar("_M", bound=type[Motion])
+_KINDS: dict[str, type[Motion]] = {}
 
 
 def register_motion(motion: _M) -> _M:
@@ -45,9 +48,23 @@ def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
     return _KINDS[kind](**arrays)
 
 
-@dataclass(frozen=True)
-class StackedMotion:
+@dataclass(frozen=True, repr=False)
+class StackedMotion(Summarized):
     """A motion all of whose fields are arrays with one row per output time."""
+
+    kind: ClassVar[str]
+    dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
+    """Of a field, behind the time; ("axis",) of those that are not named."""
+
+    def summary(self) -> Summary:
+        """Of every array its shape and the largest size of a value."""
+        arrays = self.arrays()
+        n_times = len(next(iter(arrays.values())))
+        rows = [
+            (name, f"{' x '.join(map(str, array.shape))}, at most {np.abs(array).max(initial=0.0):.4g}")
+            for name, array in arrays.items()
+        ]
+        return Summary(f"Motion ({self.kind}) at {n_times} times", rows)
 
     def at(self, rows: slice | np.ndarray) -> Self:
         """The motion at some of its output times, by their numbers."""
@@ -57,13 +74,34 @@ class StackedMotion:
         """The fields by name."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 
+    def to_xarray(self, times: np.ndarray) -> Any:
+        """An `xarray.Dataset` of the fields over `time`.
+
+        times : (t,), of the solution that the motion is of
+        Raises MissingPackageError where xarray is not installed.
+        """
+        xarray = optional_package("xarray", "a data set", "xarray")
+        variables = {
+            name: (("time", *self.dimensions.get(name, ("axis",))), array)
+            for name, array in self.arrays().items()
+        }
+        return xarray.Dataset(variables, coords={"time": times})
+
 
 @register_motion
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FloatingMotion(StackedMotion):
     """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
 
     kind: ClassVar[str] = "floating"
+    dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {
+            "rotation": ("axis", "body_axis"),
+            "coordinates": ("coordinate",),
+            "coordinate_rates": ("coordinate",),
+            "coordinate_accelerations": ("coordinate",),
+        }
+    )
 
     position: np.ndarray
     """(t, 3) frame origin, global components."""

@@ -13,6 +13,7 @@ from supple.integrate.first_order import FirstOrderRule
 from supple.integrate.generalized_alpha import GeneralizedAlpha, TimeIntegrator
 from supple.integrate.kinematic import Kinematic
 from supple.integrate.step_control import FixedStep, StepControl, Tolerances
+from supple.summary import Summarized, Summary
 
 __all__ = ["MOST_OUTPUT_TIMES", "Run", "Validity"]
 
@@ -39,8 +40,8 @@ class Validity:
             raise ValueError(f"spin_ratio must be positive, got {self.spin_ratio}")
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(Summarized):
     """A span of time, its output times, and how it is stepped through.
 
     duration, output_step : float   unit of time; the duration is a multiple of the output step
@@ -89,6 +90,18 @@ class Run:
                 f"the duration ({self.duration}) is not a multiple of the output step ({self.output_step}): "
                 f"try an output step of {self.duration / max(n, 1):.6g}"
             )
+
+    def summary(self) -> Summary:
+        """Its span, and how it is stepped through."""
+        span = f"{self.start:g} to {self.start + self.duration:g}"
+        rows = [
+            ("times", f"{span}, {self.times.size} output times, every {self.output_step:g}"),
+            ("step", "of the machine, or of the output" if self.step is None else str(self.step)),
+            ("method", str(self.method)),
+            ("tolerances", str(self.tolerances)),
+            ("validity", str(self.validity)),
+        ]
+        return Summary(f"Run from {span}", rows)
 
     @property
     def times(self) -> np.ndarray:

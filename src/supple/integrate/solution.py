@@ -11,6 +11,7 @@ import numpy as np
 
 from supple.integrate.error_statement import ErrorPart, ErrorStatement
 from supple.integrate.motion import FloatingMotion
+from supple.summary import Summarized, Summary, listed
 
 __all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "Solution", "Statistics", "concatenate"]
 
@@ -59,8 +60,8 @@ LARGEST = ("largest_error", "largest_turn")
 """Statistics of which the parts of a run keep the largest; the others add up."""
 
 
-@dataclass(frozen=True)
-class Solution:
+@dataclass(frozen=True, repr=False)
+class Solution(Summarized):
     """A finished (part of a) simulation."""
 
     times: np.ndarray
@@ -87,6 +88,23 @@ class Solution:
     """By intrinsic body: what the modes that it leaves out change, as the end of the run found it."""
     columns: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
     """By elastic body: numbers that distinguish its columns from those of others; empty where not known."""
+
+    def summary(self) -> Summary:
+        """Its times, bodies, joints, cost, and how wrong it is."""
+        cost = self.statistics
+        span = f"{self.times[0]:g} to {self.times[-1]:g}" if self.times.size else "none"
+        rows = [
+            ("times", f"{self.times.size}, {span}"),
+            ("bodies", listed(f"{name} ({motion.kind})" for name, motion in self.bodies.items())),
+            ("joints", listed(self.joint_forces)),
+            ("cost", f"{cost.steps} steps, {cost.iterations} iterations, {cost.seconds:.3g} s"),
+        ]
+        rows += [] if self.stopped is None else [("stopped", self.stopped)]
+        rows += [
+            (f"error of {name}", f"{'at least ' if error.missing else ''}{error.at_least:.2g}, of {error.of}")
+            for name, error in self.errors.items()
+        ]
+        return Summary(f"Solution of {len(self.bodies)} bodies at {self.times.size} times", rows)
 
     def with_errors(self, errors: Mapping[str, ErrorStatement]) -> Solution:
         """The same run with what is known of its error; bodies find theirs in `motion.error` as well."""

@@ -22,6 +22,7 @@ from supple.linearization.mode_names import mode_names
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.whirl import whirl
 from supple.machine import Spin, System
+from supple.progress import by_fraction, with_progress_bar
 from supple.simulation.full_rest import known_fulls
 
 __all__ = ["CampbellDiagram", "CriticalSpeed", "campbell_diagram", "modal_assurance"]
@@ -112,6 +113,7 @@ def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
 
 
 @checked_arguments
+@with_progress_bar("finding modes by speed", by_fraction)
 def campbell_diagram(
     system: System,
     spins: Sequence[Spin],

@@ -15,6 +15,7 @@ from supple.linearization.mode_error import ModeError, mode_error
 from supple.linearization.periodic import floquet_modes
 from supple.linearization.slowest_motions import slowest_motions
 from supple.linearization.sparse_machine import SparseMachine
+from supple.summary import Summarized, Summary
 
 __all__ = ["MachineModes", "machine_modes"]
 
@@ -25,8 +26,8 @@ _ROUNDING = 512.0
 """Of stiffness in units of the floating-point precision: what may be left of terms that cancel."""
 
 
-@dataclass(frozen=True, eq=False)
-class MachineModes:
+@dataclass(frozen=True, eq=False, repr=False)
+class MachineModes(Summarized):
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
     With controllers they are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`; a mode in
@@ -46,6 +47,17 @@ class MachineModes:
     independent: Any
     states: Any
     error: ModeError | None = None
+
+    def summary(self) -> Summary:
+        """Frequency, damping and the body that moves most, mode by mode."""
+        names = [placed.body.name for placed in self.machine.system.bodies]
+        most = self.kinetic_shares.argmax(axis=0)
+        each = zip(self.frequencies / (2 * np.pi), self.damping_ratios, most, strict=True)
+        rows = [
+            (f"mode {i}", f"{hertz:.5g} cycles per unit of time, damping {ratio:.3g}, most in {names[body]}")
+            for i, (hertz, ratio, body) in enumerate(each, 1)
+        ]
+        return Summary(f"{len(rows)} modes of a machine of {len(names)} bodies", rows)
 
     @property
     def shapes(self) -> np.ndarray:
@@ -163,7 +175,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     values: Any
     left: Any
     right: Any
-    values, left, right = scipy.linalg.eig(balanced, left=True)  # pyright: ignore[reportAssignmentType]
+    values, left, right = scipy.linalg.eig(balanced, left=True)
     motions = graded @ scipy.linalg.solve_triangular(lower.T, scales[:k, None] * right[:k])
     zero = _is_zero(values, left, right, unit / np.sqrt(k)) | _is_rigid(machine, values, motions)
     values, vectors = _one_of_each(np.where(zero, 0.0, values), right, scales, k)

@@ -199,11 +199,10 @@ def _starts(found: RestingState) -> Array:
 def _hub(found: RestingState, turning: Array) -> int:
     """The turning body that a joint, or else a force, holds to what stands; the first one where none does."""
     system = found.system
-    elements = [*system.joints, *(load for load in system.loads if hasattr(load, "second"))]
+    elements: list[Any] = [*system.joints, *(load for load in system.loads if hasattr(load, "second"))]
     for element in sorted(elements, key=lambda each: not isinstance(each, Joint)):
         ends = [
-            None if end == GROUND else system.body_index(end.body)
-            for end in (element.first, element.second)  # type: ignore[union-attr]
+            None if end == GROUND else system.body_index(end.body) for end in (element.first, element.second)
         ]
         moving = [end for end in ends if end is not None and turning[end]]
         if len(moving) == 1:

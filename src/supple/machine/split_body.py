@@ -13,10 +13,10 @@ from scipy import sparse
 from supple.algebra import lowest_modes
 from supple.body import AveragingInterface, FlexibleBody, RigidInterface, flexible_body
 from supple.errors import ModelError, SuppleWarning
-from supple.fem import FiniteElementModel, part_of_model
+from supple.fem import FiniteElementModel, parts_of_model
 from supple.machine.ends import At
 from supple.machine.joints.fixed import Fixed
-from supple.mesh import DividedMesh, Division, divided
+from supple.mesh import Cuts, DividedMesh, Division, cuts_at_sections, divided
 
 __all__ = ["SplitBody", "split_body"]
 
@@ -47,11 +47,11 @@ class SplitBody:
         """One at each cut."""
         return tuple(
             Fixed(
-                first=At(part_name(self.name, cut.first), cut_name(number)),
-                second=At(part_name(self.name, cut.second), cut_name(number)),
-                name=f"{self.name} {cut_name(number)}",
+                first=At(part_name(self.name, cut.first), cut.name),
+                second=At(part_name(self.name, cut.second), cut.name),
+                name=f"{self.name} {tie}",
             )
-            for number, cut in enumerate(self.mesh.cuts)
+            for tie, cut in self.mesh.ties.items()
         )
 
     @property
@@ -67,10 +67,10 @@ class SplitBody:
         """
         first = np.cumsum([0, *(part.n for part in self.parts)])
         rows = []
-        for number, cut in enumerate(self.mesh.cuts):
+        for cut in self.mesh.cuts:
             sides = [sparse.csr_array((6, part.n)) for part in self.parts]
-            sides[cut.first] = self.parts[cut.first].interface(cut_name(number)).motion
-            sides[cut.second] = -self.parts[cut.second].interface(cut_name(number)).motion
+            sides[cut.first] = self.parts[cut.first].interface(cut.name).motion
+            sides[cut.second] = -self.parts[cut.second].interface(cut.name).motion
             rows.append(sparse.hstack(sides))
         mass = sparse.block_diag([part.mass for part in self.parts], format="csc")
         rigid = np.zeros((first[-1], 6))
@@ -111,6 +111,7 @@ def split_body(
     interfaces: Sequence[Interface] = (),
     *,
     tie: Tie = RigidInterface,
+    cuts: Cuts = cuts_at_sections,
 ) -> SplitBody:
     """Split a body into parts that are tied where they meet, for rotations beyond what one frame allows.
 
@@ -124,13 +125,16 @@ def split_body(
     division   : AlongAxis | ByCellSets     which cells make which part
     interfaces : of the whole body; each belongs to the part that has all of its nodes
     tie        : RigidInterface (sections keep their shape) | AveragingInterface (sections may warp)
+    cuts       : cuts_at_sections | cuts_at_nodes, which ties each shared node alone: exact where nodes have
+        rotations, six constraints a node
 
     Raises
     ------
     MeshError    a part without cells, or that does not hang together
-    ModelError   an interface whose nodes lie in several parts; what `flexible_body` finds wrong with a part
+    ModelError   an interface, spring, mass or tie whose nodes lie in several parts; what `flexible_body`
+                 finds wrong with a part
     """
-    mesh = divided(model.mesh, division)
+    mesh = divided(model.mesh, division, cuts)
     own: list[list[Interface]] = [[] for _ in mesh.parts]
     base = None
     for interface in interfaces:
@@ -144,14 +148,12 @@ def split_body(
             )
         own[part].append(replace(interface, nodes=mesh.parts[part].numbers(nodes)))
         base = base or At(part_name(name, part), interface.name)
-    for number, cut in enumerate(mesh.cuts):
-        centre = model.mesh.nodes[cut.nodes].mean(axis=0)
-        for part in (cut.first, cut.second):
-            nodes = mesh.parts[part].numbers(cut.nodes)
-            own[part].append(tie(cut_name(number), nodes, position=centre))
+    for number, part in enumerate(mesh.parts):
+        for cut, nodes in mesh.cut_nodes(number).items():
+            centre = model.mesh.nodes[nodes].mean(axis=0)
+            own[number].append(tie(cut, part.numbers(nodes), position=centre))
     bodies = tuple(
-        flexible_body(part_name(name, i), part_of_model(model, part), own[i])
-        for i, part in enumerate(mesh.parts)
+        flexible_body(part_name(name, i), part, own[i]) for i, part in enumerate(parts_of_model(model, mesh))
     )
     split = SplitBody(name, mesh, bodies, base)
     frequency_changes(flexible_body(name, model, interfaces), split)
@@ -161,8 +163,3 @@ def split_body(
 def part_name(name: str, part: int) -> str:
     """Of a part of a body, counted from 0: `blade-1` is part 0."""
     return f"{name}-{part + 1}"
-
-
-def cut_name(number: int) -> str:
-    """Of the interfaces at a cut, counted from 0: `cut-1` is cut 0."""
-    return f"cut-{number + 1}"

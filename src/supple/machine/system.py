@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from supple.arguments import check_instance, check_members, check_numbers, check_sequence
 from supple.body import FlexibleBody, RigidBody
@@ -29,6 +30,7 @@ from supple.machine.placement import rotation_matrix, space_vector
 from supple.machine.ties.tie import Tie
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
+from supple.summary import N_LINES, Summarized, Summary, listed, point
 
 __all__ = ["Placed", "System"]
 
@@ -62,8 +64,8 @@ class Assembly(NamedTuple):
     """(3, 3) body to global"""
 
 
-@dataclass(frozen=True, eq=False)
-class Placed:
+@dataclass(frozen=True, eq=False, repr=False)
+class Placed(Summarized):
     """A body with the initial position and velocity of its floating frame.
 
     position : (3,)           frame origin, global
@@ -88,6 +90,16 @@ class Placed:
     coordinates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     assembled: Assembly | None = None
+
+    def summary(self) -> Summary:
+        """Where and how fast the body starts."""
+        angles = Rotation.from_matrix(self.rotation).as_rotvec()
+        rows = [("position", point(self.position)), ("rotation vector, rad", point(angles))]
+        for name in ("velocity", "angular_velocity"):
+            value = getattr(self, name)
+            rows.append((name.replace("_", " "), "of the joints, or zero" if value is None else point(value)))
+        rows.append(("deformed", "yes" if np.any(self.coordinates) else "no"))
+        return Summary(f"Placed body '{self.body.name}' ({self.body.kind}) at {point(self.position)}", rows)
 
     def __post_init__(self) -> None:
         if not isinstance(self.body, FlexibleBody):  # which has a message of its own
@@ -168,8 +180,8 @@ Load = ForceElement | NodalLoad | BaseAcceleration
 """Whatever acts on the bodies besides joints and gravity."""
 
 
-@dataclass(frozen=True, eq=False)
-class System:
+@dataclass(frozen=True, eq=False, repr=False)
+class System(Summarized):
     """Bodies, joints, loads and gravity; checked when built.
 
     bodies : Placed, one per body, names unique; a body that is not placed stands at the origin, at rest
@@ -225,6 +237,28 @@ class System:
             self._check_load(load)
         self._check_controllers()
         self._check_parts()
+
+    def summary(self) -> Summary:
+        """Bodies with their forms, joints with their ends, loads, gravity and controllers."""
+        sizes = (f"{item} {len(getattr(self, item))}" for item in ("bodies", "joints", "loads"))
+        rows = [
+            (f"body {placed.body.name}", f"{placed.body.kind}, {placed.body.n_coordinates} coordinates")
+            for placed in self.bodies
+        ]
+        rows += [
+            (f"joint {joint.name}", f"{type(joint).__name__}: {joint.first} - {joint.second}")
+            for joint in self.joints
+        ]
+        named = {"loads": [load.label for load in self.loads]}
+        named["controllers"] = [each.name for each in self.controllers]
+        named |= {item: [each.nodes for each in getattr(self, item)] for item in _OF_PARTS}
+        rest = [(item, listed(names)) for item, names in named.items() if names]
+        rest += [("gravity", point(self.gravity))] if self.gravity.any() else []
+        # Long chains: what acts on the machine stands above the tail of its joints.
+        most = N_LINES - 2 - len(rest)
+        if len(rows) > most:
+            rows = [*rows[:most], ("...", f"{len(rows) - most} bodies and joints more")]
+        return Summary(f"System: {', '.join(sizes)}", rows + rest)
 
     def _check_parts(self) -> None:
         """Ties, contacts and supports are of node sets of explicit parts; other methods do not know them."""

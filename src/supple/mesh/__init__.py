@@ -14,4 +14,6 @@ from supple.mesh.mesh import *
 from supple.mesh.mesh_part import *
 from supple.mesh.plate import *
 from supple.mesh.quadratic import *
+from supple.mesh.section_geometry import *
+from supple.mesh.skin import *
 from supple.mesh.strip import *

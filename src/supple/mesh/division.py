@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
@@ -16,7 +19,17 @@ from supple.mesh.mesh import Mesh
 from supple.mesh.mesh_part import MeshPart, mesh_part
 from supple.mesh.node_sections import NodeSection, flat_section, sections_along, shared_pieces
 
-__all__ = ["AlongAxis", "ByCellSets", "Cut", "DividedMesh", "Division", "divided"]
+__all__ = [
+    "AlongAxis",
+    "ByCellSets",
+    "Cut",
+    "Cuts",
+    "DividedMesh",
+    "Division",
+    "cuts_at_nodes",
+    "cuts_at_sections",
+    "divided",
+]
 
 IntArray = NDArray[np.int64]
 CellNumbers = Mapping[CellType, IntArray]
@@ -123,11 +136,13 @@ class Cut:
 
     first, second : numbers of the parts, the first lower
     nodes : int array (k,)      numbers in the whole mesh of the nodes that they share
+    name : of these nodes in either part; cuts of one name have the same nodes
     """
 
     first: int
     second: int
     nodes: IntArray
+    name: str
 
     def __contains__(self, part: int) -> bool:
         return part in (self.first, self.second)
@@ -150,6 +165,19 @@ class DividedMesh:
         """The first part that has all of some nodes of the whole mesh; None if they lie in several."""
         return next((i for i, part in enumerate(self.parts) if np.isin(nodes, part.nodes).all()), None)
 
+    @property
+    def ties(self) -> Mapping[str, Cut]:
+        """The cuts by names of their own: that of their nodes, with the parts where several have these."""
+        count = Counter(cut.name for cut in self.cuts)
+        return {
+            cut.name if count[cut.name] == 1 else f"{cut.name} {cut.first + 1}-{cut.second + 1}": cut
+            for cut in self.cuts
+        }
+
+    def cut_nodes(self, part: int) -> Mapping[str, IntArray]:
+        """Nodes of the whole at which a part is cut, by their names."""
+        return {cut.name: cut.nodes for cut in self.cuts if part in cut}
+
     def neighbours_from(self, start: int) -> Iterator[tuple[int, Cut]]:
         """Every other part, nearest first, with the cut that leads to it on the way from one part."""
         reached, boundary = {start}, [start]
@@ -163,37 +191,94 @@ class DividedMesh:
             boundary = ahead
 
 
-def divided(mesh: Mesh, division: Division) -> DividedMesh:
-    """Divide a mesh into parts that share the nodes of the sections between them.
+Cuts = Callable[[Mesh, Sequence[CellNumbers], Sequence[IntArray]], tuple[Cut, ...]]
 
-    Raises
-    ------
-    MeshError   a part without cells, or that does not hang together; what the division finds wrong
-    """
-    cells = division.cells(mesh)
-    members = [np.unique(_nodes(mesh, own)) for own in cells]
-    sets = _shared_out(mesh.node_sets, members)
-    parts = []
-    for i, (own, node_sets) in enumerate(zip(cells, sets, strict=True)):
-        try:
-            parts.append(mesh_part(mesh, own, node_sets))
-        except MeshError as error:
-            raise MeshError(
-                f"part {i + 1} of {len(cells)} cannot be a body of its own: {error}. Divide the mesh by cell "
-                "sets, or along another axis"
-            ) from None
-    cuts = tuple(
-        Cut(first, second, nodes)
+
+def cuts_at_sections(
+    mesh: Mesh, cells: Sequence[CellNumbers], members: Sequence[IntArray]
+) -> tuple[Cut, ...]:
+    """A cut for each piece in which two parts meet: cut-1, cut-2, .."""
+    pieces = (
+        (first, second, nodes)
         for first, second in combinations(range(len(cells)), 2)
         for nodes in shared_pieces(
             mesh, [cells[first], cells[second]], np.intersect1d(members[first], members[second])
         )
     )
-    return DividedMesh(mesh, tuple(parts), cuts)
+    return tuple(Cut(*piece, f"cut-{number}") for number, piece in enumerate(pieces, start=1))
+
+
+def cuts_at_nodes(mesh: Mesh, _cells: Sequence[CellNumbers], members: Sequence[IntArray]) -> tuple[Cut, ...]:
+    """A cut for each shared node, from the first part that has it to each other one: node-ID."""
+    nodes, count = np.unique(np.concatenate(members), return_counts=True)
+    shared = nodes[count > 1]
+    inside = np.array([np.isin(shared, own) for own in members])
+    first = inside.argmax(axis=0)
+    return tuple(
+        Cut(int(first[at]), int(part), shared[[at]], f"node-{mesh.node_ids[shared[at]]}")
+        for at, part in np.argwhere(inside.T)
+        if part != first[at]
+    )
+
+
+def divided(mesh: Mesh, division: Division, cuts: Cuts = cuts_at_sections) -> DividedMesh:
+    """Divide a mesh into parts that share the nodes of the sections between them.
+
+    cuts : where parts are tied: cuts_at_sections, or cuts_at_nodes
+
+    Raises
+    ------
+    MeshError   a part without cells, or that does not hang together; nodes of no cell that are linked to
+                several parts; what the division finds wrong
+    """
+    cells = division.cells(mesh)
+    members = [np.unique(_nodes(mesh, own)) for own in cells]
+    loose = _loose_nodes(mesh, members)
+    members = [np.union1d(own, beside) for own, beside in zip(members, loose, strict=True)]
+    sets = _shared_out(mesh.node_sets, members)
+    parts = []
+    for i, (own, node_sets) in enumerate(zip(cells, sets, strict=True)):
+        try:
+            parts.append(mesh_part(mesh, own, node_sets, loose=loose[i]))
+        except MeshError as error:
+            raise MeshError(
+                f"part {i + 1} of {len(cells)} cannot be a body of its own: {error}. Divide the mesh by cell "
+                "sets, or along another axis"
+            ) from None
+    return DividedMesh(mesh, tuple(parts), cuts(mesh, cells, members))
 
 
 def _nodes(mesh: Mesh, cells: CellNumbers) -> IntArray:
     return np.concatenate([mesh.cells[kind][numbers].ravel() for kind, numbers in cells.items()])
+
+
+def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
+    """Nodes of no cell, which springs, masses or ties link, by the part that they are linked to.
+
+    Nodes that hang together are of one part: the first that has all of the nodes they are linked to.
+    """
+    loose = np.ones(mesh.n_nodes, dtype=bool)
+    loose[np.concatenate(members)] = False
+    if not loose.any():
+        return [np.empty(0, dtype=np.int64) for _ in members]
+    inner = mesh.links[loose[mesh.links].all(axis=1)]
+    graph = coo_array((np.ones(len(inner)), (inner[:, 0], inner[:, 1])), shape=(mesh.n_nodes,) * 2)
+    n, group = connected_components(graph, directed=False)
+    outer = mesh.links[loose[mesh.links].sum(axis=1) == 1]
+    is_first = loose[outer[:, 0]]
+    groups = group[np.where(is_first, outer[:, 0], outer[:, 1])]
+    ends = np.where(is_first, outer[:, 1], outer[:, 0])
+    count = np.bincount(groups, minlength=n)
+    inside = [np.bincount(groups[np.isin(ends, own)], minlength=n) == count for own in members]
+    holders = np.array(inside)[:, group[loose]]
+    if not holders.any(axis=0).all():
+        node = mesh.node_ids[np.flatnonzero(loose)[~holders.any(axis=0)][0]]
+        raise MeshError(
+            f"node {node} belongs to no cell, and springs, masses or ties link it to several parts; move the "
+            "cut away from these, or leave them out and join the parts by them"
+        )
+    owner = holders.argmax(axis=0)
+    return [np.flatnonzero(loose)[owner == part] for part in range(len(members))]
 
 
 def _shared_out(

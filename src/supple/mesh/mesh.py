@@ -13,6 +13,7 @@ from supple.arguments import check_instance, check_numbers
 from supple.errors import MeshError
 from supple.mesh.cell_type import CellType
 from supple.mesh.checks import check_ids, check_mesh
+from supple.summary import Summarized, Summary, point
 
 __all__ = ["Mesh"]
 
@@ -31,7 +32,7 @@ def no_ids() -> IntArray:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh:
+class Mesh(Summarized):
     """Nodes, cells by type and named sets; connected, free of unused nodes and of inverted or flat cells.
 
     Parameters
@@ -105,10 +106,19 @@ class Mesh:
             *(self.node_ids, dict(self.cell_ids), self.links),
         )
 
-    def __repr__(self) -> str:
+    def summary(self) -> Summary:
+        """Nodes, cells of each kind, extent and sets."""
         cells = ", ".join(f"{len(array)} {kind.name}" for kind, array in self.cells.items())
-        node_sets, cell_sets = _listed(self.node_sets), _listed(self.cell_sets)
-        return f"Mesh({self.n_nodes} nodes, {cells}; node sets: {node_sets}; cell sets: {cell_sets})"
+        rows = [("nodes", str(self.n_nodes))]
+        rows += [(kind.name, f"{len(array)} cells") for kind, array in self.cells.items()]
+        extent = zip("xyz", self.nodes.min(axis=0), self.nodes.max(axis=0), strict=True)
+        rows += [(axis, f"{low:g} to {high:g}") for axis, low, high in extent]
+        for name, nodes in self.node_sets.items():
+            centroid = point(self.nodes[nodes].mean(axis=0))
+            rows.append((f"node set {name}", f"{len(nodes)} nodes, centroid {centroid}"))
+        for name, members in self.cell_sets.items():
+            rows.append((f"cell set {name}", f"{sum(map(len, members.values()))} cells"))
+        return Summary(f"Mesh of {self.n_nodes} nodes, {cells or 'no cells'}", rows)
 
     @property
     def n_nodes(self) -> int:

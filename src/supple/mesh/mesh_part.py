@@ -35,9 +35,13 @@ class MeshPart:
 
 
 def mesh_part(
-    mesh: Mesh, cells: Mapping[CellType, IntArray], node_sets: Mapping[str, IntArray] | None = None
+    mesh: Mesh,
+    cells: Mapping[CellType, IntArray],
+    node_sets: Mapping[str, IntArray] | None = None,
+    *,
+    loose: IntArray | None = None,
 ) -> MeshPart:
-    """The part of a mesh that some of its cells make.
+    """The part of a mesh that some of its cells make, with the links between its nodes.
 
     Cell sets keep those of their members that the part has, and are left out where it has none.
 
@@ -45,13 +49,16 @@ def mesh_part(
     ----------
     cells : {CellType: int array (E,)}          numbers of the cells, within their type
     node_sets : {name: int array}               of nodes of the part, numbered as in the whole mesh
+    loose : int array                           nodes of no cell that are of the part, too
 
     Raises
     ------
     MeshError   cells that do not hang together
     """
     kept = {kind: np.sort(numbers) for kind, numbers in cells.items() if len(numbers)}
-    nodes = np.unique(np.concatenate([mesh.cells[kind][numbers].ravel() for kind, numbers in kept.items()]))
+    in_cells = [mesh.cells[kind][numbers].ravel() for kind, numbers in kept.items()]
+    nodes = np.unique(np.concatenate([*in_cells, *([] if loose is None else [loose])]))
+    links = mesh.links[np.isin(mesh.links, nodes).all(axis=1)]
     sets = {name: np.searchsorted(nodes, members) for name, members in (node_sets or {}).items()}
     part = Mesh(
         mesh.nodes[nodes],
@@ -60,6 +67,7 @@ def mesh_part(
         _cell_sets(mesh, kept),
         mesh.node_ids[nodes],
         {kind: mesh.cell_ids[kind][numbers] for kind, numbers in kept.items()},
+        np.searchsorted(nodes, links),
     )
     return MeshPart(part, nodes, kept)
 

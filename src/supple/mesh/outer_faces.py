@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.mesh import CellType, Mesh
+from supple.mesh.cell_type import CellType
+from supple.mesh.mesh import Mesh
 
 __all__ = ["FACE_TRIANGLES", "outer_faces", "outer_triangles"]
 

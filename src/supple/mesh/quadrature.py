@@ -30,7 +30,7 @@ class Quadrature:
 def gauss_cube(n: int) -> Quadrature:
     """Gauss-Legendre product on the cube: n^3 points, exact to degree 2n - 1 in each direction."""
     x, w = roots_legendre(n)
-    points = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1).reshape(-1, 3)
+    points = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1, dtype=np.float64).reshape(-1, 3)
     return Quadrature(points, np.einsum("i,j,k->ijk", w, w, w).ravel())
 
 

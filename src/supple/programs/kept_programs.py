@@ -104,7 +104,7 @@ class KeptProgram:
 
         # By a name of its own: a program that JAX has read from its folder cannot be kept once more.
         named = self.function.func if isinstance(self.function, partial) else self.function
-        kept.__name__ = f"kept_{named.__name__.lstrip('_')}"
+        kept.__name__ = f"kept_{named.__name__.lstrip('_')}"  # ty: ignore[missing-attribute]
         lowered = jax.jit(kept).lower(*arguments)
         # The text leaves out arguments that are not used, but a program asks for them all the same.
         text = text_digest(f"{shapes}\n{lowered.as_text()}", self._options)

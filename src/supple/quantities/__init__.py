@@ -1,5 +1,6 @@
 """What is read off a machine: sensors, tracked places, stress, and the quantities whose error is stated."""
 
+from supple.quantities.beam_force_sensor import *
 from supple.quantities.force_sensors import *
 from supple.quantities.joint_motion_sensor import *
 from supple.quantities.over_nodes import *
@@ -8,6 +9,7 @@ from supple.quantities.place_sensors import *
 from supple.quantities.quantity import *
 from supple.quantities.quantity_of_interest import *
 from supple.quantities.reading import *
+from supple.quantities.readings import *
 from supple.quantities.section_sensor import *
 from supple.quantities.stress_history import *
 from supple.quantities.stress_sensor import *

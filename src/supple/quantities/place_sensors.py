@@ -51,7 +51,7 @@ class _AtPlace:
         self.place.body_of(system, self.name)
         return vector_channels(self.quantity, self._axes(system))
 
-    def _axes(self, _system: System) -> str:
+    def _axes(self, system: System) -> str:  # noqa: ARG002
         return "global"
 
 

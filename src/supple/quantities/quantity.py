@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -11,10 +12,12 @@ from numpy.typing import NDArray
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.integrate import Solution
+from supple.integrate.solution import concatenate
 from supple.machine import System
 from supple.quantities.reading import Channel, Located, QuantityKind, Reading
+from supple.quantities.readings import Readings
 
-__all__ = ["Channel", "LocatedQuantity", "Quantity", "QuantityKind", "read_sensors"]
+__all__ = ["Channel", "LocatedQuantity", "Quantity", "QuantityKind", "read_in_parts", "read_sensors"]
 
 Array = NDArray[np.float64]
 
@@ -54,7 +57,7 @@ def vector_channels(quantity: QuantityKind, axes: str) -> tuple[Channel, ...]:
 
 
 @checked_arguments
-def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution) -> tuple[Reading, ...]:
+def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution) -> Readings:
     """The readings of some sensors over a run.
 
     Raises
@@ -66,7 +69,55 @@ def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution
     for name in names:
         if names.count(name) > 1:
             raise ModelError(f"sensor name '{name}' is used {names.count(name)} times: names must differ")
-    return tuple(_reading(sensor, system, solution) for sensor in sensors)
+    return Readings(_reading(sensor, system, solution) for sensor in sensors)
+
+
+@checked_arguments
+def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[Solution]) -> Readings:
+    """The readings of some sensors over a run that is given in parts, such as `ResultParts`.
+
+    Whole turns of angles are counted across parts. Errors are those of `read_sensors`; also ModelError
+    without any part.
+    """
+    found: list[Readings] = []
+    last: Solution | None = None
+    for part in parts:
+        # An angle goes on from the last instant before.
+        begun = part if last is None else concatenate([last, part])
+        readings = read_sensors(sensors, system, begun)
+        found.append(readings if last is None else _continued(found[-1], readings))
+        last = part.at(slice(-1, None))
+    if not found:
+        raise ModelError("there is no instant to read: give one part of a run at least")
+    return Readings(_one_after_another(own) for own in zip(*found, strict=True))
+
+
+def _continued(before: Readings, readings: Readings) -> Readings:
+    """Without their first instant, which is the last before, and with angles that go on from there."""
+
+    def continued(old: Reading, new: Reading) -> Reading:
+        is_angle = np.array([each.quantity is QuantityKind.ANGLE for each in new.channels])
+        turns = np.round((old.values[-1] - new.values[0]) / (2 * np.pi))
+        values = new.values[1:] + np.where(is_angle, 2 * np.pi * turns, 0.0)
+        return replace(
+            new,
+            times=new.times[1:],
+            values=values,
+            nodes=None if new.nodes is None else new.nodes[1:],
+            points=None if new.points is None else new.points[1:],
+        )
+
+    return Readings(continued(old, new) for old, new in zip(before, readings, strict=True))
+
+
+def _one_after_another(parts: Sequence[Reading]) -> Reading:
+    first = parts[0]
+    nodes, points = (
+        None if getattr(first, name) is None else np.concatenate([getattr(each, name) for each in parts])
+        for name in ("nodes", "points")
+    )
+    times, values = (np.concatenate([getattr(each, name) for each in parts]) for name in ("times", "values"))
+    return Reading(first.name, first.channels, times, values, nodes, points)
 
 
 def _reading(sensor: Quantity, system: System, solution: Solution) -> Reading:

@@ -1,25 +1,21 @@
-"""Readings of sensors: channels over time, and the files that hold them."""
+"""What one sensor read: channels over time."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
-from pathlib import Path
 from typing import Any, NamedTuple
 
-import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.algebra import read_only
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
-from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem, labelled
 
-__all__ = ["Located", "Reading", "as_dataset", "write_readings", "write_readings_hdf5"]
+__all__ = ["Located", "Reading"]
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -97,12 +93,16 @@ class Reading:
         object.__setattr__(self, "times", read_only(self.times))
         object.__setattr__(self, "values", read_only(self.values))
 
+    @property
+    def names(self) -> Iterator[str]:
+        """Names of its columns, such as "tip.x"."""
+        return (f"{self.name}.{each.name}" if each.name else self.name for each in self.channels)
+
     @checked_arguments
     def heads(self, units: UnitSystem = UNNAMED) -> Iterator[str]:
-        """Heads of its columns, such as "tip.x (m)"."""
-        for channel in self.channels:
-            own = f"{self.name}.{channel.name}" if channel.name else self.name
-            yield labelled(own, channel.quantity.unit(units))
+        """Names of its columns with their units, such as "tip.x (m)"."""
+        pairs = zip(self.names, self.channels, strict=True)
+        return (labelled(name, channel.quantity.unit(units)) for name, channel in pairs)
 
     @checked_arguments
     def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
@@ -143,88 +143,3 @@ class Reading:
 def point_words(node: int, point: ArrayLike) -> str:
     """Such as "node 17 at (0.5, 0, 0.01)", in mesh axes."""
     return f"node {node} at ({', '.join(f'{x:.4g}' for x in np.asarray(point))})"
-
-
-@checked_arguments
-def write_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
-    """Write readings of one run as a table, `time, SENSOR.CHANNEL (unit), ...`, with all their digits (CSV).
-
-    Raises
-    ------
-    ModelError          no reading, or readings of different times
-    ResultFileError     the file cannot be written
-    """
-    times = _common_times(readings)
-    heads = [labelled("time", units.time), *(head for each in readings for head in each.heads(units))]
-    rows = np.column_stack([times, *(each.values for each in readings)])
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(heads)
-        writer.writerows(rows.tolist())
-    return Path(path)
-
-
-@checked_arguments
-def write_readings_hdf5(
-    path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED
-) -> Path:
-    """Write readings of one run as HDF5: `time` (t,), and (t, c) by sensor with channels, units and axes.
-
-    Where a sensor knows at which nodes it reads, their ids (t, c) are `NAME.nodes`; its attributes
-    `nodes` (c,) and `points` (c, 3) are those where the magnitude of each channel is largest.
-
-    Raises
-    ------
-    ModelError          no reading, or readings of different times
-    ResultFileError     the file cannot be written
-    """
-    times = _common_times(readings)
-    with replacing(path) as temporary, h5py.File(temporary, "w") as file:
-        file.create_dataset("time", data=times).attrs["unit"] = units.time
-        for each in readings:
-            values = file.create_dataset(each.name, data=each.values)
-            values.attrs["channels"] = [channel.name for channel in each.channels]
-            values.attrs["quantities"] = [channel.quantity.value for channel in each.channels]
-            values.attrs["units"] = [channel.quantity.unit(units) for channel in each.channels]
-            values.attrs["axes"] = [channel.axes for channel in each.channels]
-            if any(channel.place for channel in each.channels):
-                values.attrs["places"] = [channel.place for channel in each.channels]
-            if each.nodes is not None and each.points is not None:
-                channels = np.arange(len(each.channels))
-                values.attrs["nodes"] = each.nodes[each.peaks, channels]
-                values.attrs["points"] = each.points[each.peaks, channels]
-                file.create_dataset(f"{each.name}.nodes", data=each.nodes)
-    return Path(path)
-
-
-@checked_arguments
-def as_dataset(readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Any:
-    """Readings of one run as an `xarray.Dataset` over `time`: a variable per channel, with unit and axes.
-
-    Raises ModuleNotFoundError where xarray is not installed, ModelError as `write_readings`.
-    """
-    import xarray  # an optional dependency
-
-    times = _common_times(readings)
-    variables = {}
-    for each in readings:
-        for channel, column in zip(each.channels, each.values.T, strict=True):
-            name = f"{each.name}.{channel.name}" if channel.name else each.name
-            attributes = {
-                "units": channel.quantity.unit(units),
-                "axes": channel.axes,
-                "place": channel.place,
-            }
-            variables[name] = ("time", column, {key: word for key, word in attributes.items() if word})
-    time = ("time", times, {"units": units.time} if units.time else {})
-    return xarray.Dataset(variables, coords={"time": time})
-
-
-def _common_times(readings: Sequence[Reading]) -> Array:
-    if not readings:
-        raise ModelError("there is no reading to write: give at least one sensor")
-    times = readings[0].times
-    for each in readings:
-        if not np.array_equal(each.times, times):
-            raise ModelError(f"sensor '{each.name}' was read at other times than '{readings[0].name}'")
-    return times

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
@@ -11,16 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import node_numbers
 from supple.body.tied_recovery import inner_pieces, tied_recovery, with_virtual_freedoms
-from supple.fem import FiniteElementModel, StressRecovery, stress_recovery, von_mises
+from supple.fem import FiniteElementModel, StressRecovery, stress_layers, stress_recovery, von_mises
 from supple.quantities.tensor_modes import STRESS, NodalTensor, tensor_modes
 from supple.reduction import ReducedBody
 
-__all__ = ["LargestStress", "largest_stress", "von_mises_history"]
+__all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_history"]
 
 Array = NDArray[np.float64]
 # Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
-_MOST_LAYERS = 3
+# Of modes that are kept for many calls (1 GiB).
+_KEPT_NUMBERS = 2**27
 # Instants at which all nodes are searched for the largest stress; nodes that are followed at all instants.
 _SEARCHED = 100
 
@@ -56,10 +57,13 @@ def von_mises_history(
     ------
     ModelError   as for stress_modes
     """
-    if _has_modes(body):
-        return tensor_modes(STRESS, body, model, nodes).von_mises(coordinates)
     n_nodes = len(body.nodes) if nodes is None else np.size(nodes)
     found = np.zeros((len(coordinates), n_nodes))
+    if _has_modes(body):
+        chosen = np.arange(n_nodes) if nodes is None else node_numbers(nodes, len(body.nodes))
+        for some in _slices_of_modes(body, model, n_nodes):
+            found[:, some] = tensor_modes(STRESS, body, model, chosen[some]).von_mises(coordinates)
+        return found
     for block in _recovered(body, STRESS.recovery(model), coordinates, nodes):
         found[block.times, block.nodes] = STRESS.equivalent(block.field).max(axis=2)
     return found
@@ -70,18 +74,48 @@ def tensor_blocks(
 ) -> Iterator[TensorBlock]:
     """A tensor at N nodes over t instants, a block that fits in memory at a time.
 
-    Of l layers: 1 of solids, 3 of shells (bottom, middle, top). Every pair of an instant and a node is in
-    one block. Errors are those of `von_mises_history`.
+    Of l layers (`StressLayers`). Every pair of an instant and a node is in one block. Errors are those of
+    `von_mises_history`.
     """
     if not _has_modes(body):
         yield from _recovered(body, tensor.recovery(model), coordinates, nodes)
         return
     chosen = node_numbers(nodes, len(body.nodes))
-    per_node = 6 * _MOST_LAYERS * (body.r * (body.r + 3) // 2 + _n_condensed(body))
-    for some in _slices(len(chosen), _MODE_NUMBERS // per_node):
+    for some in _slices_of_modes(body, model, len(chosen)):
         modes = tensor_modes(tensor, body, model, chosen[some])
         for times in _slices(len(coordinates), _FIELD_NUMBERS // modes.linear[..., 0].size):
             yield TensorBlock(times, some, modes.at(coordinates[times]))
+
+
+def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
+    """Von Mises stress (t, N, 1 + ends), Pa: the largest of solids and shells, and of each beam's end there.
+
+    Ends are those of `StressLayers`; zero where a node has fewer. Other parameters and errors as for
+    `von_mises_history`.
+    """
+    layers, nodes = stress_layers(model), _nodes_with_stress(stress_recovery(model))
+    found = np.zeros((len(coordinates), len(body.nodes), 1 + layers.ends))
+    for times, some, field in tensor_blocks(STRESS, body, model, coordinates, nodes):
+        found[times, nodes[some]] = layers.largest(STRESS.equivalent(field))
+    return found
+
+
+def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Array], Array]:
+    """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), to be called many times.
+
+    Errors as of `von_mises_history`. Stress modes are made once where they fit in a GiB.
+    """
+    if _has_modes(body) and _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
+        return tensor_modes(STRESS, body, model, None).von_mises
+    nodes = np.arange(len(body.nodes))
+
+    def by_blocks(coordinates: Array) -> Array:
+        found = np.zeros((len(coordinates), len(nodes)))
+        for block in tensor_blocks(STRESS, body, model, coordinates, nodes):
+            found[block.times, block.nodes] = STRESS.equivalent(block.field).max(axis=2)
+        return found
+
+    return by_blocks
 
 
 class LargestStress(NamedTuple):
@@ -99,10 +133,11 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
     At a hundred instants, evenly spread, all nodes are evaluated; at all instants the hundred nodes whose
     stress is largest then. So it is exact of runs of a hundred outputs.
     """
-    nodes = np.unique(np.concatenate([section.nodes(model.mesh).ravel() for section in model.sections]))
+    recovery = stress_recovery(model)
+    nodes = _nodes_with_stress(recovery)
     sampled = np.unique(np.linspace(0, len(coordinates) - 1, _SEARCHED).astype(int))
     highest = np.zeros(len(nodes))
-    for block in _recovered(body, stress_recovery(model), np.asarray(coordinates)[sampled], nodes):
+    for block in _recovered(body, recovery, np.asarray(coordinates)[sampled], nodes):
         highest = np.maximum(highest, von_mises(block.field).max(axis=(0, 2)))
     candidates = nodes[np.sort(np.argsort(-highest, kind="stable")[:_SEARCHED])]
     largest = LargestStress(-1.0, 0, int(candidates[0]))
@@ -115,12 +150,23 @@ def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array
     return largest
 
 
+def _nodes_with_stress(recovery: StressRecovery) -> NDArray[np.int64]:
+    return np.unique(np.concatenate([section.nodes.ravel() for section in recovery.sections]))
+
+
 def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
     return body.has_stress_modes
 
 
-def _n_condensed(body: ReducedBody) -> int:
-    return 0 if body.condensed is None else body.condensed.fields.shape[1]
+def _slices_of_modes(body: ReducedBody, model: FiniteElementModel, n_nodes: int) -> Iterator[slice]:
+    """Nodes of which the modes are held at a time."""
+    return _slices(n_nodes, _MODE_NUMBERS // (_numbers_of_modes(body, model) or 1))
+
+
+def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
+    """In the modes of a node."""
+    n_condensed = 0 if body.condensed is None else body.condensed.fields.shape[1]
+    return 6 * stress_layers(model).count * (body.r * (body.r + 3) // 2 + n_condensed)
 
 
 def _recovered(
@@ -141,7 +187,8 @@ def _recovered(
     inner = () if body.has_linear_strains else inner_pieces(recovery.pieces, body.nodes, d, interfaces)
     ties = (*interfaces, *inner)
     recovery = tied_recovery(recovery, body.nodes, d, ties)
-    size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes))
+    of_field = 6 * recovery.n_layers * len(chosen)
+    size = _FIELD_NUMBERS // (recovery.numbers_per_instant + len(body.nodes) + of_field)
     averaging, linear = recovery.averaging_at(chosen), recovery.linearized()
     for times in _slices(len(coordinates), size):
         q = np.asarray(coordinates)[times]

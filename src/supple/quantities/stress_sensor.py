@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields
 from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
-from supple.fem import FiniteElementModel, stress_recovery, von_mises, von_mises_strain
+from supple.fem import FiniteElementModel, stress_layers, stress_recovery, von_mises, von_mises_strain
 from supple.integrate import Solution
 from supple.machine import System
-from supple.quantities.over_nodes import Maximum, MeasuredBlock, OverNodes
+from supple.quantities.over_nodes import Maximum, Mean, MeasuredBlock, OverNodes
 from supple.quantities.place import body_named
 from supple.quantities.reading import Channel, Located, QuantityKind, point_words
 from supple.quantities.stress_history import tensor_blocks
@@ -28,7 +28,6 @@ __all__ = ["Component", "Principal", "StrainSensor", "StressSensor", "TensorMeas
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
-_LAYERS = ("bottom", "middle", "top")
 
 
 class TensorMeasure(Protocol):
@@ -128,13 +127,12 @@ class _TensorSensor(ABC):
         check_fields(self)
 
     def channels(self, system: System) -> Sequence[Channel]:
-        """One per value of the measure, and per layer of a shell."""
+        """One per value of the measure, and per layer that any of the nodes has (`StressLayers`)."""
         _elastic(system, self.body, self.name)
-        layers = _LAYERS if stress_recovery(self.model).n_layers > 1 else ("",)
-        axes, place = f"axes of {self.body}", self._place()
+        names, axes, place = stress_layers(self.model).names, f"axes of {self.body}", self._place()
         return [
-            Channel(f"{layer} {value}".strip(), self.quantity, axes, place)
-            for layer in layers
+            Channel(f"{names[layer]} {value}".strip(), self.quantity, axes, place)
+            for layer in self._layers()
             for value in self.measure.names
         ]
 
@@ -145,12 +143,12 @@ class _TensorSensor(ABC):
     def located(self, system: System, solution: Solution) -> Located:
         """(t, l k), layer by layer, and the ids and undeformed places of the nodes that they were read at."""
         form, mesh, chosen = _elastic(system, self.body, self.name), self.model.mesh, self._chosen()
-        coordinates = solution.bodies[self.body].coordinates
+        coordinates, layers = solution.bodies[self.body].coordinates, self._layers()
         blocks = (
-            MeasuredBlock(times, nodes, self._measured(field).reshape(*field.shape[:2], -1))
+            MeasuredBlock(times, nodes, self._measured(field[:, :, layers]).reshape(*field.shape[:2], -1))
             for times, nodes, field in tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
         )
-        n_channels = len(self.channels(system))
+        n_channels = len(layers) * len(self.measure.names)
         values, at = self.over.combined(blocks, (len(coordinates), len(chosen), n_channels))
         if at is None:
             return Located(values, None, None)
@@ -197,6 +195,20 @@ class _TensorSensor(ABC):
         given = self._numbers()
         return given[self.over.read(self.model.mesh.nodes[given])]
 
+    def _layers(self) -> IntArray:
+        """Layers that the nodes have; ModelError where a mean is of some nodes with one and some without."""
+        chosen = self._chosen()
+        try:
+            there = stress_recovery(self.model).around(chosen).layers_at(chosen)
+        except ModelError as error:
+            raise ModelError(f"sensor '{self.name}': {error}") from None
+        if isinstance(self.over, Mean) and not (there.all(axis=0) | ~there.any(axis=0)).all():
+            raise ModelError(
+                f"sensor '{self.name}': its nodes belong to different kinds of elements, or to different "
+                "numbers of beams, whose stresses have no common mean; take fewer nodes, or the largest"
+            )
+        return np.flatnonzero(there.any(axis=0))
+
     def _place(self) -> str:
         mesh, given, chosen = self.model.mesh, self._numbers(), self._chosen()
         of_how_many = f"{self.over.words} of {len(given)} nodes" if len(given) > 1 else ""
@@ -207,7 +219,8 @@ class _TensorSensor(ABC):
 
 
 class StressSensor(_TensorSensor):
-    """Stress at nodes of a body, averaged over the elements at each; of a shell at its bottom, middle, top.
+    """Stress at nodes of a body, averaged over the elements at each; of a shell at its bottom, middle, top;
+    of a beam at the points of its section, without a mean over the beams of a node.
 
     body : its name;   model : its elements
     nodes : the number of one, or of several

@@ -64,6 +64,7 @@ class TensorModes:
     quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
     amplitudes : (m, n2)                of the fields of the condensed motion; m = 0 where there is none
     tensor : NodalTensor                stress or strain
+    outer : (o,)                        layers among which the largest equivalent lies
     """
 
     nodes: IntArray
@@ -71,6 +72,7 @@ class TensorModes:
     quadratic: Array | None
     amplitudes: Array
     tensor: NodalTensor
+    outer: tuple[int, ...]
 
     def __post_init__(self) -> None:
         for array in (self.nodes, self.linear, self.quadratic, self.amplitudes):
@@ -92,8 +94,7 @@ class TensorModes:
         """The equivalent of von Mises (..., N), the largest over the layers; in blocks of times that fit in
         memory.
 
-        It is convex and the field linear through a shell, so that the largest lies on its bottom or its top:
-        no other layer is evaluated.
+        Layers that cannot have the largest (`StressLayers.outer`) are not evaluated.
         """
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
@@ -107,11 +108,12 @@ class TensorModes:
 
     def _faces(self) -> TensorModes:
         """The outer layers alone."""
-        step = max(1, self.linear.shape[1] - 1)
-        if step == 1:
+        if len(self.outer) == self.linear.shape[1]:
             return self
-        quadratic = None if self.quadratic is None else np.ascontiguousarray(self.quadratic[:, ::step])
-        return replace(self, linear=np.ascontiguousarray(self.linear[:, ::step]), quadratic=quadratic)
+        layers = list(self.outer)
+        quadratic = None if self.quadratic is None else np.ascontiguousarray(self.quadratic[:, layers])
+        linear = np.ascontiguousarray(self.linear[:, layers])
+        return replace(self, linear=linear, quadratic=quadratic, outer=tuple(range(len(layers))))
 
     def _field(self, gamma: Array) -> Array:
         """(t, N, l, 6) of (t, r)."""
@@ -209,6 +211,7 @@ def tensor_modes(
         quadratic=None if quadratic is None else quadratic.reshape(layered),
         amplitudes=amplitudes,
         tensor=tensor,
+        outer=recovery.layers.outer,
     )
 
 

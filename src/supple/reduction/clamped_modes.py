@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -22,10 +22,12 @@ class BodyModes:
 
     frequencies : (m,)      rad/s, ascending
     shapes : (m, N, 3)      nodal displacements, mesh axes
+    rotations : (m, N, 3)   nodal rotations, mesh axes; None where nodes have none
     """
 
     frequencies: np.ndarray
     shapes: np.ndarray
+    rotations: np.ndarray | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +63,16 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
     translations, rotations, gammas = motion[:, :3], motion[:, 3:6], motion[:, 6:]
     rigid_shapes = translations[:, None] + np.cross(rotations[:, None], body.nodes)
     frequencies = np.sqrt(np.maximum(values[:n_modes], 0.0))
+    turned = None
+    if body.dofs_per_node == 6:
+        nodal = body.nodal_basis.reshape(len(body.nodes), 6, r)[:, 3:]
+        turned = read_only(rotations[:, None] + np.einsum("nir,mr->mni", nodal, gammas))
     damped = np.einsum("mi,ij,mj->m", gammas, body.damping, gammas)
     return ClampedModes(
         frequencies=read_only(frequencies),
         damping_ratios=read_only(damped / (2 * frequencies)),
         shapes=read_only(rigid_shapes + body.expand_rates(np.zeros_like(gammas), gammas)),
+        rotations=turned,
     )
 
 
@@ -78,5 +85,7 @@ def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyMode
     found = body.lowest_modes(min(n_modes, body.n - len(D)), D)
     nodal = (body.expansion @ found.vectors).T.reshape(-1, len(body.nodes), body.dofs_per_node)
     return BodyModes(
-        frequencies=read_only(np.sqrt(np.maximum(found.values, 0.0))), shapes=read_only(nodal[..., :3])
+        frequencies=read_only(np.sqrt(np.maximum(found.values, 0.0))),
+        shapes=read_only(nodal[..., :3]),
+        rotations=read_only(nodal[..., 3:]) if body.dofs_per_node == 6 else None,
     )

@@ -9,6 +9,7 @@ from supple.arguments import checked_arguments
 from supple.body import Damping, FlexibleBody, Frame
 from supple.errors import ValidityWarning
 from supple.fem import shear_share
+from supple.progress import with_progress_bar
 from supple.reduction.bases.linear_basis import LinearBasisRecipe
 from supple.reduction.bases.steady_loads import SteadyLoads
 from supple.reduction.derivatives.compression import CompressedDerivatives
@@ -25,6 +26,7 @@ LARGEST_SHEAR = 0.01
 
 
 @checked_arguments
+@with_progress_bar("reducing")
 def reduce(
     body: FlexibleBody,
     frame: Frame,

@@ -20,6 +20,7 @@ from supple.reduction.condensed_motion import CondensedMotion
 from supple.reduction.pair_blocks import PairBlocks, pair_blocks
 from supple.reduction.reduction_report import ReductionReport
 from supple.reduction.tensors import InternalForceTensors
+from supple.summary import Summarized, Summary, point
 
 if TYPE_CHECKING:
     from supple.body import Frame, FullBody
@@ -54,7 +55,7 @@ class ReducedInterface:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReducedBody(FloatingForm):
+class ReducedBody(FloatingForm, Summarized):
     """A flexible body in r coordinates gamma, whose columns V are M-orthonormal (V^T M V = I, D V = 0).
 
         u_nodal = nodal_basis @ gamma + z(gamma),   z: of the condensed tensors, quadratic in gamma
@@ -109,8 +110,20 @@ class ReducedBody(FloatingForm):
     elastic_elsewhere: bool = False
     full: FullBody | None = None
 
-    def __repr__(self) -> str:
-        return f"<ReducedBody '{self.name}' in {self.frame}: {self.r} coordinates; {self.report}>"
+    def summary(self) -> Summary:
+        """Coordinates, basis, mass, lowest frequencies, what is proven of them, and interfaces."""
+        kind = "linear" if self.is_linear else "nonlinear"
+        lowest = ", ".join(f"{value:.4g}" for value in self.frequencies[:6] / (2 * np.pi))
+        rows = [
+            ("coordinates", f"{self.r} of {len(self.nodal_basis)} freedoms, {kind}; {self.frame}"),
+            ("basis", str(self.report)),
+            ("mass", f"{self.mass:g}"),
+            ("lowest frequencies of its basis", f"{lowest} cycles per unit of time, in its frame"),
+        ]
+        if self.report.certificate is not None:
+            rows.append(("eigenvalues", str(self.report.certificate)))
+        rows += [(f"interface {one.name}", f"at {point(one.position)}") for one in self.interfaces]
+        return Summary(f"ReducedBody '{self.name}', {self.r} coordinates, {kind}, {self.frame}", rows)
 
     def __getstate__(self) -> dict[str, Any]:
         return vars(self) | {"full": None}

@@ -9,40 +9,11 @@ from typing import Any
 import numpy as np
 
 from supple.integrate import JOINT_COMPONENTS
-from supple.mesh import Mesh
-from supple.reduction import ReducedBody, ReductionReport
+from supple.reduction import ReductionReport
 from supple.storage import column_measures, read_header, read_solution
-from supple.units import UNNAMED, UnitSystem, measured
+from supple.units import UnitSystem, measured
 
 Row = tuple[str, str]
-
-
-def describe_mesh(mesh: Mesh) -> Iterator[Row]:
-    """Nodes, cells of each kind, extent and sets."""
-    yield "what", f"{mesh.n_nodes} nodes"
-    for kind, cells in mesh.cells.items():
-        yield kind.name, f"{len(cells)} cells"
-    for axis, low, high in zip("xyz", mesh.nodes.min(axis=0), mesh.nodes.max(axis=0), strict=True):
-        yield axis, f"{low:g} to {high:g}"
-    for name, nodes in mesh.node_sets.items():
-        yield f"node set {name}", f"{len(nodes)} nodes, centroid {_point(mesh.nodes[nodes].mean(axis=0))}"
-    for name, members in mesh.cell_sets.items():
-        yield f"cell set {name}", f"{sum(len(cells) for cells in members.values())} cells"
-
-
-def describe_reduced_body(body: ReducedBody, units: UnitSystem = UNNAMED) -> Iterator[Row]:
-    """Size, mass, lowest frequencies, what is proven of them, and interfaces."""
-    kind = "linear" if body.is_linear else "nonlinear"
-    yield "what", body.name
-    yield "coordinates", f"{body.r} of {len(body.nodal_basis)} freedoms, {kind}; {body.frame}"
-    yield "mass", measured(f"{body.mass:g}", units.mass)
-    hertz, factor = units.frequency_shown
-    lowest = _listed(factor * body.frequencies[:6] / (2 * np.pi))
-    yield "lowest frequencies of its basis", f"{measured(lowest, hertz)} in its frame"
-    if body.report.certificate is not None:
-        yield "eigenvalues", str(body.report.certificate)
-    for interface in body.interfaces:
-        yield f"interface {interface.name}", f"at {_point(interface.position)}"
 
 
 def describe_reduction(report: ReductionReport) -> Iterator[Row]:
@@ -91,10 +62,6 @@ def _described(motion: Any) -> str:
         return f"{motion.coordinates.shape[1]} coordinates"
     first, values = next(iter(motion.arrays().items()))
     return f"{first} {' x '.join(str(n) for n in values.shape[1:])}"
-
-
-def _point(position: np.ndarray) -> str:
-    return f"({_listed(position)})"
 
 
 def _listed(values: np.ndarray) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import BodyForm, FullBody
-from supple.fem import FiniteElementModel, has_stress
+from supple.fem import FiniteElementModel, cells_without_stress, has_stress
 from supple.integrate import Solution, Statistics
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
@@ -93,6 +93,8 @@ def stress_numbers(
                 "point": model.mesh.nodes[largest.node].tolist(),
                 "time": float(solution.times[largest.instant]),
             }
+            if without := cells_without_stress(model):
+                found[body.name]["beams without stress"] = without
     return found
 
 

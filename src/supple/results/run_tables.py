@@ -40,7 +40,8 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
     stress, length, time = (numbers["units"].get(what, "") for what in ("stress", "length", "time"))
     rows = [
         [
-            name,
+            name
+            + (f" (without {each['beams without stress']} beams)" if "beams without stress" in each else ""),
             _number(each["largest von Mises stress"]),
             str(each["node"]) if "node" in each else f"in cell {each['cell']}",
             _vector(each["point"], digits=4),
@@ -53,6 +54,10 @@ def stress_table(numbers: Mapping[str, Any]) -> TextTable:
         *(headed("x, y, z of the undeformed node", length), headed("at time", time)),
     )
     return TextTable("Stress", heads, rows)
+
+
+def _without(beams: int) -> str:
+    return f" (without {beams} beams that have no points of stress recovery)" if beams else ""
 
 
 def part_table(numbers: Mapping[str, Any]) -> TextTable:

@@ -38,6 +38,7 @@ from supple.methods.floating.compiled.batch_start import Axes, BatchStart, batch
 from supple.methods.floating.compiled.engine import controls, tangents_made
 from supple.methods.floating.compiled.state import State
 from supple.programs.worker_processes import on_all_cores
+from supple.progress import by_fraction, with_progress_bar
 from supple.simulation.batch_in_turn import batch_in_turn
 from supple.simulation.batch_of_lines import batch_of_lines
 from supple.simulation.batch_solution import BatchSolution
@@ -56,6 +57,7 @@ _RESULTS_AT_ONCE = 64
 
 
 @checked_arguments
+@with_progress_bar("simulating cases", by_fraction)
 def simulate_batch(
     cases: Sequence[System],
     run: Run,

@@ -28,8 +28,6 @@ __all__ = ["CarriedDeformation", "Deformation", "FloatingState", "ProjectionLoss
 
 Array = np.ndarray
 
-WHOLE = "full"
-"""The kind of a body that keeps all coordinates."""
 SAME_PLACE = 1e-6
 """Of the size of a body: where its nodes may lie apart in two meshes that are the same."""
 MOST_ROUNDS, CONVERGED = 30, 1e-14
@@ -107,12 +105,12 @@ def carried_deformation(
     def coordinates_of(nodal: Array) -> Array:
         return normal.solve(body.expansion.T @ nodal)
 
-    if _frame(then) != _frame(now) or now.kind == WHOLE:
+    if _frame(then) != _frame(now) or now.kind == "full":
         state, deformation = _seen_from(body, _frame(now), state, deformation, coordinates_of)
     x, dx = (coordinates_of(each) for each in deformation)
-    if now.kind == WHOLE:
+    if now.kind == "full":
         return CarriedDeformation(state, x, dx, ProjectionLoss(0.0, 0.0, 0.0, 0.0))
-    vectors = now.vectors if hasattr(now, "vectors") else kept_basis(now.full, now).vectors
+    vectors = kept_basis(now.full, now).vectors if now.kind == "reduced" else now.vectors
     weighted = (body.mass @ vectors).T
     back, ends, wanted = _interfaces(now, body)
 
@@ -260,7 +258,7 @@ def _frame(form: Any) -> Any:
 
 
 def _flexible(now: Any) -> FlexibleBody:
-    if hasattr(now, "full"):  # a reduced body, which may know what it was reduced from
+    if now.kind == "reduced":
         if now.full is None:
             raise ModelError(
                 f"body '{now.name}' was read as reduced, without the mass matrix by which another basis is "

@@ -14,6 +14,7 @@ from supple.equations.static_search import StaticSearch
 from supple.errors import BasisWarning
 from supple.integrate import Solution
 from supple.machine import Spin, System
+from supple.progress import with_progress_bar
 from supple.simulation.full_rest import RestError, full_rest, known_fulls, rest_errors
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
@@ -57,6 +58,7 @@ class Equilibrium:
 
 
 @checked_arguments
+@with_progress_bar("searching the equilibrium")
 def equilibrium(
     system: System,
     *,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -55,11 +55,25 @@ def are_same_columns(then: Mapping[str, Any], placed: Placed) -> bool:
 
 
 def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError when a system's elastic bodies are others than those of a result file."""
+    """ResultFileError when a system's elastic bodies are others than those of a result file, or start so."""
+    _check(header, system, path, _measures)
+
+
+def check_bodies(header: ResultHeader, system: System, path: Path | str) -> None:
+    """ResultFileError when a system's elastic bodies are others, wherever they start."""
+    _check(header, system, path, lambda placed: _of_body(placed.body))
+
+
+def _check(
+    header: ResultHeader,
+    system: System,
+    path: Path | str,
+    measured: Callable[[Placed], Iterable[tuple[str, np.ndarray]]],
+) -> None:
     recorded = json.loads(str(header.metadata.get(KEY, "{}")))
     for placed in system.bodies:
         then = recorded.get(placed.body.name, {})
-        for name, now in _measures(placed):
+        for name, now in measured(placed):
             if name in then and not same_measures(then[name], now):
                 raise ResultFileError(_other(path, placed, name, len(then[name])))
 
@@ -85,8 +99,16 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
 
 
 def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
-    """Name of an array of an elastic body and what distinguishes it from others; nothing of a rigid one."""
+    """What distinguishes an elastic body and its start from others, by name; nothing of a rigid one."""
     body = placed.body
+    of_body = list(_of_body(body))
+    yield from of_body
+    for name in ("coordinates", "coordinate_rates") if of_body else ():
+        yield f"initial_{name}", np.array([getattr(placed, name) @ probe(body.n_coordinates)])
+
+
+def _of_body(body: Any) -> Iterator[tuple[str, np.ndarray]]:
+    """Name of an array of an elastic body and what distinguishes it from others."""
     match body:
         case ReducedBody():
             for name in _ARRAYS:
@@ -107,7 +129,3 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
             for name in ("velocities", "forces"):
                 array = getattr(body.modes, name)
                 yield name, measures(array.reshape(-1, array.shape[-1]))
-        case _:
-            return
-    for name in ("coordinates", "coordinate_rates"):
-        yield f"initial_{name}", np.array([getattr(placed, name) @ probe(body.n_coordinates)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from supple.errors import ResultFileError
 from supple.integrate import Progress, Run, Solution
@@ -123,7 +124,7 @@ def simulate_recorded(
     """
     path = Path(path)
     inputs = inputs_of(system, run, case) if inputs is None else inputs
-    marching = {"case": case, "inputs": inputs, "progress": progress, "check": check}
+    marching: dict[str, Any] = {"case": case, "inputs": inputs, "progress": progress, "check": check}
     if overwrite or not path.exists():
         return begin_recorded(system, run, path, overwrite=overwrite, **marching)
     header = read_header(path)

@@ -7,6 +7,7 @@ from pathlib import Path
 from supple.arguments import checked_arguments
 from supple.integrate import Progress, Recorder, Run, Solution
 from supple.machine import System
+from supple.progress import by_fraction, with_progress_bar
 from supple.simulation.description import description
 from supple.simulation.recorded_run import simulate_recorded
 from supple.simulation.watched_run import watched_run
@@ -15,6 +16,7 @@ __all__ = ["simulate"]
 
 
 @checked_arguments
+@with_progress_bar("simulating", by_fraction)
 def simulate(
     system: System,
     run: Run,

@@ -130,14 +130,14 @@ class Start:
             )
         motion, body = known[name], placed.body
         same = self._is_same(placed, motion)
-        if isinstance(motion, IntrinsicMotion) and body.kind == motion.kind:
+        if isinstance(motion, IntrinsicMotion) and body.kind == "intrinsic":
             if not same:
                 raise ModelError(
                     f"body '{name}' goes on in the intrinsic modes that moved, and these are others: "
                     "condense it with the same modes, in the same units"
                 )
             return placed_as_moved(placed, motion, self.row), None
-        if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == IntrinsicMotion.kind:
+        if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == "intrinsic":
             raise ModelError(
                 f"body '{name}' is {body.kind}, and its motion there is {motion.kind}: go on in the form "
                 "that moved; explicit elements, whose plastic strain at each point no motion holds, by "

@@ -80,7 +80,7 @@ def read_record(group: h5py.Group, kind: type[Record]) -> Record:
     """
     hints = get_type_hints(kind)
     found = {}
-    for item in fields(kind):  # pyright: ignore[reportArgumentType]
+    for item in fields(kind):  # ty: ignore[invalid-argument-type]
         if item.name in group or item.name in group.attrs:
             found[item.name] = _read(group, item.name, hints[item.name])
     return kind(**found)
@@ -120,7 +120,7 @@ def _read(group: h5py.Group, name: str, hint: Any) -> Any:
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return {key: np.asarray(value).item() for key, value in read_group(group, name).attrs.items()}
     if is_dataclass(origin):
-        return read_record(read_group(group, name), origin)  # pyright: ignore[reportArgumentType]
+        return read_record(read_group(group, name), origin)
     value = group.attrs[name]
     return value if isinstance(value, str) else origin(np.asarray(value).item())
 
@@ -132,10 +132,7 @@ def _read_tuple(group: h5py.Group, name: str, kind: Any) -> tuple[Any, ...]:
         return tuple(_dataset(group, name).asstr()[()])
     if is_dataclass(kind):
         inner = read_group(group, name)
-        return tuple(
-            read_record(read_group(inner, str(i)), kind)  # pyright: ignore[reportArgumentType]
-            for i in range(len(inner))
-        )
+        return tuple(read_record(read_group(inner, str(i)), kind) for i in range(len(inner)))
     return tuple(np.asarray(group.attrs[name]).tolist())
 
 

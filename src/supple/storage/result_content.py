@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,13 +12,14 @@ from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from supple.errors import ResultFileError
 from supple.integrate.error_statement import ErrorStatement
 from supple.integrate.solution import Solution, Statistics, concatenate
 from supple.storage.column_measures import KEY
 from supple.storage.file_errors import DAMAGE
-from supple.storage.result_seals import NO_END, SIZE, content_seal, end_seal, header_seal, row_seal
+from supple.storage.result_seals import NO_END, SIZE, Rows, content_seal, end_seal, header_seal, row_seal
 from supple.storage.run_inputs import Inputs
 from supple.storage.solution_arrays import Array, from_arrays, statistics_from_rows, statistics_row
 
@@ -74,6 +76,23 @@ class Layout:
     arrays: Mapping[str, tuple[int, ...]]
     kinds: Mapping[str, str]
     engine_state: Mapping[str, tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class _RowsOf:
+    """Rows of a dataset from one to before another, read as they are sliced."""
+
+    dataset: h5py.Dataset
+    begin: int
+    end: int
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.end - self.begin, *self.dataset.shape[1:]
+
+    def __getitem__(self, rows: slice) -> Array:
+        begin, end, _ = rows.indices(self.end - self.begin)
+        return self.dataset[self.begin + begin : self.begin + end]
 
 
 class ResultContent:
@@ -148,6 +167,49 @@ class ResultContent:
         except DAMAGE as error:
             raise self._chunks_damaged({len(self._rows) - 1: str(error)}) from error
 
+    def parts(self, rows: NDArray[np.int64], n_rows: int) -> Iterator[Solution]:
+        """Some output times (k,), ascending, in parts of at most n_rows of the file.
+
+        Each chunk is checked by its seal, block by block, before the first part that it is in.
+        """
+        header = self.header
+        self._check_not_empty()
+        unchecked = deque(enumerate(self._spans()))
+        for start in range(0, header.n_times, n_rows):
+            end = min(start + n_rows, header.n_times)
+            chosen = rows[(rows >= start) & (rows < end)]
+            if not chosen.size:
+                continue
+            while unchecked and unchecked[0][1][0] < end:
+                number, span = unchecked.popleft()
+                if span[1] > start:
+                    self._check_sound(number, span)
+            arrays = {path: array[chosen - start] for path, array in self._arrays(start, end).items()}
+            yield from_arrays(arrays, header.statistics, self._layout.kinds)
+
+    @property
+    def row_bytes(self) -> int:
+        """Of an output time."""
+        return 8 * sum(int(np.prod(shape)) for shape in self._layout.arrays.values())
+
+    @property
+    def times(self) -> Array:
+        """All output times, (t,); errors as of `solution`."""
+        n_times = self.header.n_times
+        self._check_not_empty()
+        return self._checked("times", np.dtype(np.float64), (), rows=n_times)[:n_times]
+
+    def _check_sound(self, number: int, span: tuple[int, int]) -> None:
+        """DamagedResultError where a chunk is not what was written; read block by block."""
+        try:
+            rows = {
+                path: _RowsOf(self._checked(path, np.dtype(np.float64), shape, rows=span[1]), *span)
+                for path, shape in self._layout.arrays.items()
+            }
+            self._check_content(number, rows)
+        except DAMAGE as error:
+            raise self._chunks_damaged({number: str(error)}) from error
+
     def sound_part(self) -> Solution:
         """The chunks that are sound, in a row."""
         self._check_not_empty()
@@ -194,10 +256,10 @@ class ResultContent:
         return self._row_seals[number] == sealed
 
     def _spans(self) -> Iterator[tuple[int, int]]:
-        for begin, n_times in self._rows[:, :2].astype(int):
+        for begin, n_times in self._rows[:, :2].astype(int).tolist():
             yield begin, begin + n_times
 
-    def _check_content(self, number: int, arrays: Mapping[str, Array]) -> None:
+    def _check_content(self, number: int, arrays: Mapping[str, Rows]) -> None:
         if content_seal(arrays, self._state(number)) != self._content_seals[number]:
             raise ValueError("its numbers")
 

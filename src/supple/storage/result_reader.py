@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TypeVar
 
 import h5py
+import numpy as np
+from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
 from supple.errors import ResultFileError
@@ -16,7 +18,7 @@ from supple.storage.file_errors import DAMAGE, file_errors
 from supple.storage.hdf5_superblock import is_current_hdf5, is_marked, open_settled
 from supple.storage.result_content import DamagedResultError, ResultContent, ResultHeader, damaged, not_ours
 
-__all__ = ["read_header", "read_last_instant", "read_solution", "read_sound_part"]
+__all__ = ["read_header", "read_last_instant", "read_solution", "read_sound_part", "read_times"]
 
 # A reader may come between two writes of a run that goes on: it looks again, for half a second in all.
 _PAUSES = (0.02, 0.08, 0.4)
@@ -43,6 +45,11 @@ def read_solution(path: Path | str) -> Solution:
     ResultFileError     as for read_header; also a run that ended before its first output
     """
     return _read(Path(path), lambda content: content.solution())
+
+
+def read_times(path: Path | str) -> NDArray[np.float64]:
+    """The output times (t,) alone; errors as for `read_solution`."""
+    return _read(Path(path), lambda content: content.times)
 
 
 def read_last_instant(path: Path | str) -> Solution:

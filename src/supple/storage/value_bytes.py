@@ -93,7 +93,7 @@ def _of_numbers(value: Any) -> Iterator[bytes]:
 
 def _of_function(function: Callable[..., Any], depth: int) -> Iterator[bytes]:
     code, around = getattr(function, "__code__"), getattr(function, "__globals__")  # noqa: B009
-    yield function.__qualname__.encode()
+    yield function.__qualname__.encode()  # ty: ignore[missing-attribute]
     yield from _of_code(code)
     if depth >= _MOST_CALLS:
         return

@@ -1,6 +1,12 @@
 """Pictures: the only importer of matplotlib."""
 
+from importlib.util import find_spec
+
+if not (find_spec("matplotlib") and find_spec("PIL")):
+    raise ImportError("matplotlib and pillow draw the pictures; pip install 'supple[plot]'")
+
 from supple.viz.animation import *
+from supple.viz.body_surface import *
 from supple.viz.camera import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *
@@ -8,7 +14,6 @@ from supple.viz.eigenvalue_error import *
 from supple.viz.glyphs import *
 from supple.viz.machine_picture import *
 from supple.viz.mesh_plot import *
-from supple.viz.mesh_skin import *
 from supple.viz.mode_shapes import *
 from supple.viz.response_errors import *
 from supple.viz.rms_error import *

@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from supple.errors import ModelError
+from supple.mesh.skin import Skin
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem, measured
 from supple.viz.camera import Camera
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
-from supple.viz.mesh_skin import Skin
+from supple.viz.picture import Picture
 from supple.viz.shaded_surface import Page, carry, page_around, render
 from supple.viz.style import COLOUR_MAP, COLOURS, SURFACE_COLOUR, textbook_style
 
@@ -144,7 +145,7 @@ def animate(
             if progress is not None:
                 progress((i + 1) / len(times))
     _save_gif(Path(path), frames, frames_per_second)
-    return Path(path)
+    return Picture(path)
 
 
 class _Pixels(Artist):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,11 +78,16 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
             axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
             # One beside the other, amid the diagram: its right edge belongs to the names of the modes.
             place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
-            at = [(1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders)]
-            axes.annotate(f"{order}P", at, color="0.4", fontsize=7, ha="center")
+            x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
+            axes.annotate(f"{order}P", (x, y), color="0.4", fontsize=7, ha="center")
         for name, mode in zip(diagram.names, frequencies.T, strict=True):
             axes.plot(speeds, mode, marker="o", markersize=2.5)
-            beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "fontsize": 7}
+            beside: dict[str, Any] = {
+                "xytext": (4, 0),
+                "textcoords": "offset points",
+                "va": "center",
+                "fontsize": 7,
+            }
             axes.annotate(name, (speeds[-1], mode[-1]), annotation_clip=False, **beside)
         for critical in diagram.critical_speeds:
             speed = by_rate * critical.rate

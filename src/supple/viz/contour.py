@@ -13,10 +13,11 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.mesh.skin import Skin
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.camera import Camera
+from supple.viz.glyphs import Glyphs
 from supple.viz.mesh_plot import N_COLUMNS, NodalField, check_nodes, checked_values, draw_surface
-from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import Page, is_seen
 from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
 
@@ -41,6 +42,7 @@ def plot_contour(
     n_bands: int = 10,
     node_ids: IntArray | None = None,
     undeformed: Array | None = None,
+    glyphs: Glyphs | None = None,
     camera: Camera | None = None,
     title: str = "",
     units: UnitSystem = UNNAMED,
@@ -56,7 +58,7 @@ def plot_contour(
     field : NodalField              such as stress_field(modes.von_mises(gamma))
     n_bands : int                   at most so many bands, at least 2
     node_ids : int array (N,)       what the nodes are called, such as mesh.node_ids; their numbers if omitted
-    undeformed, camera, title, units : as for plot_mesh
+    undeformed, glyphs, camera, title, units : as for plot_mesh
 
     Raises
     ------
@@ -67,13 +69,17 @@ def plot_contour(
         raise ModelError(f"contour of '{field.label}': {n_bands} bands; give at least 2")
     check_nodes(nodes, skin)
     seen = np.unique(skin.triangles)
-    values = checked_values(field, len(nodes))[seen]
+    seen = seen[np.isfinite(checked_values(field, len(nodes))[seen])]
+    if not len(seen):
+        raise ModelError(f"contour of '{field.label}': no node of the skin has a value")
+    values = field.values[seen]
     with textbook_style():
         figure, axes, camera = draw_surface(
             nodes,
             skin,
             colour_by=field,
             undeformed=undeformed,
+            glyphs=glyphs,
             camera=camera,
             title=title,
             units=units,

@@ -1,8 +1,8 @@
-"""Glyphs: what has no mesh in a picture. Rigid bodies are lines, joints marks, the ground is hatched."""
+"""Glyphs: what has no mesh. Lines: rigid bodies, springs, ties. Marks: joints, masses, the ground."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple
@@ -37,6 +37,8 @@ class MarkStyle(NamedTuple):
 
 
 GROUND_STYLE = MarkStyle("ground", "s", 130.0, edge=PALE_INK, hatch="//////")
+POINT_STYLE = MarkStyle("point of a body", "o", 5.0, face=INK)
+MASS_STYLE = MarkStyle("mass", "o", 16.0, face=COLOURS[5])
 CENTRE_STYLE = MarkStyle("centre of mass", "o", 9.0, face=COLOURS[5])
 _JOINT_STYLES = MappingProxyType(
     {
@@ -53,7 +55,7 @@ _JOINT_STYLES = MappingProxyType(
 
 
 class Mark(NamedTuple):
-    """A mark at places (t, 3)."""
+    """A mark at places (t, 3), or at several (t, k, 3)."""
 
     style: MarkStyle
     places: Array
@@ -61,21 +63,34 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Glyphs:
-    """Lines (t, s, 2, 3) from one place to another, and marks, at the times of a motion."""
+    """Lines (t, s, 2, 3) from one place to another, marks, and thin lines, at the times of a motion."""
 
     lines: Array
     marks: tuple[Mark, ...]
+    thin_lines: Array | None = None
+    """(t, s, 2, 3)"""
 
     @property
     def is_empty(self) -> bool:
         """Whether there is nothing to draw."""
-        return not self.marks
+        return not self.marks and self.thin_lines is None
 
     @property
     def points(self) -> Array:
         """All places (t, k, 3)."""
-        ends = self.lines.reshape(len(self.lines), -1, 3)
-        return np.concatenate([ends, *(mark.places[:, None] for mark in self.marks)], axis=1)
+        drawn = [self.lines, *(mark.places for mark in self.marks)]
+        drawn += [] if self.thin_lines is None else [self.thin_lines]
+        return np.concatenate([each.reshape(len(self.lines), -1, 3) for each in drawn], axis=1)
+
+    def beside(self, others: Sequence[Glyphs]) -> Glyphs:
+        """These and others at the same times."""
+        everything = (self, *others)
+        thin = [each.thin_lines for each in everything if each.thin_lines is not None]
+        return Glyphs(
+            np.concatenate([each.lines for each in everything], axis=1),
+            tuple(mark for each in everything for mark in each.marks),
+            np.concatenate(thin, axis=1) if thin else None,
+        )
 
 
 def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64]) -> Glyphs:
@@ -124,6 +139,10 @@ class DrawnGlyphs:
         self._places = [camera.project(mark.places)[0] for mark in glyphs.marks]
         self._drawn_lines = LineCollection([], colors=INK, linewidths=2.2, capstyle="round", zorder=2.4)
         axes.add_collection(self._drawn_lines, autolim=False)
+        thin = np.empty((len(glyphs.lines), 0, 2, 3)) if glyphs.thin_lines is None else glyphs.thin_lines
+        self._thin_lines = camera.project(thin)[0]
+        self._drawn_thin = LineCollection([], colors=INK, linewidths=0.7, zorder=2.35)
+        axes.add_collection(self._drawn_thin, autolim=False)
         self._marks = [_drawn_mark(axes, mark.style) for mark in glyphs.marks]
         self._styles = [mark.style for mark in glyphs.marks]
         self.show(0)
@@ -131,6 +150,7 @@ class DrawnGlyphs:
     def show(self, instant: int) -> None:
         """Move all glyphs to where they are at one of their times."""
         self._drawn_lines.set_segments(list(self._lines[instant]))
+        self._drawn_thin.set_segments(list(self._thin_lines[instant]))
         for drawn, places in zip(self._marks, self._places, strict=True):
             drawn.set_offsets(places[instant])
 

@@ -16,15 +16,17 @@ from matplotlib.transforms import Affine2D, Affine2DBase, ScaledTranslation, Tra
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.mesh.feature_edges import feature_edges
+from supple.mesh.skin import Skin
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.camera import Camera
-from supple.viz.feature_edges import feature_edges
-from supple.viz.mesh_skin import Skin
+from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.shaded_surface import Page, page_around, render, show
 from supple.viz.style import (
     COLOUR_MAP,
     INK,
     PALE_INK,
+    SURFACE_COLOUR,
     TEXT_WIDTH,
     new_figure,
     save_figure,
@@ -48,7 +50,7 @@ _ARROW = {
 
 @dataclass(frozen=True, eq=False)
 class NodalField:
-    """A scalar at the nodes (N,) to colour a surface by, and what it is, with its unit."""
+    """A scalar at the nodes (N,) to colour a surface by, NaN where there is none, and its name with unit."""
 
     label: str
     values: Array
@@ -66,6 +68,7 @@ def plot_mesh(
     *,
     colour_by: NodalField | None = None,
     undeformed: Array | None = None,
+    glyphs: Glyphs | None = None,
     camera: Camera | None = None,
     title: str = "",
     units: UnitSystem = UNNAMED,
@@ -78,6 +81,7 @@ def plot_mesh(
     skin : Skin                     what is seen of the mesh
     colour_by : NodalField          colours and colour bar; one plain colour without
     undeformed : array (N, 3)       its outline is drawn pale, behind
+    glyphs : Glyphs                 springs, ties and masses, at one time
     camera : Camera                 a three-quarter view by default
     units : UnitSystem              what the length bar is in
 
@@ -92,6 +96,7 @@ def plot_mesh(
             skin,
             colour_by=colour_by,
             undeformed=undeformed,
+            glyphs=glyphs,
             camera=camera,
             title=title,
             units=units,
@@ -105,6 +110,7 @@ def draw_surface(
     *,
     colour_by: NodalField | None,
     undeformed: Array | None,
+    glyphs: Glyphs | None,
     camera: Camera | None,
     title: str,
     units: UnitSystem,
@@ -124,10 +130,11 @@ def draw_surface(
     figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title))
     axes = figure.subplots()
     values, colours = None, scale or ScalarMappable(cmap=COLOUR_MAP)
+    colours.set_cmap(colours.get_cmap().with_extremes(bad=SURFACE_COLOUR))
     if colour_by is not None:
         values = checked_values(colour_by, len(nodes))
         if scale is None:
-            colours.set_norm(Normalize(values.min(), values.max()))
+            colours.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))
         figure.colorbar(colours, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30)
     picture = render(
         nodes, skin, camera, page, values=values, colouring=lambda value: colours.to_rgba(value)[:, :3]
@@ -135,6 +142,8 @@ def draw_surface(
     if undeformed is not None:
         draw_outline(axes, undeformed, skin, camera)
     show(axes, picture, page)
+    if glyphs is not None:
+        DrawnGlyphs(axes, glyphs, camera)
     draw_cross(axes, camera)
     draw_length_bar(axes, page, units)
     axes.set_title(title)
@@ -211,10 +220,11 @@ def _round_length(length: float) -> float:
 
 
 def checked_values(field: NodalField, n_nodes: int) -> Array:
-    """The values of a field; ModelError where they are not finite ones of n_nodes nodes."""
+    """The values of a field; ModelError where they are not finite ones of n_nodes nodes, or NaN of some."""
     values = np.asarray(field.values, dtype=float)
-    if values.shape != (n_nodes,) or not np.isfinite(values).all():
+    if values.shape != (n_nodes,) or np.isinf(values).any() or np.isnan(values).all():
         raise ModelError(
-            f"field '{field.label}' of shape {values.shape}: give a finite value at each of {n_nodes} nodes"
+            f"field '{field.label}' of shape {values.shape}: give a finite value at each of {n_nodes} nodes, "
+            "or NaN at those that have none"
         )
     return values

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +10,11 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
+from supple.mesh.skin import Skin
 from supple.units import UNNAMED, UnitSystem, measured, plain_number
 from supple.viz.camera import Camera
+from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_outline
-from supple.viz.mesh_skin import Skin
 from supple.viz.shaded_surface import page_around, render, show
 from supple.viz.style import COLOUR_MAP, TEXT_WIDTH, new_figure, save_figure, textbook_style
 
@@ -42,6 +43,7 @@ def plot_mode_shapes(
     *,
     n_columns: int = 2,
     amplitude: float = 0.1,
+    glyphs: Callable[[Array], Glyphs | None] = lambda _: None,
     camera: Camera | None = None,
 ) -> Path:
     """Draw modes in rows of n_columns, each coloured by its amplitude over the outline of the body at rest.
@@ -52,6 +54,7 @@ def plot_mode_shapes(
     modes : array (m, N, 3)         displacements; their scale is free
     titles : str, one per mode      such as those of `mode_titles`
     amplitude : float               largest displacement drawn, as a share of the body's diagonal
+    glyphs : callable               of positions (m, N, 3), drawn with each mode
     camera : Camera                 a three-quarter view by default
 
     Raises
@@ -76,6 +79,7 @@ def plot_mode_shapes(
     reach = amplitude * np.linalg.norm(np.ptp(nodes, axis=0))
     shapes = nodes + modes * (reach / largest)[:, None, None]
 
+    beside = glyphs(shapes)
     n_columns = min(n_columns, len(modes))
     n_rows = -(-len(modes) // n_columns)
     cell = TEXT_WIDTH / n_columns
@@ -96,6 +100,8 @@ def plot_mode_shapes(
             )
             draw_outline(axes, nodes, skin, camera)
             show(axes, picture, page)
+            if beside is not None:
+                DrawnGlyphs(axes, beside, camera).show(i)
             axes.set_title(title, fontsize=8.5, pad=2.0)
         for axes in grid[len(modes) :]:
             axes.set_axis_off()

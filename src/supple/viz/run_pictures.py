@@ -10,38 +10,38 @@ import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.body import BodyForm
-from supple.fem import FiniteElementModel
-from supple.integrate import FloatingMotion, Solution
+from supple.fem import FiniteElementModel, has_stress
+from supple.integrate import Solution
 from supple.machine import At, System
-from supple.mesh import Mesh
 from supple.methods.explicit import ENERGIES, OBSTACLES, Energies
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import (
     TrackedMotion,
     deflections,
     joint_loads,
-    largest_stress,
     node_positions,
     observer_of,
-    von_mises_history,
 )
-from supple.reduction import BodyModes, ReducedBody, clamped_modes
+from supple.reduction import BodyModes, ReducedBody
 from supple.results import without_noise
-from supple.results.run_summary import N_DRAWN_MODES
+from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.animation import Traces, animate
+from supple.viz.body_pictures import (
+    draw_deformed,
+    draw_intrinsic_modes,
+    draw_modes,
+    draw_stress,
+    instants_of,
+)
+from supple.viz.body_surface import BodySurface, Look, body_surface
 from supple.viz.camera import Camera
-from supple.viz.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.viz.contact_clearance import clear_of_contact
-from supple.viz.contour import plot_contour, stress_field
-from supple.viz.glyphs import glyphs_of
+from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
 from supple.viz.machine_picture import plot_machine
-from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
-from supple.viz.mesh_skin import Skin, skin_of
-from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
-from supple.viz.obstacle_surface import obstacle_actor
-from supple.viz.scene import Actor, scene_of
+from supple.viz.mesh_plot import plot_mesh
+from supple.viz.scene import Actor, obstacle_actor, scene_of
 from supple.viz.style import as_written
 from supple.viz.time_history import Panel, Series, plot_time_history
 
@@ -51,10 +51,6 @@ Elements = Mapping[str, FiniteElementModel]
 
 N_FRAMES = 60
 FRAMES_PER_SECOND = 12.0
-# A picture of the deformed body searches so many instants for the largest deflection.
-N_INSTANTS = 200
-# Deflections smaller than this share of the body's diagonal are drawn enlarged to it.
-VISIBLE = 0.08
 
 
 @checked_arguments
@@ -62,7 +58,7 @@ def draw_run(
     folder: Path,
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Mesh],
+    meshes: Mapping[str, Look | None],
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
     modes: Mapping[str, BodyModes] = MappingProxyType({}),
@@ -75,7 +71,8 @@ def draw_run(
     Parameters
     ----------
     folder : where the pictures go
-    meshes : of the elastic bodies to draw, by name; each has faces
+    meshes : of the elastic bodies to draw, by name; or their elements, which know the sections of beams; or
+        None of a body without either, whose nodes are drawn as points
     tracked : motions of places, by their names
     modes : of reduced bodies with all their coordinates, by name (`body_modes`); the lowest motions of their
         bases, which may be no modes of the bodies and are titled so, are drawn without
@@ -89,27 +86,33 @@ def draw_run(
     """
     pictures: list[Path] = []
     reduced, lines = system.bodies_of(ReducedBody), system.bodies_of(IntrinsicBody)
-    for body, mesh in _drawn(system, meshes):
-        surface = skin_of(mesh)
+    for body, surface in _drawn(system, meshes):
 
         def path(what: str, name: str = body.name) -> Path:
             return folder / f"{file_name(name)}-{what}.png"
 
         pictures.append(
-            plot_mesh(path("mesh"), mesh.nodes, surface, title=as_written(body.name), units=units)
+            plot_mesh(
+                path("mesh"),
+                surface.rest,
+                surface.skin,
+                glyphs=surface.glyphs(surface.mesh.nodes[None]),
+                title=as_written(body.name),
+                units=units,
+            )
         )
         if body.name in reduced:
             pictures.append(
-                _draw_modes(path("modes"), reduced[body.name], modes.get(body.name), surface, units)
+                draw_modes(path("modes"), reduced[body.name], modes.get(body.name), surface, units)
             )
         if body.name in lines:
-            pictures.append(_draw_intrinsic_modes(path("modes"), lines[body.name], surface, units))
+            pictures.append(draw_intrinsic_modes(path("modes"), lines[body.name], surface, units))
         if not body.has_frame:
             continue
-        pictures.append(_draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
-        if elements is not None:
+        pictures.append(draw_deformed(path("deformed"), body, (system, solution), bases, surface, units))
+        if elements is not None and has_stress(elements[body.name]):
             model = elements[body.name]
-            pictures.append(_draw_stress(path("stress"), body, model, mesh, solution, units))
+            pictures.append(draw_stress(path("stress"), body, model, surface, solution, units))
     machine = draw_machine(folder / "machine.png", system, solution, meshes, units=units)
     if machine is not None:
         pictures.append(machine)
@@ -132,7 +135,7 @@ def animate_run(
     path: Path,
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Mesh],
+    meshes: Mapping[str, Look | None],
     *,
     elements: Elements | None = None,
     colouring: Colouring | None = None,
@@ -146,11 +149,11 @@ def animate_run(
 
     colouring : by default the stress where there are `elements`, and else the deflection
     """
-    chosen = _instants(solution.times, N_FRAMES)
+    chosen = instants_of(solution.times, N_FRAMES)
     chosen_colouring = colouring or (DEFLECTION if elements is None else stress_colouring(elements))
     label, factor = chosen_colouring.label(units)
     drawn, traced, coloured = _drawn(system, meshes), [], {}
-    for body, _ in drawn:
+    for body, surface in drawn:
         motion, deflection = solution.bodies[body.name].at(chosen), None
         if body.has_frame:
             seen_from = observer_of(system, solution, body.name, bases, chosen)
@@ -159,12 +162,20 @@ def animate_run(
             farthest = int(np.argmax(deflection.max(axis=0)))
             traced.append(node_positions(body, solution.bodies[body.name], [farthest]))
         values = chosen_colouring.values(body, motion, deflection)
-        coloured[body.name] = None if values is None else factor * values
-    positions = {body.name: node_positions(body, solution.bodies[body.name].at(chosen)) for body, _ in drawn}
+        coloured[body.name] = None if values is None else factor * surface.at_points(values)
+    motions = {body.name: solution.bodies[body.name].at(chosen) for body, _ in drawn}
+    positions = {body.name: node_positions(body, motions[body.name]) for body, _ in drawn}
     offsets = _obstacle_offsets(system, solution, chosen)
     if system.contacts:
         positions = clear_of_contact(system, positions, offsets)
-    actors = [Actor(skin_of(mesh), positions[body.name], coloured[body.name]) for body, mesh in drawn]
+    actors = [
+        Actor(
+            surface.skin,
+            surface.positions(body, motions[body.name], positions[body.name]),
+            coloured[body.name],
+        )
+        for body, surface in drawn
+    ]
     if all(own is None for own in coloured.values()):
         label = ""
     moved = [actor.positions.reshape(-1, 3) for actor in actors]
@@ -172,7 +183,10 @@ def animate_run(
         obstacle_actor(contact.obstacle, offsets[:, number], np.concatenate(moved))
         for number, contact in enumerate(system.rigid_contacts)
     ]
-    glyphs = glyphs_of(system, solution, chosen)
+    glyphs = glyphs_of(system, solution, chosen).beside(
+        [own for body, surface in drawn if (own := surface.glyphs(positions[body.name])) is not None]
+        + _points(system, solution, meshes, chosen)
+    )
     if not actors and glyphs.is_empty:
         return None
     scene = scene_of(actors) if actors else None
@@ -199,7 +213,7 @@ def draw_machine(
     path: Path,
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Mesh],
+    meshes: Mapping[str, Look | None],
     *,
     title: str | None = None,
     units: UnitSystem = UNNAMED,
@@ -209,13 +223,16 @@ def draw_machine(
     title : the instant unless given. Other parameters as for `draw_run`.
     """
     start = np.array([0])
-    glyphs = glyphs_of(system, solution, start)
-    if glyphs.is_empty:
+    glyphs, beside = glyphs_of(system, solution, start), _points(system, solution, meshes, start)
+    if glyphs.is_empty and not beside:
         return None
-    actors = [
-        Actor(skin_of(mesh), node_positions(body, solution.bodies[body.name].at(start)))
-        for body, mesh in _drawn(system, meshes)
-    ]
+    actors = []
+    for body, surface in _drawn(system, meshes):
+        motion = solution.bodies[body.name].at(start)
+        actors.append(Actor(surface.skin, surface.positions(body, motion)))
+        if (own := surface.glyphs(node_positions(body, motion))) is not None:
+            beside.append(own)
+    glyphs = glyphs.beside(beside)
     scene = scene_of(actors) if actors else None
     nodes = np.empty((0, 3)) if scene is None else scene.positions[0]
     camera = _upright_camera(np.concatenate([nodes[None], glyphs.points], axis=1), system.gravity)
@@ -235,117 +252,27 @@ def _upright_camera(positions: np.ndarray, gravity: np.ndarray) -> Camera | None
     return Camera.looking(along=-thin - 0.35 * wide - 0.25 * up, up=up)
 
 
-def _drawn(system: System, meshes: Mapping[str, Mesh]) -> list[tuple[BodyForm, Mesh]]:
+def _drawn(system: System, meshes: Mapping[str, Look | None]) -> list[tuple[BodyForm, BodySurface]]:
     """Elastic bodies that have something to show."""
     elastic = {placed.body.name: placed.body for placed in system.bodies if placed.body.n_coordinates}
-    return [(elastic[name], mesh) for name, mesh in meshes.items() if name in elastic]
+    return [
+        (elastic[name], body_surface(look))
+        for name, look in meshes.items()
+        if name in elastic and look is not None
+    ]
 
 
-def _draw_modes(
-    path: Path, body: ReducedBody, modes: BodyModes | None, surface: Skin, units: UnitSystem
-) -> Path:
-    """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
-    if modes is not None:
-        titles = mode_titles(modes.frequencies / (2 * np.pi), units)
-        return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
-    if body.interfaces:
-        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_DRAWN_MODES)
-        titles = _of_basis(mode_titles(modes.frequencies / (2 * np.pi), units))
-        return plot_mode_shapes(path, body.nodes, surface, _of_one_sign(modes.shapes), titles)
-    values, vectors = np.linalg.eigh(body.stiffness)
-    titles = _of_basis(mode_titles(np.sqrt(values[:N_DRAWN_MODES]) / (2 * np.pi), units))
-    lowest = vectors[:, :N_DRAWN_MODES].T
-    shapes = _of_one_sign(body.expand_rates(np.zeros_like(lowest), lowest))
-    return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
-
-
-def _of_basis(titles: list[str]) -> list[str]:
-    return [f"basis, {title}" for title in titles]
-
-
-def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
-    """Modes (m, N, 3), which have no sign, with their largest component positive.
-
-    Of several that are as large the first one counts, so that rounding does not turn a picture over.
-    """
-    components = shapes.reshape(len(shapes), -1)
-    size = np.abs(components)
-    first = np.argmax(size >= 0.999 * size.max(axis=1, keepdims=True), axis=1)
-    signs = np.where(components[np.arange(len(shapes)), first] < 0.0, -1.0, 1.0)
-    return shapes * signs[:, None, None]
-
-
-def _draw_intrinsic_modes(path: Path, body: IntrinsicBody, surface: Skin, units: UnitSystem) -> Path:
-    """Its lowest elastic modes on the support of its root."""
-    number = min(N_DRAWN_MODES, body.n_coordinates)
-    titles = mode_titles(body.modes.omega[body.modes.n_rigid :][:number] / (2 * np.pi), units)
-    shapes = body.expand(np.eye(body.n_coordinates)[:number])
-    return plot_mode_shapes(path, body.nodes, surface, shapes, titles)
-
-
-def _draw_deformed(
-    path: Path,
-    body: BodyForm,
-    run: tuple[System, Solution],
-    bases: Mapping[str, At],
-    surface: Skin,
-    units: UnitSystem,
-) -> Path:
-    """The body when it is bent most, enlarged if that were too little to see."""
-    system, solution = run
-    instants, motion = _sampled(body, solution)
-    displaced = deflections(body, motion, observer_of(system, solution, body.name, bases, instants))
-    size = np.linalg.norm(displaced, axis=2).max(axis=1)
-    worst = int(np.argmax(size))
-    scale, enlarged = _enlargement(body, displaced[worst])
-    return plot_mesh(
-        path,
-        body.nodes + scale * displaced[worst],
-        surface,
-        colour_by=displacement_magnitude(displaced[worst], units),
-        undeformed=body.nodes,
-        title=_title(body, float(solution.times[instants[worst]]), enlarged, units),
-        units=units,
-    )
-
-
-def _enlargement(body: BodyForm, displaced: np.ndarray) -> tuple[float, str]:
-    """Factor that makes displacements (N, 3) large enough to see, and what to say of it."""
-    size = float(np.linalg.norm(displaced, axis=1).max())
-    diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
-    scale = max(1.0, VISIBLE * diagonal / size) if size > 0 else 1.0
-    return scale, "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
-
-
-def _title(body: BodyForm, time: float, enlarged: str, units: UnitSystem) -> str:
-    return f"{as_written(body.name)} at {measured(f't = {time:.4g}', units.time)}, deflection {enlarged}"
-
-
-def _draw_stress(
-    path: Path,
-    body: BodyForm,
-    model: FiniteElementModel,
-    mesh: Mesh,
-    solution: Solution,
-    units: UnitSystem,
-) -> Path:
-    """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
-    motion = solution.bodies[body.name]
-    worst = largest_stress(body, model, motion.coordinates).instant
-    then = motion.at(np.array([worst]))
-    stress = von_mises_history(body, model, then.coordinates)[0]
-    displaced = deflections(body, then)[0]
-    scale, enlarged = _enlargement(body, displaced)
-    return plot_contour(
-        path,
-        body.nodes + scale * displaced,
-        skin_of(mesh),
-        stress_field(stress, units),
-        node_ids=mesh.node_ids,
-        undeformed=body.nodes,
-        title=_title(body, float(solution.times[worst]), enlarged, units),
-        units=units,
-    )
+def _points(
+    system: System, solution: Solution, meshes: Mapping[str, Look | None], rows: np.ndarray
+) -> list[Glyphs]:
+    """The nodes of bodies that have neither mesh nor elements, at some output times."""
+    bodies = [placed.body for placed in system.bodies]
+    places = [
+        node_positions(body, solution.bodies[body.name].at(rows))
+        for body in bodies
+        if body.n_coordinates and meshes.get(body.name, "") is None
+    ]
+    return [Glyphs(np.empty((len(rows), 0, 2, 3)), (Mark(POINT_STYLE, own),)) for own in places]
 
 
 def _obstacle_offsets(system: System, solution: Solution, chosen: np.ndarray) -> np.ndarray:
@@ -414,14 +341,3 @@ def _joint_panels(system: System, solution: Solution, units: UnitSystem) -> list
         for i, axis in enumerate("xyz")
         for what, unit in columns
     ]
-
-
-def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, FloatingMotion]:
-    """Instants to search for the largest value, and the motion of a body then."""
-    instants = _instants(solution.times, N_INSTANTS)
-    return instants, solution.bodies[body.name].at(instants)
-
-
-def _instants(times: np.ndarray, number: int) -> np.ndarray:
-    """Places of at most so many times, spread evenly over all."""
-    return np.unique(np.linspace(0, len(times) - 1, number).astype(int))

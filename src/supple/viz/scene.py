@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.viz.mesh_skin import Skin
+from supple.machine.obstacles import Obstacle
+from supple.mesh.skin import Skin
+from supple.results.obstacle_shape import obstacle_shape
 
-__all__ = ["Actor", "Scene", "scene_of"]
+__all__ = ["Actor", "Scene", "obstacle_actor", "scene_of"]
 
 Array = NDArray[np.float64]
 
@@ -53,3 +55,9 @@ def scene_of(actors: Sequence[Actor]) -> Scene:
     skin = Skin(np.concatenate(triangles), np.concatenate([actor.skin.mesh_lines for actor in actors]))
     positions = np.concatenate([actor.positions for actor in actors], axis=1)
     return Scene(skin, positions, np.concatenate(values, axis=1))
+
+
+def obstacle_actor(obstacle: Obstacle, offsets: Array, seen: Array) -> Actor:
+    """An obstacle moved by offsets (t, 3), as large as it takes beside what else is seen, points (n, 3)."""
+    points, triangles = obstacle_shape(obstacle, seen)
+    return Actor(Skin(triangles, np.zeros(triangles.shape, dtype=bool)), points + offsets[:, None])

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from supple.mesh.skin import Skin
 from supple.viz.camera import Camera
 from supple.viz.depth_buffer import visible_triangles
-from supple.viz.mesh_skin import Skin
 from supple.viz.style import SURFACE_COLOUR
 
 Array = NDArray[np.float64]

@@ -15,6 +15,7 @@ from matplotlib.ticker import Formatter, ScalarFormatter
 
 from supple.errors import ModelError
 from supple.storage.atomic_write import replacing
+from supple.viz.picture import Picture
 
 __all__ = ["PUBLISHED", "REFERENCE", "SOLID", "Stroke"]
 
@@ -161,7 +162,7 @@ class _Numbers(Formatter):
         return self._formulas.get_offset()
 
 
-def save_figure(figure: Figure, path: Path | str) -> Path:
+def save_figure(figure: Figure, path: Path | str) -> Picture:
     """Save a figure in the format of the path's suffix (png, pdf, svg, ...), atomically; returns the path.
 
     Raises
@@ -169,7 +170,7 @@ def save_figure(figure: Figure, path: Path | str) -> Path:
     ModelError          no suffix, or a format that matplotlib cannot write
     ResultFileError     the file cannot be written
     """
-    path = Path(path)
+    path = Picture(path)
     picture_format = path.suffix.lstrip(".").lower()
     known = figure.canvas.get_supported_filetypes()
     if picture_format not in known:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from supple.mesh import skin_of
 from supple.quantities import node_positions, stress_modes
 from supple.reduction import CraigBampton, modal_derivatives, rayleigh_ritz
 from supple.units import SI
@@ -24,7 +26,6 @@ from supple.viz import (
     plot_rms_error,
     plot_self_correction,
     plot_time_history,
-    skin_of,
 )
 from supple_benchmarks.blade.full_run import FullRun
 from supple_benchmarks.blade.run import BladeRun
@@ -88,7 +89,7 @@ def _draw_shapes(run: BladeRun, folder: Path) -> list[Path]:
         nodal = (body.expansion @ vectors).T
         return nodal.reshape(len(nodal), len(body.nodes), -1)[:, :, :3]
 
-    look = {"skin": skin_of(mesh), "camera": _camera()}
+    look: dict[str, Any] = {"skin": skin_of(mesh), "camera": _camera()}
     modes = mode_titles(basis.frequencies / (2 * np.pi), SI)
     return [
         plot_mode_shapes(folder / "modes.png", mesh.nodes, modes=shapes(basis.vectors), titles=modes, **look),

@@ -115,7 +115,7 @@ def step_limit(_quick: bool) -> dict[str, float]:
             stays = max(stays, fraction)
         else:
             grows = min(grows, fraction)
-    mesh = box.body.model.mesh  # type: ignore[union-attr] - made of elements
+    mesh = box.body.model.mesh  # ty: ignore[missing-union-attribute] - made of elements
     held = np.zeros((27, box.body.n))
     held[np.arange(27), (3 * mesh.node_sets["root"][:, None] + np.arange(3)).ravel()] = 1
     clamped = box.body.lowest_modes(12, held)

@@ -9,12 +9,12 @@ import numpy as np
 
 from supple.body import in_space
 from supple.integrate import Solution
+from supple.mesh.skin import skin_of
 from supple.quantities import node_positions, von_mises_history
 from supple.units import SI
 from supple.viz.animation import Traces, animate
 from supple.viz.contour import plot_contour
 from supple.viz.mesh_plot import NodalField, plot_mesh
-from supple.viz.mesh_skin import skin_of
 from supple.viz.response_errors import Response, plot_response_errors
 from supple.viz.scene import Actor, scene_of
 from supple.viz.style import COLOURS, REFERENCE, Stroke

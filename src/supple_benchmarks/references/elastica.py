@@ -24,4 +24,4 @@ def elastica(bending_stiffness: float, length: float, tip_force: float) -> tuple
 
     tip = brentq(lambda angle: shot(angle)[0], 0.0, np.pi / 2, xtol=1e-13)
     _, _, along, across = shot(tip)
-    return float(-along), float(-across), float(tip)  # pyright: ignore[reportArgumentType]
+    return float(-along), float(-across), float(tip)

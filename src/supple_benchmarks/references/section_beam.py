@@ -59,7 +59,7 @@ def clamped_frequencies(beam: Beam, steps: ArrayLike, grid: ArrayLike) -> Array:
     grid = np.asarray(grid)
     values = [determinant(omega) for omega in grid]
     turns = np.flatnonzero(np.sign(values[:-1]) != np.sign(values[1:]))
-    return np.array([float(brentq(determinant, grid[k], grid[k + 1], rtol=1e-9)) for k in turns])  # pyright: ignore[reportArgumentType]
+    return np.array([float(brentq(determinant, grid[k], grid[k + 1], rtol=1e-9)) for k in turns])
 
 
 def bent_tip(stiffness: Array, length: float, force: ArrayLike) -> Array:

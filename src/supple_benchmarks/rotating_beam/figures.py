@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.mesh.skin import skin_of
 from supple.quantities.tracked_motion import node_positions
 from supple.units import SI
 from supple.viz.animation import Traces, animate
 from supple.viz.camera import Camera
-from supple.viz.mesh_skin import skin_of
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
 from supple.viz.style import REFERENCE, SOLID
 from supple.viz.time_history import Panel, Series, plot_time_history
@@ -31,7 +31,7 @@ def draw_figures(run: BeamRun, folder: Path) -> list[Path]:
     full = [one for one in run.full if one.omega == omega and one.kinematics == kinematics]
     roms = [one for one in run.reduced if one.full.omega == omega and one.full.kinematics == kinematics]
     exact = run.exact[omega]
-    motions = [("exact beam", exact)]
+    motions: list[tuple[str, TipMotion]] = [("exact beam", exact)]
     motions += [(f"full, {one.frame}", one.tip) for one in full]
     motions += [(_label(one), one.tip) for one in roms if one.derivatives != "picked"]
     strokes = [REFERENCE] + [SOLID] * (len(motions) - 1)

@@ -138,7 +138,7 @@ def tables(run: BeamRun) -> list[Table]:
     steady = run.problem.steady_from
     motion = []
     for omega, exact in run.exact.items():
-        rows = [("exact beam", exact)]
+        rows: list[tuple[str, TipMotion]] = [("exact beam", exact)]
         rows += [(_model(full), full.tip) for full in run.full if full.omega == omega]
         for model, tip in rows:
             peak, time = tip.peak()

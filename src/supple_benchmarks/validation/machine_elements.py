@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +66,7 @@ def _body(name: str) -> RigidBody:
 def _workshop() -> dict[str, Array]:
     """Angle, rate, slide and speed (t, 4) of each joint over a second, and the times."""
     along = np.array(X)
-    placed = {
+    placed: dict[str, Any] = {
         "sledge": {"velocity": SPEED * along},
         "buffer": {"velocity": APPROACH * along},
         "soft buffer": {"velocity": APPROACH * along},
@@ -169,7 +170,7 @@ def stop() -> Sequence[Comparison]:
         Comparison(
             "speed after the dissipating stop, m/s",
             -soft[-1, 3],
-            float(back),  # pyright: ignore[reportArgumentType]
+            float(back),
             "K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975) 440-445: work of the force",
             2e-3,
         ),

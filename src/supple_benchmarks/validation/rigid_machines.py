@@ -281,7 +281,7 @@ class _BricardMotion:
         size = brentq(
             lambda r: (1 + np.cos(r * c)) * (1 + np.cos(r * s)) - 1, 0.5, np.pi / max(abs(c), abs(s))
         )
-        return float(size) * np.array([c, s])  # pyright: ignore[reportArgumentType]
+        return float(size) * np.array([c, s])
 
     def poses(self, psi: float) -> tuple[Array, Array]:
         """Rotations (5, 3, 3) of the rods from the cube, and the corners (5, 3) from which they go."""

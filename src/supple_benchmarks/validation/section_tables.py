@@ -37,7 +37,7 @@ EQUATIONS = "equations of the beam with the same sections, integrated along it"
 def _box_beam() -> SectionTable:
     """Ten inches of the box along z."""
     one = np.ones((2, 1, 1))
-    return SectionTable([[0, 0, 0], [0, 0, LENGTH]], one * np.eye(3), one * BOX, one * BOX_MASS)  # pyright: ignore[reportArgumentType]
+    return SectionTable(np.array([[0, 0, 0], [0, 0, LENGTH]]), one * np.eye(3), one * BOX, one * BOX_MASS)
 
 
 def _coupled() -> Sequence[Comparison]:

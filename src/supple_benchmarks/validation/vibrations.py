@@ -162,7 +162,7 @@ def pressed_beam() -> Sequence[Comparison]:
         Comparison(
             "first frequency under half of Euler's load, rad/s",
             found,
-            float(exact) * unit,  # pyright: ignore[reportArgumentType]
+            float(exact) * unit,
             "S. P. Timoshenko, D. H. Young, Vibration Problems in Engineering: beam under axial load",
             2e-3,
         ),

@@ -52,13 +52,6 @@ def test_an_instance_is_no_word_in_a_file_without_instances(deck):
     assert any("no instance 'P-1'" in note for note in read.notes)
 
 
-def test_axes_by_a_distribution_are_left_out(deck):
-    text = TETRAHEDRON + "*ELEMENT, TYPE=C3D4, ELSET=E\n1, 1, 2, 3, 4\n" + STEEL
-    text += "*DISTRIBUTION, NAME=D\n, 1., 0., 0., 0., 1., 0.\n1, 0., 0., 1., 1., 0., 0.\n"
-    text += "*ORIENTATION, NAME=O\nD\n*SOLID SECTION, ELSET=E, MATERIAL=STEEL, ORIENTATION=O\n"
-    assert {each.card for each in deck(text).left_out} >= {"*DISTRIBUTION", "*ORIENTATION"}
-
-
 def test_a_box_of_one_missing_wall_is_an_open_profile():
     """J = sum(s t^3) / 3 of what stands (Megson, Aircraft Structures, section 18.2)."""
     shape = beam_shape("BOX", [25.0, 50.0, 1e-4, 3.0, 3.0, 3.0])
@@ -140,6 +133,8 @@ def test_half_a_circle_is_refused(deck):
         ("REFLECT=MIRROR\n0, 0, 1, 1, 0, 1\n0, 1, 1\n", {101: [0, 0, 2], 103: [0, 1, 2]}),
         ("REFLECT=LINE\n0, 0, 0, 0, 0, 1\n", {102: [-1, 0, 0], 104: [0, 0, 1]}),
         ("REFLECT=POINT\n1, 0, 0\n", {102: [1, 0, 0], 103: [2, -1, 0]}),
+        ("POLE\n2\n", {101: [-1, 0, 0], 102: [1, 0, 0], 103: [-1, 2, 0]}),
+        ("POLE\n, 0, 0, 1\n", {101: [0, 0, -1], 104: [0, 0, 1]}),
     ],
 )
 def test_copied_nodes(deck, copy, places):
@@ -151,7 +146,7 @@ def test_copied_nodes(deck, copy, places):
     assert len(read.node_sets["NEW"]) == len(read.node_ids) - 4
 
 
-@pytest.mark.parametrize("copy", ["SHIFT\n0, 0, 1\n1, 1, 1, 1, 1, 1, 30\n", "REFLECT=LINE\n", "POLE\n1\n"])
+@pytest.mark.parametrize("copy", ["SHIFT\n0, 0, 1\n1, 1, 1, 1, 1, 1, 30\n", "REFLECT=LINE\n", "POLE\n9\n"])
 def test_copies_without_an_axis_are_refused(deck, copy):
     text = TETRAHEDRON + "*NSET, NSET=ALL\n1, 2, 3, 4\n*NCOPY, CHANGE NUMBER=100, OLD SET=ALL, "
     with pytest.raises(ImportFormatError, match="NCOPY"):

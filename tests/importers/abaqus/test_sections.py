@@ -456,3 +456,42 @@ def test_errors_of_sections(deck, section, message):
     with pytest.raises(ImportFormatError) as error:
         deck(SHELL + section)
     assert message in str(error.value)
+
+
+# --- points of stress recovery of beams
+
+
+@pytest.mark.parametrize(
+    ("kind", "dimensions", "points", "extent"),
+    [
+        ("RECT", [0.2, 0.1], 8, (0.2, 0.1)), ("CIRC", [0.1], 8, (0.2, 0.2)),
+        ("PIPE", [0.1, 0.01], 8, (0.2, 0.2)),
+        ("BOX", [0.3, 0.2, 0.01, 0.02, 0.01, 0.02], 4, (0.3, 0.2)),
+        ("I", [0.1, 0.2, 0.1, 0.1, 0.01, 0.01, 0.005], 4, (0.1, 0.2)),
+        ("T", [0.1, 0.2, 0.1, 0.01, 0.005], 6, (0.1, 0.2)), ("L", [0.1, 0.2, 0.01, 0.01], 5, (0.1, 0.2)),
+        ("TRAPEZOID", [0.2, 0.1, 0.1, 0.0], 4, (0.2, 0.1)),
+    ],
+)  # fmt: skip
+def test_shapes_bring_their_points(kind, dimensions, points, extent):
+    """At the corners of the convex hull, or around a circle."""
+    shape = beam_shape(kind, dimensions)
+    found = np.array(shape.geometry.points)
+    assert len(found) == points
+    np.testing.assert_allclose(np.ptp(found, axis=0), extent)
+    closed = {"BOX": 1 / (2 * 0.29 * 0.18 * 0.01), "PIPE": 0.1 / shape.J, "CIRC": 0.1 / shape.J}
+    if kind in closed:
+        np.testing.assert_allclose(np.linalg.norm(shape.geometry.torsion_shear, axis=1), closed[kind])
+
+
+def test_section_points_of_a_general_section(deck):
+    text = node_rows(LINE3[:2]) + element_rows("B31", [[0, 1]])
+    made = deck(
+        text
+        + "*BEAM GENERAL SECTION, ELSET=all, DENSITY=1\n0.01, 1e-5, 0., 2e-5, 3e-5\n0., 1., 0.\n2e11, 8e10\n"
+        "*CENTROID\n0.01, 0.\n*SHEAR CENTER\n0.02, 0.\n*SECTION POINTS\n0.1, 0.05, -0.1, 0.05\n-0.1, -0.05\n"
+    )
+    (given,) = made.properties.values()
+    expected = [[0.08, 0.05], [-0.12, 0.05], [-0.12, -0.05]]
+    np.testing.assert_allclose(given.first.geometry.points, expected)
+    assert given.first.neutral == pytest.approx((-0.01, 0.0))
+    assert made.left_out == ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from supple.body import deck_frequencies
+from supple.body import deck_frequencies, deck_mass
 from supple.errors import ImportFormatError
 from supple.importers.deck import (
     AnisotropicMaterial,
@@ -220,6 +220,19 @@ def test_shells_cover_the_same_area_the_same_way_up(deck, cards, cells):
     assert not read.left_out
 
 
+def test_a_warped_quadrilateral_has_the_mass_of_its_mean_plane(deck):
+    """A corner raised by h: triangles of normals (-h, -h, 2)/2 and z; the mean plane has their sum."""
+    h = 0.4
+    text = SQUARE.replace("GRID,3,,2.,1.,0.", f"GRID,3,,2.,1.,{h}") + "PSHELL,9,5,.1,5,,5\n" + MATERIAL
+    read = deck(text + "CQUAD4,7,9,1,2,3,4\n")
+    x = read.nodes
+    mean = np.linalg.norm(np.cross(x[2] - x[0], x[3] - x[1])) / 2
+    assert deck_mass(read).mass == pytest.approx(785.0 * mean, rel=1e-12)
+    assert deck_mass(deck(text + "CTRIA3,7,9,1,2,3\nCTRIA3,8,9,1,3,4\n")).mass > 785.0 * mean * 1.001
+    (flat,) = deck(SQUARE + "CQUAD4,7,9,1,2,3,4\nPSHELL,9,5,.1,5,,5\n" + MATERIAL).elements
+    assert flat.mass_share is None
+
+
 def test_a_wall_by_four_equal_materials_is_homogeneous(deck):
     made = wall(deck, "PSHELL,9,5,.1,5,1.,5,.833333,3.\n")
     assert made == ShellProperty(STEEL, 0.1, 3.0, 0.0, 0.833333)
@@ -235,7 +248,7 @@ def test_a_wall_by_its_parts(deck):
     np.testing.assert_allclose(made.bending, 2 * 0.1**3 / 12 * C)
     np.testing.assert_allclose(made.shear, 0.5 * 0.1 * G * np.eye(2))
     assert made.mass_per_area == pytest.approx(785.0 + 3.0)
-    membrane = wall(deck, "PSHELL,9,5,.1\n")
+    membrane = wall(deck, "PSHELL,9,5,.1,0,,0\n")
     assert not membrane.bending.any()
     assert membrane.shear is None
     np.testing.assert_allclose(membrane.membrane, 0.1 * C)
@@ -313,6 +326,14 @@ def test_orthotropic_plies_by_laminate_theory(deck):
     np.testing.assert_allclose(turned.bending[::-1, ::-1][1:, 1:], made.bending[:2, :2])
 
 
+@pytest.mark.parametrize("words", ["3.+9,", ",2.+9"])
+def test_one_blank_shear_modulus_is_left_out(deck, words):
+    text = SQUARE + "CQUAD4,7,9,1,2,3,4\nPCOMP,9\n,8,.1,,,8,.1\nMAT8,8,1.4+11,1.+10,.3,5.+9,"
+    (left,) = deck(text + words + "\n").left_out
+    assert (left.card, left.count) == ("MAT8", 1)
+    assert not deck(text + "3.+9,2.+9\n").left_out
+
+
 def test_directions_of_a_material(deck):
     """THETA turns from the side G1-G2; MCID is the x axis of a system; a whole number is always a system."""
     text = (
@@ -377,6 +398,13 @@ def test_materials_of_one_isotropic_set(deck):
         read = deck(grids(PRISM[[0, 1, 2, 3]]) + f"CTETRA,1,3,1,2,3,4\nPSOLID,3,5\nMAT1,5,{words}\n")
         assert next(iter(read.properties.values())).material == expected
     assert any("gives E alone" in note for note in read.notes)
+    solid = grids(PRISM[[0, 1, 2, 3]]) + "CTETRA,1,3,1,2,3,4\nPSOLID,3,5\n"
+    (left,) = deck(solid + "MAT1,5,2.6,.5\n").left_out
+    assert left.card == "MAT1"
+    assert "counts as 0" in left.meaning
+    plain = deck(solid + "MAT1,5,2.6,1.\n")
+    assert not plain.left_out
+    assert not any("gives E alone" in note for note in plain.notes)
 
 
 @pytest.mark.parametrize(

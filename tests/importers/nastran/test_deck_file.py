@@ -49,7 +49,7 @@ def test_reading_is_not_refusing(deck):
     "name",
     [
         *("AESURF", "CAERO5", "SPLINE7", "DRESP1", "DVPREL2", "TABLED1", "TABLEM4", "TEMPD", "MAT4", "MATT1"),
-        *("FREQ3", "BCTSET", "BSURFS", "MONPNT1", "SET3", "PLOTEL", "PLOAD4", "QSET1", "SESET", "CHBDYG"),
+        *("FREQ3", "BCTSET", "BSURFS", "MONPNT1", "SET3", "PLOTEL", "PLOAD4", "QSET1", "SESUP", "CHBDYG"),
     ],
 )
 def test_cards_that_describe_no_body(deck, name):
@@ -58,11 +58,39 @@ def test_cards_that_describe_no_body(deck, name):
     assert not read.left_out
 
 
-@pytest.mark.parametrize("name", ["CGAP", "CFAST", "BGSET", "GENEL", "MATS1", "PELAST", "CSUPER", "PBRSECT"])
+@pytest.mark.parametrize("name", ["CGAP", "CFAST", "BGSET", "GENEL", "MATS1", "CSUPER"])
 def test_cards_that_would_change_the_body(deck, name):
     (left,) = deck(SQUARE + f"{name},1,2,3\n").left_out
     assert left.card == name
     assert len(left.meaning) > 5
+
+
+@pytest.mark.parametrize("name", ["PELAST", "PBRSECT", "PGAP", "PBCOMP"])
+def test_properties_that_an_element_has(deck, name):
+    """Those that none has change no body."""
+    assert not deck(SQUARE + f"{name},6,2,3\n").left_out
+    left = deck(SQUARE + f"{name},6,2,3\nCGAP,3,6,10,20\n").left_out
+    assert [each.card for each in left] == [name, "CGAP"]
+
+
+def test_a_file_that_is_not_there_is_left_out(deck):
+    """All that the rest describes is read; without the grids of an element, nothing but the table."""
+    read = deck(SQUARE + "INCLUDE 'gone.bdf'\nCTRIA3,3,8,10,20,40\n")
+    assert [(each.card, each.line) for each in read.left_out] == [("INCLUDE", 9), ("CTRIA3", 10)]
+    assert "gone.bdf" in read.left_out[0].meaning
+    assert sum(len(found.nodes) for found in read.elements) == 2
+    bare = deck(SQUARE + "INCLUDE 'gone.bdf'\nCTRIA3,3,7,10,20,99\nPELAST,5\n")
+    assert [(each.card, each.count) for each in bare.left_out] == [("INCLUDE", 1), ("CTRIA3", 3)]
+    assert bare.read["GRID"] == 4
+    assert not len(bare.nodes)
+    assert "names grid 99" in bare.notes[0]
+
+
+def test_a_file_without_grids_has_its_table(deck):
+    read = deck("MAT1,5,1.\nCAERO1,9\nCTRIA3,1,7,10,20,30\nCGAP,2,6,10\n")
+    assert (read.read, read.passed_over) == ({"MAT1": 1, "CTRIA3": 1}, {"CAERO1": 1})
+    assert [each.card for each in read.left_out] == ["CGAP", "CTRIA3"]
+    assert "no GRID card" in read.notes[0]
 
 
 def test_cards_given_twice_alike_are_one(deck):
@@ -71,6 +99,12 @@ def test_cards_given_twice_alike_are_one(deck):
     )
     assert len(read.node_ids) == 4
     assert sum(len(found.nodes) for found in read.elements) == 2
+    cards = "CONM2,3,10,,2.\nCELAS2,4,5.,10,3\nCMASS2,5,1.,20,1\n"
+    twice = deck(SQUARE + cards + cards + "CELAS2,5,1.,20,3\n")
+    assert len(twice.masses) == len(twice.inertias[0].lines) == 1
+    assert twice.springs[0].values.tolist() == [5.0, 1.0]
+    with pytest.raises(ImportFormatError, match="line 10: CONM2: element 3 is defined a second time"):
+        deck(SQUARE + "CONM2,3,10,,2.\nCONM2,3,10,,3.\n")
 
 
 # --- supports and sets
@@ -94,6 +128,8 @@ def test_supports_of_all_forms(deck):
 @pytest.mark.parametrize(
     ("control", "expected"),
     [
+        ("SOL 103\nCEND\nSPC = 1\nSUBCASE 1\n SPC = 2\nSUBCASE 2\n SPC = 3\nBEGIN BULK\n", {2}),
+        ("SOL 103\nCEND\nSPC = 1\nSUBCASE 1\nSUBCASE 2\n SPC = 2\nBEGIN BULK\n", {1}),
         ("SOL 103\nCEND\nSPC = 3\nBEGIN BULK\n", {1, 2}),
         ("SOL 103\nCEND\nSUBCASE 1\n SPC = 2\nSUBCASE 2\n SPC = 1\nBEGIN BULK\n", {2}),
         ("SOL 103\nCEND\nBEGIN BULK\n", set()),
@@ -101,11 +137,44 @@ def test_supports_of_all_forms(deck):
     ],
 )
 def test_which_supports_hold(deck, control, expected):
-    """SPCADD joins; of several subcases the first; none where case control chooses none, or sets compete."""
+    """SPCADD joins; the first subcase goes before what stands above it; none where sets compete."""
     read = deck(control + SQUARE + "SPC1,1,1,10\nSPC1,2,2,10\nSPCADD,3,1,2\nENDDATA\n")
     assert held(read) == {(10, component) for component in expected}
     only = deck(SQUARE + "SPC1,1,1,10\n")
     assert held(only) == {(10, 1)}
+
+
+def test_sets_of_which_nothing_chooses_one(deck):
+    """Of constraints and masses they are left out without case control; with it Nastran takes none."""
+    cards = "MPC,4,10,1,1.,20,1,-1.\nMPC,5,10,2,1.,20,2,-1.\nNSM1,6,PSHELL,1.,7\nNSM1,7,PSHELL,1.,7\n"
+    assert [(each.card, each.count) for each in deck(SQUARE + cards).left_out] == [("NSM1", 2), ("MPC", 2)]
+    assert not deck("SOL 103\nCEND\nBEGIN BULK\n" + SQUARE + cards + "ENDDATA\n").left_out
+
+
+@pytest.mark.parametrize(
+    ("command", "modulus", "left"),
+    [
+        ("TEMP(INIT) = 4", 1.5e11, 0),
+        ("TEMPERATURE(MATERIAL)=4", 1.5e11, 0),
+        ("TEMP = 4", 1.5e11, 0),
+        ("TEMP = 5", 2.1e11, 1),
+        ("TEMP = 6", 2.1e11, 1),
+        ("TEMP = 7", 2.1e11, 1),
+        ("TEMP(LOAD) = 4", 2.1e11, 0),
+        ("", 2.1e11, 0),
+    ],
+)
+def test_materials_at_a_temperature(deck, command, modulus, left):
+    """E half-way between two points of its table; outside, at unequal or no temperatures left out."""
+    cards = (
+        "TEMPD,4,20.,5,200.\nTEMPD,6,20.\nTEMP,6,10,30.\nMATT1,5,3\n"
+        "TABLEM1,3\n,0.,2.+11,40.,1.+11,100.,.5+11,ENDT\n"
+    )
+    control = f"SOL 103\nCEND\n{command}\nBEGIN BULK\n"
+    read = deck(control + SQUARE + cards + "ENDDATA\n")
+    assert read.properties["pshell_7"].material.youngs_modulus == pytest.approx(modulus)
+    assert [each.card for each in read.left_out] == ["MATT1"] * left
+    assert not deck(control + SQUARE + "MATT1,5,,,,,3\nENDDATA\n").left_out
 
 
 def test_supports_in_local_axes(deck):
@@ -149,6 +218,8 @@ def test_matrices_beside_elements(deck):
     ]
     direct = deck(control.replace("K2GG = 2.0*", "K2PP = ") + SQUARE + cards + "ENDDATA\n")
     assert "K2PP = KADD" in direct.left_out[0].meaning
+    (absent,) = deck(control + SQUARE + cards.replace("KADD", "KSUM") + "ENDDATA\n").left_out
+    assert (absent.card, absent.meaning) == ("K2GG", "case control adds KADD, and the file has no such DMIG")
 
 
 # --- parameters
@@ -162,6 +233,11 @@ def test_parameters_that_scale(deck):
     assert b.material.youngs_modulus == pytest.approx(3 * a.material.youngs_modulus)
     assert scaled.springs[0].values[0] == 12.0
     assert scaled.masses[0].values[0, 0] == 1.0
+    control = "SOL 103\nCEND\nK2GG = K\nM2GG = M\nBEGIN BULK\n"
+    cards = "".join(f"DMIG,{name},0,6,1\nDMIG,{name},10,1,,10,1,4.\n" for name in "KM")
+    factors = "PARAM,WTMASS,.5\nPARAM,CK1,5.\nPARAM,CK2,3.\nPARAM,CM2,.25\n"
+    added = deck(control + SQUARE + cards + factors + "ENDDATA\n")
+    assert (added.stiffnesses[0].values[0, 0], added.masses[0].values[0, 0]) == (12.0, 1.0)
 
 
 # --- parts
@@ -176,7 +252,7 @@ def test_parts_are_decks_of_their_own(deck):
         + part
         + "ENDDATA\n"
     )
-    assert list(read.superelements) == ["super_4"]
+    assert list(read.superelements) == ["super_0", "super_4"]
     inner = read.superelements["super_4"]
     assert inner.properties["pshell_7"].material.youngs_modulus == 7e10
     assert inner.properties["pshell_7"].material.density == 7850 / 2
@@ -189,19 +265,13 @@ def test_parts_that_are_no_models_are_left_out(deck):
     assert [(each.card, each.line) for each in read.left_out] == [("BEGIN SUPER", 11), ("BEGIN AUXMODEL", 13)]
 
 
-def test_a_partition_is_one_body(deck):
-    read = deck(SQUARE + "SESET,1,10,20\n")
-    assert not read.superelements
-    assert any("read as one body" in note for note in read.notes)
-
-
 # --- what is unreadable
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("MAT1,5,1.\n", r"deck\.bdf: no GRID card"),
+        ("LAYERS,5,1.\n", r"deck\.bdf: no GRID card"),
         (SQUARE + "PARAM,WTMASS,0.\n", "line 9: PARAM: WTMASS is 0; it must be positive"),
         (SQUARE + "PARAM,WTMASS,1.\nPARAM,WTMASS,.5\n", "line 10: PARAM: WTMASS is 0.5, and 1 above"),
         (SQUARE + "SPC1,1,127,10\n", "line 9: SPC1: components '127' are not some of 123456"),
@@ -212,7 +282,7 @@ def test_a_partition_is_one_body(deck):
             "SOL 101\nCEND\nK2GG=K\nBEGIN BULK\n" + SQUARE + "DMIG,K,0,6,1\nDMIG,K,99,1,,99,1,4.\nENDDATA\n",
             "DMIG: names grid 99",
         ),
-        ("GRID,1\nINCLUDE 'gone.bdf'\n", r"line 2: includes .*gone\.bdf, and there is no such file"),
+        ("GRID,1\nINCLUDE 'deck.bdf'\n", "does a file include itself"),
     ],
 )
 def test_what_makes_a_deck_unreadable(deck, text, message):

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from supple.errors import ImportFormatError
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, RodProperty
+from supple.mesh import SectionGeometry
 
 MATERIAL = "MAT1,5,2.1+11,,.3,7850.\n"
 STEEL = IsotropicMaterial(2.1e11, 0.3, 7850.0)
@@ -34,17 +37,18 @@ def test_a_bar_and_a_beam_of_one_section(deck):
     mass = 7850 * 0.01 + 6
     assert bar == BeamProperty(STEEL, BeamValues(0.01, 2e-5, 1e-5, 3e-5, 0.8, 0.7, mass, 1e-6))
     same = "PBEAM,4,5,.01,2.-5,1.-5,1.-6,3.-5,6.\n"
+    assert beam(deck, same + ",NO,1.0\n,.8,.7\n", "CBEAM,1,4,1,2,1.,0.,0.") == bar
+    bar = replace(bar, first=replace(bar.first, geometry=SectionGeometry(((0.1, 0.2),))))
     for text in (
-        same + ",.1,.1\n,.8,.7\n",
-        same + ",.1,.1,,,,,,\n,YES,1.0,.01,2.-5,1.-5,1.-6,3.-5,6.\n,.1,.1\n,.8,.7\n",
-        same + ",NO,1.0\n,.8,.7\n",
+        same + ",.1,.2\n,.8,.7\n",
+        same + ",.1,.2,,,,,,\n,YES,1.0,.01,2.-5,1.-5,1.-6,3.-5,6.\n,.1,.2\n,.8,.7\n",
     ):
         assert beam(deck, text, "CBEAM,1,4,1,2,1.,0.,0.") == bar
     assert beam(deck, same, "CBEAM,1,4,1,2,1.,0.,0.").first.K1 == 1.0
 
 
 def test_a_tapered_beam(deck):
-    """Values at B, those it leaves blank as at A; stations between are noted."""
+    """Values at B, those it leaves blank as at A; stations off the line between the ends are left out."""
     text = "PBEAM,4,5,.01,2.-5,1.-5,0.,3.-5,6.\n,NO,.5,.02\n,NO,1.,.04,8.-5\n"
     made = beam(deck, text, "CBEAM,1,4,1,2,1.,0.,0.")
     assert made.second is not None
@@ -54,6 +58,20 @@ def test_a_tapered_beam(deck):
     assert shaped.second is not None
     assert shaped.second.area == pytest.approx(4 * shaped.first.area) == pytest.approx(np.pi * 0.04)
     assert shaped.second.mass_per_length == pytest.approx(7850 * np.pi * 0.04 + 6)
+    start, end = "PBEAM,4,5,.01,2.-5,1.-5,0.,3.-5,6.\n", ",NO,1.,.04,8.-5,1.-5,0.,3.-5,6.\n"
+    for middle, left in [
+        (",NO,.5,.025,5.-5\n", []),
+        (",NO,.5\n", []),
+        (",NO,.5,.02\n", ["PBEAM"]),
+    ]:
+        given = GRIDS + MATERIAL + "CBEAM,1,4,1,2,1.,0.,0.\n" + start + middle + end
+        assert [each.card for each in deck(given).left_out] == left
+    relief = GRIDS + MATERIAL + "CBEAM,1,4,1,2,1.,0.,0.\n" + start + end
+    assert "shear relief" in deck(relief + ",.8,.8,.2\n").left_out[0].meaning
+    assert not deck(relief + ",0.,0.,.2\n").left_out
+    stations = "PBEAML,4,5,,ROD\n,.1,6.,NO,.5,.15,,NO,1.0\n,.2\n"
+    (half_way,) = deck(GRIDS + MATERIAL + "CBEAM,1,4,1,2,1.,0.,0.\n" + stations).left_out
+    assert half_way.card == "PBEAML"
 
 
 def test_masses_beside_the_neutral_axis(deck):
@@ -218,3 +236,38 @@ def test_what_is_wrong_with_beams(deck, words, message):
         return
     with pytest.raises(ImportFormatError, match=message):
         deck(text)
+
+
+# --- points of stress recovery
+
+
+def test_points_of_stress_recovery(deck):
+    """C, D, E, F of PBAR, PBEND and PBEAM as (y, z); those that the card leaves blank are no points."""
+    bar = beam(deck, "PBAR,4,5,.01,2.-5,1.-5,3.-5\n,.1,.05,-.1,,,,.1,-.05\n")
+    assert bar.first.geometry == SectionGeometry(((0.1, 0.05), (-0.1, 0.0), (0.1, -0.05)))
+    assert beam(deck, "PBAR,4,5,.01,2.-5,1.-5,3.-5\n").first.geometry is None
+    text = "PBEAM,4,5,.01,2.-5,1.-5,0.,3.-5\n,.1,.05\n,YES,.5,.01\n,.9,.9\n,YES,1.,.02\n,.2,.1\n"
+    tapered = beam(deck, text, "CBEAM,1,4,1,2,1.,0.,0.")
+    assert tapered.first.geometry == SectionGeometry(((0.1, 0.05),))
+    assert tapered.second.geometry == SectionGeometry(((0.2, 0.1),))
+    blank = beam(deck, text.replace("\n,.2,.1", "\n,"), "CBEAM,1,4,1,2,1.,0.,0.")
+    assert blank.second.geometry == blank.first.geometry
+    as_at_a = beam(deck, text.replace("YES", "YESA").replace("\n,.9,.9", "").replace("\n,.2,.1", ""))
+    assert as_at_a.second.geometry == as_at_a.first.geometry
+
+
+def test_shapes_bring_their_points(deck):
+    """Of a bar from the centroid; of a beam from the shear centre, which its grids carry."""
+    bar = beam(deck, "PBARL,4,5,,T\n,.2,.3,.02,.01\n").first
+    shaped = beam(deck, "PBEAML,4,5,,T\n,.2,.3,.02,.01\n", "CBEAM,1,4,1,2,1.,0.,0.").first
+    assert shaped.geometry == bar.geometry.moved(*shaped.neutral)
+    assert len(shaped.geometry.points) == 6
+    assert max(y for y, _ in shaped.geometry.points) == pytest.approx(0.01)
+
+
+def test_rods_have_an_arm_of_torsion(deck):
+    """C of PROD and CONROD, the outer radius of PTUBE."""
+    text = GRIDS + MATERIAL + "CTUBE,1,6,1,2\nPTUBE,6,5,.1,.01\nCROD,2,7,1,2\nPROD,7,5,1.-3,2.-7,.02\n"
+    read = deck(text + "CONROD,3,1,2,5,1.-3,2.-7,.03\n")
+    arms = {each.name: read.properties[each.property].torsion_arm for each in read.elements}
+    assert arms == {"CTUBE": 0.05, "CROD": 0.02, "CONROD": 0.03}

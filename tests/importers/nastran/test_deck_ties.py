@@ -82,8 +82,37 @@ def test_ties_in_all_components(deck):
     np.testing.assert_array_equal(read.node_sets["rbe2_9"], [2, 3])
     solids = deck(GRIDS + "CTETRA,1,7,1,2,3,4\nPSOLID,7,8\nMAT1,8,1.,,.3\nRBE2,9,5,123,1,THRU,4\n")
     assert solids.rigid[0].nodes.tolist() == [0, 1, 2, 3]
-    ranged = deck(FRAME + "RBE2,9,1,123456,2,THRU,4,5\n")
+    ranged = deck(FRAME + "RBE2,9,1,123456,2,THRU,4,5,1.-5\n,20.\n")
     assert ranged.rigid[0].nodes.tolist() == [1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "CONM2,5,5,,1.\n,2.,,2.,,,2.\n",
+        "CELAS2,5,3.,5,4\n",
+        "CBUSH,5,6,5,1,,,,0\nPBUSH,6,K,,,,1.\n",
+        "CMASS2,5,3.,5,6\n",
+        "MPC,1,5,4,1.,4,5,1.\n",
+        "RBE2,10,5,123456,3\n",
+        "RBE2,10,3,123456,5\n",
+        "RBE3,10,,5,456,1.,123,2,3\n,4\n",
+        "RBAR,10,5,3,123456\n",
+    ],
+)
+def test_a_tie_of_translations_leaves_rotations_that_something_acts_on(deck, more):
+    """A ball at grid 5, as by three constraints; where nothing acts on its rotations the tie is rigid."""
+    solid = GRIDS + "CTETRA,1,7,1,2,3,4\nPSOLID,7,8\nMAT1,8,1.,,.3\n"
+    tie = "RBE2,9,1,123,5\n"
+    assert [each.name for each in deck(solid + tie).rigid] == ["rbe2_9"]
+    assert [each.name for each in deck(solid + tie + "SPC1,1,456,5\n").rigid] == ["rbe2_9"]
+    assert not deck(solid + tie + "SPC1,1,456,5\n").held
+    read = deck(solid + tie + more)
+    assert "rbe2_9" not in [each.name for each in read.rigid]
+    rows = constraint_matrix(read)
+    balls = rows[np.abs(rows[:, 24:27]).sum(axis=1) > 0]
+    np.testing.assert_allclose(balls[:3, 24:27], np.eye(3))
+    np.testing.assert_allclose(balls[:3] @ rigid_modes(read.nodes), 0, atol=1e-12)
 
 
 def test_weighted_means(deck):

@@ -93,12 +93,13 @@ def test_what_grids_leave_blank_is_that_of_grdset(read):
         np.testing.assert_array_equal(getattr(short, name)[:2], getattr(long, name))
 
 
-def test_on_the_axis_the_angle_counts_as_zero():
-    system = through_points(
-        Coordinates.CYLINDRICAL, np.zeros(3), np.array([0, 0, 1.0]), np.array([1.0, 0, 0])
-    )
+@pytest.mark.parametrize("kind", list(Coordinates))
+def test_on_the_axis_directions_are_those_of_the_rectangular_system(kind):
+    """Nastran takes "the defining rectangular system" there [MSC Quick Reference Guide, CORD2C, CORD2S]."""
+    system = through_points(kind, np.zeros(3), np.array([0, 0, 1.0]), np.array([1.0, 0, 0]))
     assert system is not None
-    np.testing.assert_array_equal(system.directions(np.array([[0.0, 0.0, 5.0]]))[0], np.eye(3))
+    for z in (5.0, -5.0, 0.0):
+        np.testing.assert_array_equal(system.directions(np.array([[0.0, 0.0, z]]))[0], np.eye(3))
 
 
 @pytest.mark.parametrize(

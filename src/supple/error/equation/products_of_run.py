@@ -22,7 +22,7 @@ def few_instants(monomials: Array, smallest: float, most: int) -> NDArray[np.int
     most : int          chosen
     """
     looked = np.unique(np.linspace(0, len(monomials) - 1, CANDIDATES).round().astype(int))
-    R, order = linalg.qr(monomials[looked].T, mode="r", pivoting=True)  # pyright: ignore[reportAssignmentType]
+    R, order = linalg.qr(monomials[looked].T, mode="r", pivoting=True)
     sizes = np.abs(np.diag(R))
     number = min(int(np.sum(sizes > smallest * sizes[0])), most)
     return looked[order[:number]]

@@ -15,10 +15,12 @@ from supple.importers.abaqus.materials import DeckMaterial
 from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
 from supple.importers.keyword_file import fields, numbers
+from supple.mesh import SectionGeometry
 
 __all__ = ["SectionOfBeams", "read_beam_section"]
 
 FloatArray = NDArray[np.float64]
+_OF_SECTIONS = ("CENTROID", "SHEARCENTER", "SECTIONPOINTS")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +53,8 @@ class SectionOfBeams:
                 shape.Iyz,
                 neutral,
                 neutral,
+                geometry=shape.geometry
+                and shape.geometry.moved(-shape.shear_centre[0], -shape.shear_centre[1]),
             ),
         )
 
@@ -128,17 +132,20 @@ def _by_numbers(values: list[float]) -> BeamShape | None:
 
 
 def _with_centres(model: AbaqusModel, placed: ScopedBlock, shape: BeamShape) -> BeamShape:
-    """The shape with the *CENTROID and *SHEAR CENTER that follow its keyword."""
+    """The shape with the *CENTROID, *SHEAR CENTER and *SECTION POINTS that follow its keyword."""
     start = next(i for i, each in enumerate(model.blocks) if each is placed)
-    for each in model.blocks[start + 1 : start + 3]:
-        if each.block.key not in ("CENTROID", "SHEARCENTER") or not each.block.data:
+    for each in model.blocks[start + 1 : start + 4]:
+        if each.block.key not in _OF_SECTIONS or not each.block.data:
             break
-        line, text = each.block.data[0]
-        place = tuple([*numbers(model.file, line, fields(text)), 0.0, 0.0][:2])
+        values = [
+            value for line, text in each.block.data for value in numbers(model.file, line, fields(text))
+        ]
         model.report.read[each.block.name] += 1
-        shape = (
-            replace(shape, centroid=place)
-            if each.block.key == "CENTROID"
-            else replace(shape, shear_centre=place)
-        )
+        if each.block.key == "SECTIONPOINTS":
+            points = SectionGeometry(tuple(zip(values[::2], values[1::2], strict=False)))
+            shape = replace(shape, geometry=points)
+            continue
+        place = tuple([*values, 0.0, 0.0][:2])
+        centre = "centroid" if each.block.key == "CENTROID" else "shear_centre"
+        shape = replace(shape, **{centre: place})
     return shape

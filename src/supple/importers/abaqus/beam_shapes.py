@@ -10,9 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.mesh import SectionGeometry, Wall, circular_section, rectangular_section, walled_section
+
 __all__ = ["BeamShape", "beam_shape"]
 
 FloatArray = NDArray[np.float64]
+_Rectangle = tuple[float, float, float, float, float]
+"""From y, to y, from z, to z, and the sign with which it counts."""
 
 
 @dataclass(frozen=True)
@@ -20,6 +24,7 @@ class BeamShape:
     """area; Iyy, Izz, Iyz = int y^2, z^2, y z dA about the centroid; J; the shear factor of both planes.
 
     centroid, shear_centre : (y, z) from the node;  size : (y, z) extents
+    geometry : from the node; None of a section by numbers
     """
 
     area: float
@@ -31,6 +36,7 @@ class BeamShape:
     centroid: tuple[float, float] = (0.0, 0.0)
     shear_centre: tuple[float, float] = (0.0, 0.0)
     size: tuple[float, float] = (0.0, 0.0)
+    geometry: SectionGeometry | None = None
 
 
 # Shear factors are those of Abaqus (User's Guide, "Choosing a beam element", transverse shear stiffness).
@@ -58,7 +64,8 @@ def beam_shape(kind: str, dimensions: list[float]) -> BeamShape | None:
 
 def _rectangle(a: float, b: float) -> BeamShape:
     b = b or a  # CalculiX takes a square where one side is given
-    return BeamShape(a * b, a**3 * b / 12, a * b**3 / 12, 0.0, _torsion(a, b), _SOLID_RECTANGLE, size=(a, b))
+    shape = BeamShape(a * b, a**3 * b / 12, a * b**3 / 12, 0.0, _torsion(a, b), _SOLID_RECTANGLE, size=(a, b))
+    return replace(shape, geometry=rectangular_section(a, b)) if min(a, b) > 0 else shape
 
 
 def _torsion(a: float, b: float) -> float:
@@ -73,14 +80,30 @@ def _torsion(a: float, b: float) -> float:
 
 def _circle(r: float) -> BeamShape:
     second = np.pi * r**4 / 4
-    return BeamShape(np.pi * r**2, second, second, 0.0, 2 * second, _SOLID_ROUND, size=(2 * r, 2 * r))
+    return BeamShape(
+        np.pi * r**2,
+        second,
+        second,
+        0.0,
+        2 * second,
+        _SOLID_ROUND,
+        size=(2 * r, 2 * r),
+        geometry=circular_section(r),
+    )
 
 
 def _pipe(r: float, t: float) -> BeamShape:
     inner = r - t
     second = np.pi * (r**4 - inner**4) / 4
     return BeamShape(
-        np.pi * (r**2 - inner**2), second, second, 0.0, 2 * second, _THIN_PIPE, size=(2 * r, 2 * r)
+        np.pi * (r**2 - inner**2),
+        second,
+        second,
+        0.0,
+        2 * second,
+        _THIN_PIPE,
+        size=(2 * r, 2 * r),
+        geometry=circular_section(r, inner),
     )
 
 
@@ -98,7 +121,21 @@ def _box(a: float, b: float, t1: float, t2: float, t3: float, t4: float) -> Beam
         return sides
     J = 4 * (width * height) ** 2 / (height / t1 + height / t3 + width / t2 + width / t4)
     J += (height * (t1**3 + t3**3) + width * (t2**3 + t4**3)) / 3
-    return _with(sides, J, sides.centroid)
+    outer, inner = _rim(-a / 2, a / 2, -b / 2, b / 2), _rim(*inner_y, *inner_z)
+    walls = [
+        Wall(y, z, h, w, 1 / (2 * width * height * min(h, w)))
+        for y, z, h, w in (
+            ((a - t1) / 2, 0.0, t1, b),
+            ((t3 - a) / 2, 0.0, t3, b),
+            ((t3 - t1) / 2, (b - t2) / 2, a - t1 - t3, t2),
+            ((t3 - t1) / 2, (t4 - b) / 2, a - t1 - t3, t4),
+        )
+    ]
+    return _with(sides, J, sides.centroid, walled_section(walls, box=(outer, inner)))
+
+
+def _rim(y0: float, y1: float, z0: float, z1: float) -> tuple[tuple[float, float], ...]:
+    return ((y1, z1), (y0, z1), (y0, z0), (y1, z0))
 
 
 def _i_section(below: float, h: float, b1: float, b2: float, t1: float, t2: float, t3: float) -> BeamShape:
@@ -113,7 +150,7 @@ def _i_section(below: float, h: float, b1: float, b2: float, t1: float, t2: floa
     lower, upper = t1 * b1**3, t2 * b2**3
     z = ((bottom + t1 / 2) * lower + (top - t2 / 2) * upper) / (lower + upper) if lower + upper > 0 else 0.0
     J = (b1 * t1**3 + b2 * t2**3 + (h - (t1 + t2) / 2) * t3**3) / 3
-    return _with(shape, J, (0.0, z))
+    return _with(shape, J, (0.0, z), _open(parts, J))
 
 
 def _t_section(b: float, h: float, below: float, tf: float, tw: float) -> BeamShape:
@@ -127,7 +164,18 @@ def _l_section(a: float, b: float, t1: float, t2: float) -> BeamShape:
         (-t2 / 2, t2 / 2, t1 / 2, b - t1 / 2, 1.0),
     ]
     shape = _section(parts, _L, size=(a, b))
-    return _with(shape, ((a - t2 / 2) * t1**3 + (b - t1 / 2) * t2**3) / 3, (0.0, 0.0))
+    J = ((a - t2 / 2) * t1**3 + (b - t1 / 2) * t2**3) / 3
+    return _with(shape, J, (0.0, 0.0), _open(parts, J))
+
+
+def _open(parts: list[_Rectangle], J: float) -> SectionGeometry | None:
+    """Geometry of an open thin-walled section; None where its walls make none."""
+    walls = [
+        Wall((y0 + y1) / 2, (z0 + z1) / 2, y1 - y0, z1 - z0, min(y1 - y0, z1 - z0) / J)
+        for y0, y1, z0, z1, _ in parts
+        if y1 > y0 and z1 > z0
+    ]
+    return walled_section(walls) if walls and J > 0 else None
 
 
 def _trapezoid(a: float, b: float, c: float, d: float) -> BeamShape:
@@ -138,12 +186,12 @@ def _trapezoid(a: float, b: float, c: float, d: float) -> BeamShape:
     Iyy = b * (a + c) * (a**2 + c**2) / 48
     J = area**4 / (40 * (Iyy + Izz)) if Iyy + Izz > 0 else 0.0
     centre = (0.0, z - d)
-    return BeamShape(area, Iyy, Izz, 0.0, J, _TRAPEZOID, centre, centre, (max(a, c), b))
+    around = ((c / 2, b - d), (-c / 2, b - d), (-a / 2, -d), (a / 2, -d))
+    shape = SectionGeometry(around, (), (around,))
+    return BeamShape(area, Iyy, Izz, 0.0, J, _TRAPEZOID, centre, centre, (max(a, c), b), shape)
 
 
-def _section(
-    parts: list[tuple[float, float, float, float, float]], factor: float, *, size: tuple[float, float]
-) -> BeamShape:
+def _section(parts: list[_Rectangle], factor: float, *, size: tuple[float, float]) -> BeamShape:
     """Sum of rectangles (from y, to y, from z, to z, sign), without torsion."""
     y0, y1, z0, z1, sign = np.array(parts).T
     area = sign * (y1 - y0) * (z1 - z0)
@@ -165,8 +213,10 @@ def _section(
     )
 
 
-def _with(shape: BeamShape, J: float, shear_centre: tuple[float, float]) -> BeamShape:
-    return replace(shape, J=J, shear_centre=shear_centre)
+def _with(
+    shape: BeamShape, J: float, shear_centre: tuple[float, float], geometry: SectionGeometry | None
+) -> BeamShape:
+    return replace(shape, J=J, shear_centre=shear_centre, geometry=geometry)
 
 
 _SHAPES = {

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.element_types import Family
-from supple.importers.abaqus.freedoms import Freedoms, Rows, along, rigid_terms
+from supple.importers.abaqus.freedoms import Freedoms, Rows, rigid_terms
 from supple.importers.abaqus.model import AbaqusModel, Surface
+from supple.importers.abaqus.mpc_rows import mpc_rows
 from supple.importers.abaqus.public_names import PublicIds
 from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.keyword_file import fields, numbers
@@ -22,6 +23,7 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 _ALL = (1, 2, 3, 4, 5, 6)
+_MPC_NODES = {"TIE": 2, "PIN": 2, "BEAM": 2, "LINK": 2, "LINEAR": 3, "SLIDER": 3, "QUADRATIC": 4}
 
 
 @dataclass(eq=False)
@@ -149,28 +151,25 @@ def _mpcs(
             words += fields(data[i][1])
             i += 1
         nodes = [model.nodes_of(placed.scope, word, line, "*MPC") for word in words[1:] if word]
-        pairs = _pairs(nodes)
-        if kind not in ("TIE", "PIN", "BEAM", "LINK") or pairs is None:
+        groups = _groups(nodes, _MPC_NODES.get(kind, 0))
+        if groups is None:
             model.report.leave_out(f"*MPC, {kind}", line, "its nodes are not tied")
             continue
-        for first, second in pairs:
-            span = model.positions[first] - model.positions[second]
+        for first, *others in groups:
             if kind == "BEAM":
+                (second,) = others
                 _add_rigid(found, f"mpc_{ids.nodes[second]}", second, np.array([first]), line, freedoms)
-            elif kind == "LINK":
-                if np.linalg.norm(span) > 0:
-                    found.rows.add(along(second, first, span / np.linalg.norm(span)), line)
             else:
-                for component in range(6 if kind == "TIE" else 3):
-                    terms = [(6 * first + component, 1.0), (6 * second + component, -1.0)]
-                    found.rows.add(terms, line, dependent=6 * first + component)
+                for terms, dependent in mpc_rows(kind, first, others, model.positions):
+                    found.rows.add(terms, line, dependent=dependent)
 
 
-def _pairs(nodes: list[IntArray]) -> list[tuple[int, int]] | None:
-    """Nodes of two sets one by one, or all of the first with the only one of the second."""
-    if len(nodes) != 2 or not len(nodes[1]) or len(nodes[1]) not in (1, len(nodes[0])):
+def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
+    """Nodes of n sets one by one, or all of the first with the only ones of the others."""
+    count = len(nodes[0]) if nodes else 0
+    if not n or len(nodes) != n or any(len(each) not in (1, count) or not len(each) for each in nodes[1:]):
         return None
-    return list(zip(nodes[0].tolist(), np.broadcast_to(nodes[1], len(nodes[0])).tolist(), strict=True))
+    return np.stack([np.broadcast_to(each, count) for each in nodes], axis=1).tolist()
 
 
 # --- rigid bodies

@@ -13,7 +13,16 @@ from numpy.typing import NDArray
 from supple.importers.quadrilateral import split_quadratic_surfaces, split_quadrilaterals
 from supple.mesh import CellType
 
-__all__ = ["CELL_FAMILIES", "ElementType", "Family", "cells_of", "element_type", "face_nodes", "free_faces"]
+__all__ = [
+    "CELLS",
+    "CELL_FAMILIES",
+    "ElementType",
+    "Family",
+    "cells_of",
+    "element_type",
+    "face_nodes",
+    "free_faces",
+]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -75,7 +84,7 @@ _PATTERNS: tuple[tuple[str, Family, dict[str, int]], ...] = (
     (r"SFM3D([3468])R?|R3D([34])|RB3D(2)|(DCOUP3D)", Family.CARRIER, _WORDS),
 )
 
-_CELLS = {
+CELLS = {
     4: "TETRA4", 5: "PYRAMID5", 6: "WEDGE6", 8: "HEXA8", 10: "TETRA10", 13: "PYRAMID13", 15: "WEDGE15",
     20: "HEXA20", 27: "HEXA20",
 }  # fmt: skip
@@ -157,7 +166,7 @@ def _cells_of_one_kind(
     kind: ElementType, nodes: IntArray, positions: FloatArray
 ) -> tuple[CellType, IntArray, IntArray]:
     if kind.family is Family.SOLID:
-        cell = CellType[_CELLS[kind.n_nodes]]
+        cell = CellType[CELLS[kind.n_nodes]]
         return cell, nodes[:, : cell.n_nodes], np.arange(len(nodes))
     if kind.family in (Family.BEAM, Family.ROD):
         pairs = np.array([[0, 1]] if kind.n_nodes == 2 else [[0, 1], [1, 2]])
@@ -199,7 +208,7 @@ def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
 
 def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
     """A face with its mid-edge nodes."""
-    cell = CellType[_CELLS[kind.n_nodes]]
+    cell = CellType[CELLS[kind.n_nodes]]
     if cell.n_nodes == cell.n_corners:
         return corners
     middle = {frozenset(edge): cell.n_corners + i for i, edge in enumerate(cell.edges)}

@@ -12,7 +12,7 @@ from supple.importers.abaqus.orientation import cylindrical_axes
 from supple.importers.deck import ScalarTerms
 from supple.importers.keyword_file import fields, numbers
 
-__all__ = ["Freedoms", "Rows"]
+__all__ = ["Freedoms", "Rows", "Terms", "along", "rigid_terms"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]

@@ -59,7 +59,6 @@ LEFT_OUT = {
     "NORMAL": "normals of shells and beams are those of their elements",
     "REBAR": "stiffness and mass of the bars are missing",
     "REBARLAYER": "stiffness and mass of the bars are missing",
-    "RELEASE": "ends of beams are fixed to their nodes",
     "SHELLTOSOLIDCOUPLING": "shells and solids are not joined there",
     "SUBSTRUCTUREPROPERTY": "the substructure is missing; import its matrices",
     "TRANSVERSESHEARSTIFFNESS": "the transverse shear stiffness is that of the material",

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.element_block import ElementBlock
 from supple.importers.abaqus.element_types import Family
 from supple.importers.abaqus.freedoms import Freedoms, Rows, along
-from supple.importers.abaqus.model import AbaqusModel, ElementBlock
+from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.abaqus.orientation import Orientation
 from supple.importers.deck import NodalMatrix, ScalarTerms
 from supple.importers.keyword_file import fields, numbers
@@ -53,10 +54,10 @@ def read_masses(
         name = placed.block.options.get("ORIENTATION", "").upper()
         if name:
             orientation = orientations.get((placed.scope, name)) or orientations.get((0, name))
-            if orientation is None:
+            if orientation is None or orientation.distributed:
                 model.report.leave_out_block(placed.block, f"its axes '{name}' are the global ones")
             else:
-                axes = orientation.axes(np.zeros((1, 3)))[0]
+                axes = orientation.axes(np.zeros((1, 3)), np.array([-1]))[0]
         turned = axes @ given @ axes.T
         for block, places in _elements(model, placed, Family.ROTARY_INERTIA):
             matrices += [

@@ -10,39 +10,19 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.assembly import Scope, ScopedBlock, scoped_blocks
+from supple.importers.abaqus.element_block import ElementBlock, Labels
 from supple.importers.abaqus.element_types import ElementType, Family, element_type, face_nodes, free_faces
-from supple.importers.abaqus.nodes import NODE_KEYWORDS, most_generated, read_nodes
+from supple.importers.abaqus.generated_elements import copied_elements, generated_elements
+from supple.importers.abaqus.nodes import NODE_KEYWORDS, plain_ids, read_nodes
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import IntegerRows, KeywordFile, fields, integers
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
-__all__ = ["AbaqusModel", "ElementBlock", "Surface", "read_model"]
+__all__ = ["AbaqusModel", "Surface", "read_model"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class ElementBlock:
-    """Elements of one *ELEMENT: ids, node numbers (E, n), lines; `first`: the number of its first element.
-
-    axis_nodes : (E,) of beams, a node towards which their first axis points; None where it is not given
-    """
-
-    type: ElementType
-    scope: int
-    first: int
-    ids: IntArray
-    nodes: IntArray
-    lines: IntArray
-    set_name: str | None = None
-    axis_nodes: IntArray | None = None
-
-    @property
-    def numbers(self) -> IntArray:
-        """Numbers of its elements, counted through the whole file."""
-        return self.first + np.arange(len(self.ids))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,32 +35,6 @@ class Surface:
     name: str
     faces: tuple[IntArray, ...]
     nodes: IntArray
-
-
-@dataclass(frozen=True, eq=False)
-class Labels:
-    """Numbers of what has ids within scopes."""
-
-    scopes: IntArray
-    ids: IntArray
-    _sorted: dict[int, tuple[IntArray, IntArray]] = field(default_factory=dict)
-
-    def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-        """Numbers of ids in a scope, and whether they are there."""
-        # Files look up line by line: ids are sorted once.
-        if scope not in self._sorted:
-            mine = self.of(scope)
-            mine = mine[np.argsort(self.ids[mine], kind="stable")]
-            self._sorted[scope] = mine, self.ids[mine]
-        mine, known = self._sorted[scope]
-        if not len(mine):
-            return np.zeros(ids.shape, dtype=np.int64), np.zeros(ids.shape, dtype=bool)
-        place = np.minimum(np.searchsorted(known, ids), len(known) - 1)
-        return mine[place], known[place] == ids
-
-    def of(self, scope: int) -> IntArray:
-        """Numbers of all in a scope."""
-        return np.flatnonzero(self.scopes == scope)
 
 
 @dataclass(eq=False)
@@ -231,13 +185,15 @@ def _read_elements(model: AbaqusModel) -> None:
     file, found = model.file, list[ElementBlock]()
     for placed in model.named("ELEMENT", "ELGEN", "ELCOPY"):
         block = placed.block
-        if block.key == "ELCOPY" or {"INPUT", "FILE", "OFFSET"} & block.options.keys():
+        if {"INPUT", "FILE", "OFFSET"} & block.options.keys():
             raise file.error(
                 block.line, f"*{block.name} of that kind is not supported; write out what it makes"
             )
         kind = element_type(block.options.get("TYPE", "").upper())
         if block.key == "ELGEN":
-            made = _generated_elements(model, placed, found)
+            made = generated_elements(file, model.nodes, placed, found)
+        elif block.key == "ELCOPY":
+            made = copied_elements(file, model.nodes, placed, found, _listed_elements(model, placed))
         elif kind.family is Family.UNKNOWN:
             model.report.leave_out(
                 f"*ELEMENT, TYPE={kind.name}",
@@ -261,6 +217,21 @@ def _read_elements(model: AbaqusModel) -> None:
         raise ImportFormatError(
             f"{file.path}: no elements below an *ELEMENT; is this a mesh file, and whole?"
         )
+
+
+def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
+    """Ids that the *ELSETs above a *ELCOPY list of its old set, before elements are numbered."""
+    name = copied.block.options.get("OLDSET", "").upper()
+    found = [np.empty(0, dtype=np.int64)]
+    for placed in model.blocks:
+        if placed is copied:
+            break
+        block = placed.block
+        if (block.key, placed.scope) == ("ELSET", copied.scope) and block.options.get(
+            "ELSET", ""
+        ).upper() == name:
+            found.append(plain_ids(block))
+    return np.concatenate(found)
 
 
 def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
@@ -348,39 +319,6 @@ def _rows_of_elements(
         starts = np.array(kept)
         values = values[starts[:, None] + np.arange(width)].ravel()
     return values, lines[starts]
-
-
-def _generated_elements(
-    model: AbaqusModel, placed: ScopedBlock, earlier: list[ElementBlock]
-) -> list[ElementBlock]:
-    """Elements of *ELGEN: a master, then up to three times a count and steps of its nodes and of its id."""
-    file, found = model.file, list[ElementBlock]()
-    for line, text in placed.block.data:
-        words = fields(text)
-        if not all(map(is_plain_digits, filter(None, words))):
-            raise file.error(line, f"*ELGEN takes whole numbers; '{text[:40]}' is not that")
-        master, *rest = [int(word or 1) for word in words]
-        source = next((b for b in earlier if b.scope == placed.scope and master in b.ids), None)
-        if source is None:
-            raise file.error(line, f"*ELGEN starts from element {master}, which is not above it")
-        nodes = model.nodes.ids[source.nodes[source.ids == master]]
-        ids = np.array([master])
-        steps = [[*rest[i : i + 3], 1, 1][:3] for i in range(0, len(rest), 3)]
-        most_generated(file, line, int(np.prod([float(step[0]) for step in steps])))
-        for count, node_step, id_step in steps:
-            k = np.arange(count)
-            nodes = (nodes + node_step * k[:, None, None]).reshape(-1, nodes.shape[1])
-            ids = (ids + id_step * k[:, None]).ravel()
-        numbers, known = model.nodes.numbers(placed.scope, nodes[1:])
-        if not known.all():
-            raise file.error(
-                line,
-                f"*ELGEN makes an element with node {nodes[1:][~known][0]}, which the file does not define",
-            )
-        lines = np.full(len(ids) - 1, line)
-        name = placed.block.options.get("ELSET")
-        found.append(ElementBlock(source.type, placed.scope, 0, ids[1:], numbers, lines, name))
-    return found
 
 
 def _last_definitions(report: Report, what: str, labels: Labels, lines: IntArray) -> NDArray[np.bool_]:

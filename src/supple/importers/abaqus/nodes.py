@@ -13,7 +13,7 @@ from supple.importers.keyword_file import KeywordBlock, KeywordFile, fields, num
 from supple.importers.numbering import numbers_of
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["NODE_KEYWORDS", "NodesFound", "most_generated", "read_nodes"]
+__all__ = ["NODE_KEYWORDS", "NodesFound", "most_generated", "plain_ids", "read_nodes"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -43,7 +43,7 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
 
     Raises
     ------
-    ImportFormatError   words for numbers; *NMAP; generation with a bias; copies about a pole
+    ImportFormatError   words for numbers; *NMAP; generation with a bias
     """
     parts: list[tuple[int, IntArray, FloatArray, IntArray]] = []
     sets: dict[tuple[int, str], IntArray] = {}
@@ -65,7 +65,7 @@ def read_nodes(file: KeywordFile, scopes: tuple[Scope, ...], blocks: tuple[Scope
             else:
                 known = [part for part in parts if part[0] == scope]
                 # *NFILL names sets before nodes are numbered.
-                ends = {name: _plain_ids(each) for (at, name), each in listed.items() if at == scope}
+                ends = {name: plain_ids(each) for (at, name), each in listed.items() if at == scope}
                 ends |= {name: each for (at, name), each in sets.items() if at == scope}
                 make = _copied if block.key == "NCOPY" else _generated
                 ids, positions, lines, bounds = make(file, block, known, ends)
@@ -214,7 +214,10 @@ def _copied(
     parts: list[tuple[int, IntArray, FloatArray, IntArray]],
     sets: dict[str, IntArray],
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
-    """Nodes of *NCOPY: those of a set, shifted and turned (MULTIPLE times), or reflected; as `_generated`."""
+    """Nodes of *NCOPY: those of a set, shifted and turned (MULTIPLE times), or reflected; as `_generated`.
+
+    From a POLE p, a node or a place, each lies as far behind the old one as this from the pole: 2 x - p.
+    """
     options, line = block.options, block.line
     old = sets.get(options.get("OLDSET", "").upper(), np.empty(0, dtype=np.int64))
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(part[1] for part in parts)])
@@ -229,6 +232,14 @@ def _copied(
     if "SHIFT" in options:
         turn, shift, count = _rotation(values[1]), a, options.get("MULTIPLE", "1")
         pivot = values[1, :3]
+    elif "POLE" in options:
+        node = int(values[0, 0])
+        at, known = numbers_of(ids, np.array([node]))
+        if node and not known[0]:
+            raise file.error(line, f"*NCOPY, POLE starts from node {node}, which is not above it")
+        pole = positions[at[0]] if node else values[0, 1:4]
+        made = old + int(change)
+        return made, 2 * positions[place] - pole, np.full(len(made), line), old[:0]
     else:
         pivot, shift, count = a, np.zeros(3), "1"
         match options.get("REFLECT", "").upper():
@@ -239,7 +250,7 @@ def _copied(
             case "MIRROR":
                 turn = np.eye(3) - 2 * _projector(np.cross(b - a, c - a))
             case _:
-                raise file.error(line, "*NCOPY takes SHIFT or REFLECT=LINE, MIRROR, POINT; write out others")
+                raise file.error(line, "*NCOPY takes SHIFT, POLE or REFLECT=LINE, MIRROR, POINT; correct it")
     if not is_plain_digits(count) or not np.isfinite(turn).all():
         raise file.error(line, "*NCOPY: its points give no axis, or MULTIPLE is no number; correct them")
     most_generated(file, line, int(count) * len(old))
@@ -266,7 +277,7 @@ def _projector(direction: FloatArray) -> FloatArray:
         return np.outer(direction, direction) / (direction @ direction)
 
 
-def _plain_ids(block: KeywordBlock) -> IntArray:
+def plain_ids(block: KeywordBlock) -> IntArray:
     """Ids of a set that lists or generates them; other members and unreasonable ranges are left out."""
     found: list[IntArray] = []
     for _, text in block.data:

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.keywords import LEFT_OUT
 from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.keyword_file import fields, numbers
 
 __all__ = ["Orientation", "cylindrical_axes", "read_orientations"]
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Orientation:
-    """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : turn about a local axis"""
+    """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : turn about a local axis
+
+    distributed : element numbers and what holds for them instead (*DISTRIBUTION), the last one
+    """
 
     system: str
     a: FloatArray
@@ -27,9 +34,17 @@ class Orientation:
     c: FloatArray
     axis: int = 0
     angle: float = 0.0
+    distributed: tuple[tuple[IntArray, Orientation], ...] = ()
 
-    def axes(self, places: FloatArray) -> FloatArray:
-        """Axes of the material as columns (n, 3, 3) at places (n, 3)."""
+    def axes(self, places: FloatArray, elements: IntArray) -> FloatArray:
+        """Axes of the material as columns (n, 3, 3) at places (n, 3) of elements (n,) by their numbers."""
+        found = np.array(self._axes(places))
+        for members, own in self.distributed:
+            mine = np.isin(elements, members)
+            found[mine] = own._axes(places[mine])
+        return found
+
+    def _axes(self, places: FloatArray) -> FloatArray:
         if self.system == "C":
             axes = cylindrical_axes(self.a, self.b, places)
         elif self.system == "S":
@@ -50,10 +65,10 @@ class Orientation:
         turn: FloatArray = Rotation.from_rotvec(self.angle * np.eye(3)[self.axis - 1]).as_matrix()
         return np.asarray(axes @ turn, dtype=np.float64)
 
-    def shell_directions(self, places: FloatArray) -> FloatArray:
+    def shell_directions(self, places: FloatArray, elements: IntArray) -> FloatArray:
         """First in-plane directions (n, 3) before projection: of the axis after the one along the normal."""
         normal = self.axis or 3
-        return self.axes(places)[:, :, normal % 3]
+        return self.axes(places, elements)[:, :, normal % 3]
 
 
 def cylindrical_axes(a: FloatArray, b: FloatArray, places: FloatArray) -> FloatArray:
@@ -80,11 +95,12 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
     ImportFormatError   words for numbers; points on a line
     """
     found: dict[tuple[int, str], Orientation] = {}
-    distributions = {
-        each.block.options.get("NAME", "").upper()
+    given = {
+        each.block.options.get("NAME", "").upper(): each
         for each in model.blocks
-        if each.block.key == "DISTRIBUTION"
+        if each.block.key == "DISTRIBUTION" and not each.step
     }
+    used: set[str] = set()
     for placed in model.named("ORIENTATION"):
         block = placed.block
         name = block.options.get("NAME", "")
@@ -93,20 +109,65 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
         if definition not in ("COORDINATES", "OFFSETTONODES") or system not in "RCSZ" or not block.data:
             model.report.leave_out_block(block, f"axes '{name}' of materials are not of a kind that is read")
             continue
-        line, text = block.data[0]
-        if fields(text)[0].upper() in distributions:
-            model.report.leave_out_block(block, f"axes '{name}' of materials follow a distribution")
+        rows = list(block.data)
+        turn = fields(rows[1][1]) if len(rows) > 1 else []
+        if len(turn) > 1 and turn[1].upper() in given:
+            model.report.leave_out_block(block, f"angles of axes '{name}' follow a distribution")
             continue
-        values = [*numbers(model.file, line, fields(text)), *9 * [0.0]][:9]
-        points = np.array(values).reshape(3, 3)
-        turn = numbers(model.file, block.data[1][0], fields(block.data[1][1])) if len(block.data) > 1 else []
-        scope = model.scopes[placed.scope]
-        a, b, c = (points @ scope.rotation.T) + scope.shift
-        if not np.linalg.norm(np.cross(a - c, b - c) if system in "RZ" else b - a) > 0:
-            raise model.file.error(line, f"*ORIENTATION, NAME={name}: its points give no axes; correct them")
-        axis, angle = int(turn[0]) if turn else 0, np.radians([*turn, 0.0, 0.0][1])
-        found[placed.scope, name.upper()] = Orientation(system, a, b, c, axis if 1 <= axis <= 3 else 0, angle)
+        values = numbers(model.file, rows[1][0], turn) if turn else []
+        axis, angle = int(values[0]) if values else 0, np.radians([*values, 0.0, 0.0][1])
+        by_points = partial(_by_points, model, name, system, axis if 1 <= axis <= 3 else 0, angle)
+        line, text = rows[0]
+        distribution = given.get(fields(text)[0].upper())
+        if distribution is None:
+            found[placed.scope, name.upper()] = by_points(placed.scope, line, fields(text))
+        else:
+            used.add(fields(text)[0].upper())
+            found[placed.scope, name.upper()] = _distributed(model, distribution, by_points)
+    for name, placed in given.items() if used else ():
+        if name in used:
+            model.report.read[placed.block.name] += 1
+        else:
+            model.report.leave_out_block(placed.block, LEFT_OUT["DISTRIBUTION"])
     return found
+
+
+def _distributed(
+    model: AbaqusModel, placed: ScopedBlock, by_points: Callable[[int, int, list[str]], Orientation]
+) -> Orientation:
+    """Axes by lines of an element or set and its points; those of the line that names none elsewhere."""
+    whole, parts = None, []
+    for line, text in placed.block.data:
+        word, *rest = fields(text)
+        own = by_points(placed.scope, line, rest)
+        if word:
+            parts.append((model.elements_of(placed.scope, word, line, "*DISTRIBUTION"), own))
+        else:
+            whole = own
+    if whole is None:
+        raise model.file.error(
+            placed.block.line,
+            "*DISTRIBUTION without a line of values for all other elements; add it",
+        )
+    return replace(whole, distributed=tuple(parts))
+
+
+def _by_points(
+    model: AbaqusModel,
+    name: str,
+    system: str,
+    axis: int,
+    angle: float,
+    scope: int,
+    line: int,
+    words: list[str],
+) -> Orientation:
+    """Axes by the coordinates of two points, or three."""
+    points = np.array([*numbers(model.file, line, words), *9 * [0.0]][:9]).reshape(3, 3)
+    a, b, c = (points @ model.scopes[scope].rotation.T) + model.scopes[scope].shift
+    if not np.linalg.norm(np.cross(a - c, b - c) if system in "RZ" else b - a) > 0:
+        raise model.file.error(line, f"*ORIENTATION, NAME={name}: its points give no axes; correct them")
+    return Orientation(system, a, b, c, axis, angle)
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.beam_sections import SectionOfBeams, read_beam_section
+from supple.importers.abaqus.element_block import ElementBlock
 from supple.importers.abaqus.element_types import CELL_FAMILIES, Family, cells_of
 from supple.importers.abaqus.materials import DeckMaterial, read_materials
-from supple.importers.abaqus.model import AbaqusModel, ElementBlock
+from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.abaqus.orientation import Orientation
 from supple.importers.abaqus.public_names import PublicIds, public_name
+from supple.importers.abaqus.releases import read_releases, released_ends
 from supple.importers.abaqus.walls import SectionOfShells, read_shell_section
 from supple.importers.deck import (
     AnisotropicMaterial,
@@ -32,6 +34,7 @@ __all__ = ["read_elements"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +85,7 @@ def read_elements(
         section_of[members] = len(sections)
         key = public_name(model, placed.scope, name, model.element_sets)
         sections.append((key, _section(model, placed, materials, orientations)))
-    builder = _Builder(model, ids)
+    builder = _Builder(model, ids, read_releases(model))
     of_solids = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:
         if block.type.family is Family.SOLID:
@@ -156,8 +159,8 @@ def _section(
 class _Builder:
     """Elements and properties of a deck as they are found."""
 
-    def __init__(self, model: AbaqusModel, ids: PublicIds) -> None:
-        self._model, self._ids = model, ids
+    def __init__(self, model: AbaqusModel, ids: PublicIds, releases: BoolArray | None) -> None:
+        self._model, self._ids, self._releases = model, ids, releases
         self._lines = np.array([number for _, number, _ in model.file.lines], dtype=np.int64)
         self.elements: list[DeckElements] = []
         self.properties: dict[str, Property] = {}
@@ -177,17 +180,25 @@ class _Builder:
         element: IntArray,
     ) -> None:
         positions = self._model.positions
-        corners = positions[cells]
+        corners, numbers = positions[cells], block.first + element
         match section:
             case SectionOfShells():
                 for name, made, mine in section.properties(key, cells, block.type):
-                    along = section.directions(corners[mine]) if section.has_directions else None
+                    along = (
+                        section.directions(corners[mine], numbers[mine]) if section.has_directions else None
+                    )
                     self._append(name, made, block, kind, cells[mine], element[mine], directions=along)
             case SectionOfBeams():
                 axis_nodes = None if block.axis_nodes is None else positions[block.axis_nodes[element]]
                 along, offsets = section.directions_and_offsets(corners, axis_nodes)
                 made = section.property_of(block.type)
-                self._append(key, made, block, kind, cells, element, directions=along, offsets=offsets)
+                released = released_ends(self._releases, block.first + element)
+                self._append(
+                    *(key, made, block, kind, cells, element),
+                    directions=along,
+                    offsets=offsets,
+                    released=released,
+                )
             case SectionOfSolids() if block.type.family is Family.ROD:
                 if isinstance(section.material, IsotropicMaterial):
                     made_of = section.material
@@ -203,7 +214,7 @@ class _Builder:
             case SectionOfSolids():
                 axes = None
                 if section.orientation is not None and isinstance(section.material, AnisotropicMaterial):
-                    axes = section.orientation.axes(corners.mean(axis=1))
+                    axes = section.orientation.axes(corners.mean(axis=1), numbers)
                 self._append(
                     key, SolidProperty(section.material), block, kind, cells, element, directions=axes
                 )
@@ -219,6 +230,7 @@ class _Builder:
         *,
         directions: FloatArray | None = None,
         offsets: FloatArray | None = None,
+        released: BoolArray | None = None,
     ) -> None:
         name = self._key(key, made)
         self.elements.append(
@@ -231,6 +243,7 @@ class _Builder:
                 name,
                 directions,
                 offsets,
+                released,
                 reduced=block.type.name.startswith("C3D20R"),
                 incompatible=_incompatible(block),
             )

@@ -65,13 +65,13 @@ class SectionOfShells:
             name = key if len(values) == 1 else f"{key} t={thickness:.6g}"
             yield name, self._property(thickness, kind), np.flatnonzero(which == i)
 
-    def directions(self, corners: FloatArray) -> FloatArray:
+    def directions(self, corners: FloatArray, elements: IntArray) -> FloatArray:
         """First directions (C, 3) of cells with corners (C, 3, 3) before projection; by default global x.
 
         Where the wall's normal is the global x within 0.1 degrees, the global z, as both programs have it.
         """
         if self.orientation is not None:
-            return self.orientation.shell_directions(corners.mean(axis=1))
+            return self.orientation.shell_directions(corners.mean(axis=1), elements)
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         along = np.abs(normals[:, 0]) >= _ALONG_NORMAL * np.linalg.norm(normals, axis=1)
         return np.where(along[:, None], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
@@ -191,14 +191,14 @@ def _plies(
 
 def _turn(first: Orientation | None, other: Orientation | None) -> float | None:
     """Angle of the other's first direction from the first's about their common normal, at the origin."""
-    if first is None or other is None:
+    if first is None or other is None or first.distributed or other.distributed:
         return None
-    place = np.array([[1.0, 2.0, 3.0]])
-    a, b = first.axes(place)[0], other.axes(place)[0]
+    place, nowhere = np.array([[1.0, 2.0, 3.0]]), np.array([-1])
+    a, b = first.axes(place, nowhere)[0], other.axes(place, nowhere)[0]
     normal = (first.axis or 3) - 1
     if not np.allclose(a[:, normal], b[:, (other.axis or 3) - 1], atol=1e-6):
         return None
-    x, other_x = a[:, (normal + 1) % 3], other.shell_directions(place)[0]
+    x, other_x = a[:, (normal + 1) % 3], other.shell_directions(place, nowhere)[0]
     return float(np.arctan2(np.cross(x, other_x) @ a[:, normal], x @ other_x))
 
 

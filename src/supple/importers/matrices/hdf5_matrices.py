@@ -82,7 +82,7 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
                 f"{path}: /freedoms has shape {freedoms.shape}; write (n, 2): node id, component"
             )
         data = array_of(file, path, f"{role.label}/data", np.float64)
-        is_single = file[f"{role.label}/data"].dtype == np.float32  # pyright: ignore[reportAttributeAccessIssue]
+        is_single = file[f"{role.label}/data"].dtype == np.float32
         indices, indptr = (
             array_of(file, path, f"{role.label}/{part}", np.int64) for part in ("indices", "indptr")
         )

@@ -23,7 +23,8 @@ FloatArray = NDArray[np.float64]
 
 _CARD_NAME = re.compile(r"[A-Z][A-Z0-9]{0,7}$")
 _EXPONENT_WITHOUT_E = re.compile(r"([+-]?[0-9]*\.?[0-9]*)([+-][0-9]+)$")
-_BEGIN = re.compile(r"\s*BEGIN\b[\s,]*(?:BULK\b)?[\s,]*(?:([A-Z]+)\s*=\s*(\w+))?", re.IGNORECASE)
+_BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
+_PART = re.compile(r"\b([A-Z]+)\s*=\s*(\w+)", re.IGNORECASE)
 _INCLUDE = re.compile(r"\s*INCLUDE\b\s*(.*)", re.IGNORECASE)
 _PARAM_ABOVE = re.compile(r"\s*PARAM\s*,", re.IGNORECASE)
 _END = re.compile(r"\s*ENDDATA", re.IGNORECASE)
@@ -181,7 +182,7 @@ def _quick_real(word: str) -> float:
     return value
 
 
-def read_bulk_data(path: str | Path) -> BulkFile:
+def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> BulkFile:
     """Cards of a Nastran file: from BEGIN BULK to ENDDATA, or the whole file where it has neither.
 
     A PARAM may stand above BEGIN BULK, too, among the cards of case control. What follows ENDDATA is no
@@ -191,20 +192,21 @@ def read_bulk_data(path: str | Path) -> BulkFile:
     replication (=, ==, *(x), =n) are understood. A continuation stands right below the line it continues, or
     anywhere with the label which that line announces.
 
+    absent : collects the INCLUDE of files that are not there; without it they are an error
+
     Raises
     ------
     ImportFormatError   missing or binary file, or one that includes itself; what is no card; a continuation
                         of nothing
     """
     path = Path(path)
-    above, sections, ended = _sections(path)
+    above, sections, ended = _sections(path, absent)
     main = [line for line in above if _PARAM_ABOVE.match(line[2])]
-    parts: dict[tuple[str, str], BulkFile] = {}
+    of_parts: dict[tuple[str, str], list[RawLine]] = {}
     for kind, name, lines in sections:
-        if not kind:
-            main += lines
-        else:
-            parts[kind, name] = BulkFile(path, tuple(_cards(lines)))
+        into = of_parts.setdefault((kind, name), []) if kind else main
+        into += lines
+    parts = {name: BulkFile(path, tuple(_cards(lines))) for name, lines in of_parts.items()}
     return BulkFile(path, tuple(_cards(main)), tuple(text for _, _, text in above), parts, ended)
 
 
@@ -395,10 +397,12 @@ def _name_of(text: str) -> str:
     return text[:8].partition(" ")[0].rstrip("*").upper()
 
 
-def _sections(path: Path) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
+def _sections(
+    path: Path, absent: list[BulkCard] | None
+) -> tuple[list[RawLine], list[tuple[str, str, list[RawLine]]], bool]:
     """Lines above the cards; lines of cards by kind and name of their part; whether ENDDATA ends them."""
     inclusions = Inclusions("export the model as text (.bdf)")
-    lines = _meaning(path, path.parent, inclusions.lines(path), inclusions, 0)
+    lines = _meaning(path, path.parent, inclusions.lines(path), inclusions, absent, 0)
     last = next((i for i, (_, _, text) in enumerate(lines) if _END.match(text)), len(lines))
     ended, lines = last < len(lines), lines[:last]
     starts = [i for i, (_, _, text) in enumerate(lines) if _BEGIN.match(text)]
@@ -407,13 +411,21 @@ def _sections(path: Path) -> tuple[list[RawLine], list[tuple[str, str, list[RawL
     if not starts:
         return above, [("", "", lines)], ended
     for start, stop in zip(starts, [*starts[1:], len(lines)], strict=True):
-        match = _BEGIN.match(lines[start][2])
-        kind, name = ((match[1] or "").upper(), (match[2] or "").upper()) if match else ("", "")
-        found.append((kind, name, lines[start + 1 : stop]))
+        named = {kind: name for kind, name in _PART.findall(lines[start][2].upper())}
+        # SUPER = 1 MASSID = 300 is a case of mass of a part, not the part.
+        kind = "MASSID" if "MASSID" in named else next(iter(named), "")
+        found.append((kind, named.get(kind, ""), lines[start + 1 : stop]))
     return above, found, ended
 
 
-def _meaning(path: Path, main: Path, read: list[str], inclusions: Inclusions, depth: int) -> list[RawLine]:
+def _meaning(
+    path: Path,
+    main: Path,
+    read: list[str],
+    inclusions: Inclusions,
+    absent: list[BulkCard] | None,
+    depth: int,
+) -> list[RawLine]:
     """Lines without comments and blank ones, with those of included files in place."""
     found: list[RawLine] = []
     lines = enumerate(read, start=1)
@@ -435,8 +447,11 @@ def _meaning(path: Path, main: Path, read: list[str], inclusions: Inclusions, de
         target = included_file(name.strip("'\" "), path.parent, main)
         if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
             continue  # executive or case control, which describes no body
+        if absent is not None and not is_file(target):
+            absent.append(BulkCard("INCLUDE", (str(target),), path, number))
+            continue
         below = inclusions.included(path, number, target, depth + 1)
-        found += _meaning(target, main, below, inclusions, depth + 1)
+        found += _meaning(target, main, below, inclusions, absent, depth + 1)
     return found
 
 

@@ -11,6 +11,8 @@ from supple.importers.plain_number import is_plain_digits
 __all__ = ["CaseControl", "read_case_control"]
 
 _COMMAND = re.compile(r"\s*([A-Z][A-Z0-9]*)\s*(?:\([^)]*\))?\s*=\s*(.+?)\s*$", re.IGNORECASE)
+_TEMPERATURE = re.compile(r"\s*TEMP(?:E[A-Z]*)?\s*(?:\((?!LOAD)[^)]*\))?\s*=\s*(\d+)", re.IGNORECASE)
+_SUBCASE = re.compile(r"\s*SUBCASE\b", re.IGNORECASE)
 _OF_THE_BODY = ("SPC", "MPC", "NSM", "K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2PP")
 
 
@@ -21,11 +23,13 @@ class CaseControl:
     present : whether there is any
     chosen  : {command: value as written, in upper case}
     varied  : commands of which a later subcase selects something else
+    temperature : the set of temperatures at which materials are taken; empty where there is none
     """
 
     present: bool
     chosen: Mapping[str, str]
     varied: tuple[str, ...]
+    temperature: str = ""
 
     def number(self, command: str) -> int | None:
         """The set a command selects; None where it selects none."""
@@ -38,13 +42,21 @@ def read_case_control(above: Sequence[str]) -> CaseControl:
     chosen: dict[str, str] = {}
     varied: dict[str, None] = {}
     after_cend = False
+    subcases = 0
+    own: set[str] = set()
     for text in above:
+        subcases += _SUBCASE.match(text) is not None
         after_cend = after_cend or text.strip().upper() == "CEND"
         match = _COMMAND.match(text)
         command = match[1].upper() if match else ""
         if not match or command not in _OF_THE_BODY:
             continue
         value = match[2].upper()
+        if subcases == 1 and command not in own:  # holds in place of what stands above all subcases
+            own.add(command)
+            chosen[command] = value
         if chosen.setdefault(command, value) != value:
             varied[command] = None
-    return CaseControl(after_cend or bool(chosen), chosen, tuple(varied))
+    heated = (match for text in above if (match := _TEMPERATURE.match(text)))
+    temperature = next((match[1] for match in heated), "")
+    return CaseControl(after_cend or bool(chosen), chosen, tuple(varied), temperature)

@@ -355,6 +355,9 @@ def read_shells(
 
 _PLAIN = WallOptions()
 
+FLAT = 1e-12
+"""Of the area of a quadrilateral: less is rounding, and no warp."""
+
 
 def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:
     """What an element says of its wall; None where nothing, as most do."""
@@ -392,7 +395,20 @@ def _shell_cells(
     if not isinstance(made, ShellProperty):
         directions = _material_directions(cards, shell, corners, reading)[of_card]
     ids, lines = integers(cards, 0, "the element id"), np.array([card.line for card in cards])
-    return DeckElements(name, CellType.TRIANGLE3, cells, ids[of_card], lines[of_card], of, directions)
+    share = _mass_share(positions, corners)[of_card] if shell.corners == 4 and not shell.middles else None
+    return DeckElements(
+        *(name, CellType.TRIANGLE3, cells, ids[of_card], lines[of_card], of, directions),
+        mass_share=None if share is None or (share == 1).all() else share,
+    )
+
+
+def _mass_share(positions: FloatArray, corners: IntArray) -> FloatArray:
+    """Area (k,) of the mean plane of quadrilaterals, which has their mass, over that of their triangles."""
+    halves = positions[split_quadrilaterals(positions, corners)].reshape(-1, 2, 3, 3)
+    normals = np.cross(halves[:, :, 1] - halves[:, :, 0], halves[:, :, 2] - halves[:, :, 0])
+    own = np.linalg.norm(normals, axis=2).sum(axis=1)
+    share = np.linalg.norm(normals.sum(axis=1), axis=1) / own
+    return np.where(share > 1 - FLAT, 1.0, share)
 
 
 def _triangles_with_middles(

@@ -52,7 +52,7 @@ class CoordinateSystem:
     def directions(self, points: FloatArray) -> FloatArray:
         """Unit vectors (k, 3, 3) of the coordinate lines at points (k, 3), as columns; all in basic axes.
 
-        On the axis of a cylindrical or spherical system, where the angle about it is unknown, it counts as 0.
+        On the axis of a cylindrical or spherical system, whose angle is unknown there, they are x, y, z.
         """
         x, y, z = np.moveaxis((points - self.origin) @ self.axes, -1, 0)
         rho = np.hypot(x, y)
@@ -68,7 +68,9 @@ class CoordinateSystem:
                 theta = np.arctan2(rho, z)
                 ct, st = np.cos(theta), np.sin(theta)
                 rows = [[st * c, ct * c, -s], [st * s, ct * s, c], [ct, -st, o]]
-        return self.axes @ np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+        local = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+        local[on_axis] = np.eye(3)
+        return self.axes @ local
 
 
 BASIC = CoordinateSystem(Coordinates.RECTANGULAR, np.zeros(3), np.eye(3))

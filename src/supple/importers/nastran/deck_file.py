@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.deck import Deck, DeckElements, LeftOut, RigidTie, WeightedMean
+from supple.errors import ImportFormatError
+from supple.importers.deck import Deck, DeckElements, LeftOut, NodalMatrix, RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, read_bulk_data
 from supple.importers.nastran.case_control import read_case_control
 from supple.importers.nastran.cells import (
@@ -23,13 +26,15 @@ from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PR
 from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
 from supple.importers.nastran.materials import MATERIAL_CARDS, Materials
 from supple.importers.nastran.nonstructural_mass import NSM_CARDS, read_added_mass
+from supple.importers.nastran.partition import PARTITION_CARDS, partitioned
 from supple.importers.nastran.point_elements import (
     POINT_CARDS,
     POINT_PROPERTY_CARDS,
     read_point_elements,
 )
-from supple.importers.nastran.reading import Reading
-from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties
+from supple.importers.nastran.reading import Reading, left_out_by_card
+from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties, turned_by_ties
+from supple.importers.nastran.superelements import SUPERELEMENT_CARDS, assembled, repeated_parts
 from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read_supports
 from supple.importers.nastran.walls import WALL_CARDS
 from supple.importers.nastran.without_effect import has_no_effect
@@ -44,6 +49,7 @@ _READ = frozenset(
         *(*COORDINATE_CARDS, *SOLID_CARDS, *SOLID_PROPERTY_CARDS, *SHELL_CARDS, *WALL_CARDS),
         *(*BEAM_CARDS, *ROD_CARDS, *BEAM_PROPERTY_CARDS, *ROD_PROPERTY_CARDS, *MATERIAL_CARDS),
         *(*POINT_CARDS, *POINT_PROPERTY_CARDS, *NSM_CARDS, *RIGID_CARDS, *SUPPORT_CARDS),
+        *(*SUPERELEMENT_CARDS, *PARTITION_CARDS),
     )
 )
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
@@ -92,41 +98,103 @@ _MEANINGS = {
     "GMBC": "supports of geometry",
     "GMSPC": "supports of geometry",
     "CSUPER": "a superelement from a file or an image of another",
-    "SELOC": "a superelement is moved to other grids; it stays where its own grids are",
-    "SEMPLN": "a superelement is mirrored; it stays where its own grids are",
-    "SEBULK": "kind and place of a superelement; it is read as it stands",
-    "SECONCT": "joints of superelements by pairs of grids",
+    "RELEASE": "freedoms in which a superelement is not joined to the others",
     "MPCAX": "constraints of an axisymmetric model",
     "ROTORD": "a spinning part",
 }
+_PROPERTIES = frozenset(
+    (
+        *("PGAP", "PFAST", "PWELD", "PSEAM", "PBRSECT", "PBMSECT", "PBCOMP", "PLSOLID", "PLPLANE", "PPLANE"),
+        *("PBEAM3", "PELAST", "PDAMPT", "PBUSHT", "PFASTT", "PRAC2D", "PRAC3D", "PCONEAX", "PDUM8", "PDUM9"),
+    )
+)
 
 
 def read_nastran_deck(path: str | Path) -> Deck:
     """All of a Nastran file that makes a body; reading is not refusing.
 
     Cards that describe no body are passed over and counted; what would change the body and is not read
-    stands in `left_out`. Parts behind BEGIN SUPER are decks of their own.
+    stands in `left_out`, also included files that are not there. A file without grids, or with elements
+    whose grids an absent file may have, makes a deck without nodes. Superelements, by BEGIN SUPER or SESET,
+    are one deck, joined where they share grids, and each a deck of its own in `superelements`.
 
     Raises
     ------
-    ImportFormatError   missing or binary file; inclusions in a circle; no GRID; a grid that an element names
-                        and the file lacks; ids given twice for different things; fields that are no numbers
+    ImportFormatError   missing or binary file; inclusions in a circle; no card that is known; a grid that an
+                        element names and the whole file lacks; ids given twice for different things; fields
+                        that are no numbers
     """
-    file = read_bulk_data(path)
-    deck = _deck(file, file)
-    parts: dict[str, Deck] = {}
+    absences: list[BulkCard] = []
+    file = read_bulk_data(path, absences)
+    try:
+        reading = start_reading(file, file)
+        deck = _deck(reading)
+    except ImportFormatError as error:
+        if file.named("GRID") and not absences:
+            raise
+        return _with_absences(_deck_without_grids(file, error), absences)
+    deck = _with_absences(deck, absences)
+    if not file.parts:
+        return partitioned(deck, reading)
+    parts: dict[int, Deck] = {}
     absent: list[LeftOut] = []
+    repeated = repeated_parts(file)
     for (kind, name), part in file.parts.items():
-        if kind == "SUPER" and part.named("GRID"):
-            parts[f"super_{name}"] = _deck(part, file)
-        else:
+        number = int(name) if kind == "SUPER" and name.isdecimal() else None
+        if number is not None and part.named("GRID"):
+            parts[number] = _deck(start_reading(part, file))
+        elif number not in repeated:
             line = part.cards[0].line if part.cards else 0
-            absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"the part {name}, which is no model by grids"))
-    return replace(deck, superelements=parts, left_out=(*deck.left_out, *absent)) if file.parts else deck
+            what = "masses of a case of its own" if kind == "MASSID" else "a part that is no model by grids"
+            absent.append(LeftOut(f"BEGIN {kind}", 1, line, f"{what}: {name}"))
+    deck = replace(deck, left_out=(*deck.left_out, *absent))
+    return assembled(deck, parts, file, reading.grids) if parts else deck
 
 
-def _deck(file: BulkFile, whole: BulkFile) -> Deck:
-    reading = start_reading(file, whole)
+def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
+    """The same deck, with the included files that are not there among what is left out."""
+    gone = (
+        LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: what it describes is not read")
+        for card in absences
+    )
+    return replace(deck, left_out=(*gone, *deck.left_out))
+
+
+def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
+    """What cards there are, where no grid or not all are there; the error where none is known."""
+    read, passed_over = _counted(file)
+    if not read and not passed_over:
+        raise error
+    left = [*_not_read(file)]
+    on_grids = (*_CELLS, *POINT_CARDS, *(name for name in RIGID_CARDS if name != "MPCADD"), "DMIG")
+    left += [(card, "left out: its grids are not there") for card in file.named(*on_grids)]
+    nowhere = np.empty(0, dtype=np.int64), np.empty((0, 3))
+    return Deck(
+        *(file.path, *nowhere, (), {}),
+        read=read,
+        passed_over=passed_over,
+        left_out=left_out_by_card(left),
+        notes=(str(error),),
+    )
+
+
+def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
+    """Cards that are not read, and what they mean; without properties that no element has."""
+    unread = {n: own for n, own in file.by_name.items() if n not in _READ and not has_no_effect(n)}
+    used = _used_properties(file) if _PROPERTIES.intersection(unread) else set()
+    for name, cards in unread.items():
+        for card in cards:
+            if name not in _PROPERTIES or card.word(0) in used:
+                yield card, _MEANINGS.get(name, "a card that is not known here")
+
+
+def _used_properties(file: BulkFile) -> set[str]:
+    """Ids of properties that elements name; one that leaves it blank has that of its own number."""
+    elements = (n for n in file.by_name if n.startswith("C") and not n.startswith("CORD"))
+    return {card.word(1) or card.word(0) for card in file.named(*elements)}
+
+
+def _deck(reading: Reading) -> Deck:
     materials, added = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
@@ -141,16 +209,12 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         elements += cells
         properties |= found
     read_point_elements(reading, materials)
-    n_grids = len(reading.grids.ids)
-    turning = np.zeros(n_grids, dtype=bool)
-    for cells in elements:
-        if cells.kind.dimension < 3:
-            turning[cells.nodes[cells.nodes < n_grids]] = True
-    rigid, means = read_ties(reading, turning)
-    read_multipoint_constraints(reading)
-    node_sets = read_supports(reading)
     matrices = read_matrices(reading)
-    read, passed_over = _counted(reading)
+    read_multipoint_constraints(reading)
+    turning = _turning(reading, elements, [*chain(*matrices.values())])
+    rigid, means = read_ties(reading, turning)
+    node_sets = read_supports(reading, {n for tie in rigid for n in tie.nodes.tolist() if not turning[n]})
+    read, passed_over = _counted(reading.file)
     nodes, ids = reading.grids.positions, reading.grids.ids
     if reading.added_nodes:
         nodes = np.concatenate([nodes, np.array(reading.added_nodes)])
@@ -158,7 +222,7 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
         ids = np.concatenate([ids, last + 1 + np.arange(len(reading.added_nodes))])
     n = len(ids)
     return Deck(
-        file.path,
+        reading.file.path,
         ids,
         nodes,
         tuple(elements),
@@ -184,6 +248,21 @@ def _deck(file: BulkFile, whole: BulkFile) -> Deck:
     )
 
 
+def _turning(
+    reading: Reading, elements: list[DeckElements], matrices: list[NodalMatrix]
+) -> NDArray[np.bool_]:
+    """Grids (N,) whose rotations elements, springs, masses, matrices, constraints or ties act on."""
+    nodes = [each.nodes.ravel() for each in elements if each.kind.dimension < 3]
+    collected = (reading.springs, reading.dashpots, reading.inertias, reading.constraints)
+    freedoms = [np.array(rows.freedoms, dtype=np.int64) for rows in collected]
+    for own in (*freedoms, *(each.freedoms for each in (*reading.masses, *matrices))):
+        nodes.append(own[own % 6 > 2] // 6)
+    acted = np.concatenate(nodes)
+    found = turned_by_ties(reading)
+    found[acted[acted < len(found)]] = True
+    return found
+
+
 def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
     """Grids, parameters and case control of a file; cards that are not known stand as left out."""
     file = _elements_once(file)
@@ -196,6 +275,7 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
         parameters.get("WTMASS", 1.0) * parameters.get("CM1", 1.0),
         parameters.get("CK1", 1.0),
         parameters.get("CB1", 1.0),
+        {f"{kind}2GG": parameters.get(f"C{kind}2", 1.0) for kind in "KMB"},
     )
     reading.lumped_mass = not any(
         card.word(0) == "COUPMASS" and card.integer(1, "COUPMASS", -1) > 0
@@ -203,32 +283,26 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
     )
     if not whole.ended:
         reading.note("No ENDDATA ends the file; check that it is whole.")
-    if any(name in file.by_name for name in ("SESET", "SEELT")):
-        reading.note(
-            "The parts that SESET and SEELT make are a way to solve; they are read as one body, the whole."
-        )
-    for name, cards in file.by_name.items():
-        if name not in _READ and not has_no_effect(name):
-            meaning = _MEANINGS.get(name, "a card that is not known here")
-            for card in cards:
-                reading.leave_out(card, meaning)
+    for card, meaning in _not_read(file):
+        reading.leave_out(card, meaning)
     return reading
 
 
 def _elements_once(file: BulkFile) -> BulkFile:
     """The file without elements that repeat an earlier one; of one id, they must say the same."""
-    found: dict[str, BulkCard] = {}
     again: set[int] = set()
-    for card in file.named(*_CELLS):
-        first = found.setdefault(card.fields[0], card)
-        if first is card:
-            continue
-        if not card.same_as(first):
-            raise card.error(
-                f"element {card.word(0)} is defined a second time and differs from the {first.name} of line "
-                f"{first.line}; renumber or remove it"
-            )
-        again.add(id(card))
+    for names in (_CELLS, *((name,) for name in POINT_CARDS)):
+        found: dict[str, BulkCard] = {}
+        for card in file.named(*names):
+            first = found.setdefault(card.fields[0], card)
+            if first is card:
+                continue
+            if not card.same_as(first):
+                raise card.error(
+                    f"element {card.word(0)} is defined a second time and differs from the {first.name} of "
+                    f"line {first.line}; renumber or remove it"
+                )
+            again.add(id(card))
     return replace(file, cards=tuple(c for c in file.cards if id(c) not in again)) if again else file
 
 
@@ -237,7 +311,7 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
     found: dict[str, float] = {}
     for card in cards:
         name = card.word(0)
-        if name not in ("WTMASS", "CK1", "CM1", "CB1"):
+        if name not in ("WTMASS", *(f"C{kind}{n}" for kind in "KMB" for n in "12")):
             continue
         value = card.real(1, name, 1.0)
         if value <= 0:
@@ -266,8 +340,8 @@ def _scalar_points(file: BulkFile) -> IntArray:
     return np.array(list(ids), dtype=np.int64)
 
 
-def _counted(reading: Reading) -> tuple[dict[str, int], dict[str, int]]:
-    counts = {name: len(cards) for name, cards in reading.file.by_name.items()}
+def _counted(file: BulkFile) -> tuple[dict[str, int], dict[str, int]]:
+    counts = {name: len(cards) for name, cards in file.by_name.items()}
     read = {name: count for name, count in counts.items() if name in _READ}
     return read, {n: count for n, count in counts.items() if n not in _READ and has_no_effect(n)}
 

@@ -68,7 +68,7 @@ def read_grids(file: BulkFile) -> GridPoints:
                         circular or flat; fields that are no numbers
     """
     cards = _once(file.named("GRID"))
-    if not cards:
+    if not cards and not file.parts:
         raise ImportFormatError(f"{file.path}: no GRID card; is this a mesh file, and whole?")
     ids = integers(cards, 0, "the grid id")
     given_in, moved_in, supported = _defaults(file)

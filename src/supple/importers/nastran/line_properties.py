@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import pi
+from math import nan, pi
+
+import numpy as np
 
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, RodProperty
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.materials import Materials
 from supple.importers.nastran.reading import Reading
 from supple.importers.nastran.section_shapes import SHAPES, SectionValues
+from supple.mesh import SectionGeometry
 
 __all__ = ["BEAM_PROPERTY_CARDS", "ROD_PROPERTY_CARDS", "has_warping", "read_beam", "read_rod", "rod"]
 
 BEAM_PROPERTY_CARDS = ("PBAR", "PBARL", "PBEAM", "PBEAML", "PBEND")
 ROD_PROPERTY_CARDS = ("PROD", "PTUBE")
+
+# Points of stress recovery: distances along y and z.
+_POINTS = ("C1", "C2", "D1", "D2", "E1", "E2", "F1", "F2")
+# Of the larger end's value: a section between the ends that is farther from the straight line counts.
+_OFF_THE_LINE = 0.01
 
 # Rows that a station of a PBEAM takes: its section, and after YES its stress points.
 _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
@@ -37,8 +45,8 @@ def read_rod(card: BulkCard, materials: Materials, reading: Reading, added: floa
     if isinstance(material, str):
         return material
     if card.name == "PROD":
-        area, J, _, nsm = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "J", "C", "NSM")))
-        return rod(material, area, J, nsm + added, reading)
+        area, J, arm, nsm = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "J", "C", "NSM")))
+        return rod(material, area, J, arm, nsm + added, reading)
     outer = card.real(2, "OD")
     thickness, nsm, other = (card.real(3 + i, what, 0.0) for i, what in enumerate(("T", "NSM", "OD2")))
     areas, twists = [], []
@@ -46,23 +54,35 @@ def read_rod(card: BulkCard, materials: Materials, reading: Reading, added: floa
         inner = diameter - 2 * thickness if thickness else 0.0
         areas.append(pi / 4 * (diameter**2 - inner**2))
         twists.append(pi / 32 * (diameter**4 - inner**4))
-    return rod(material, sum(areas) / 2, sum(twists) / 2, nsm + added, reading)
+    arm = max(outer, other) / 2
+    return rod(material, sum(areas) / 2, sum(twists) / 2, arm, nsm + added, reading)
 
 
-def rod(material: IsotropicMaterial, area: float, J: float, added: float, reading: Reading) -> RodProperty:
-    """A rod's property; `added` is non-structural, without PARAM,WTMASS."""
-    return RodProperty(material, area, J, material.density * area + added * reading.mass_factor)
+def rod(
+    material: IsotropicMaterial, area: float, J: float, arm: float, added: float, reading: Reading
+) -> RodProperty:
+    """A rod's property, with torsional stress arm M / J; `added` is non-structural, without PARAM,WTMASS."""
+    return RodProperty(material, area, J, material.density * area + added * reading.mass_factor, arm)
 
 
 def _pbar(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
     area, I1, I2, J, nsm = (card.real(2 + i, w, 0.0) for i, w in enumerate(("A", "I1", "I2", "J", "NSM")))
     K1, K2, I12 = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "I12")))
     mass = material.density * area + (nsm + added) * reading.mass_factor
-    return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, I12))
+    points = _points([card.real(8 + i, what, 0.0) for i, what in enumerate(_POINTS)], card.fields[8:16])
+    return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, I12, geometry=points))
+
+
+def _points(values: Sequence[float], words: Sequence[str]) -> SectionGeometry | None:
+    """Points C D E F of stress recovery that a card gives; None where it gives none."""
+    given = [any(words[i : i + 2]) for i in range(0, 8, 2)]
+    points = tuple((values[2 * i], values[2 * i + 1]) for i in range(4) if given[i])
+    return SectionGeometry(points) if points else None
 
 
 def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
     """A curved beam by A I1 I2 J .. K1 K2 NSM; or a pipe by FSI, mean radius RM, thickness T .. NSM."""
+    geometry = None
     if card.word(2) in ("1", "2", "3"):
         middle, t = card.real(3, "the mean radius RM"), card.real(4, "the thickness T")
         if card.word(2) != "1":
@@ -72,37 +92,37 @@ def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         section = SHAPES["TUBE"].values(middle + t / 2, max(middle - t / 2, 0.0))
         assert section is not None
         area, I1, I2, J, K1, K2 = section.area, section.I1, section.I2, section.J, section.K1, section.K2
-        nsm = card.real(10, "NSM", 0.0)
+        nsm, geometry = card.real(10, "NSM", 0.0), section.geometry
     else:
         area, I1, I2, J = (card.real(2 + i, what, 0.0) for i, what in enumerate(("A", "I1", "I2", "J")))
+        geometry = _points([card.real(8 + i, w, 0.0) for i, w in enumerate(_POINTS)], card.fields[8:16])
         K1, K2, nsm = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "NSM")))
         if any(card.real(19 + i, what, 0.0) for i, what in enumerate(("RC", "ZC", "DELTAN"))):
             reading.leave_out(card, "the offsets RC, ZC, DELTAN of a curved beam are not read")
     mass = material.density * area + (nsm + added) * reading.mass_factor
-    return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass))
+    return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, geometry=geometry))
 
 
 def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
     """Stations with A I1 I2 I12 J NSM, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2; linear between the ends."""
     names = ("A", "I1", "I2", "I12", "J", "NSM")
     at_a = [card.real(2 + i, what, 0.0) for i, what in enumerate(names)]
-    stations, rest = _rows_of_beam(card)
-    at_b, between = at_a, False
-    for row in stations:
-        place = _number(card, row[1], 1.0)
-        values = [
-            _number(card, word, start) for word, start in zip((*row[2:8], *[""] * 6)[:6], at_a, strict=True)
-        ]
+    stations, rest, points_a = _rows_of_beam(card)
+    at_b, points_b, between = at_a, points_a, []
+    for row, points in stations:
+        place, words = _number(card, row[1], 1.0), (*row[2:8], *[""] * 6)[:6]
+        # What is blank is as at A at the end, and on the line between the ends elsewhere.
+        blank = at_a if place == 1.0 else [nan] * 6
+        values = [_number(card, word, default) for word, default in zip(words, blank, strict=True)]
         if place == 1.0:
-            at_b = values
+            at_b, points_b = values, points if any(points) else points_a
         else:
-            between = True
-    if between:
-        reading.note("Sections of PBEAM are read at both ends; those between count as on the straight line.")
+            between.append((place, values))
+    _leave_out_between(card, at_a, at_b, between, reading)
     last = [_number(card, word, 0.0) if word else None for word in (*rest, *[""] * 16)[:16]]
     K1, K2 = (1.0 if value is None else value for value in last[:2])
-    if last[2] or last[3]:
-        reading.note("The shear relief S1, S2 of tapered PBEAM is not read.")
+    if (last[2] and K1) or (last[3] and K2):
+        reading.leave_out(card, "the shear relief S1, S2 of its taper is not read")
 
     def pair(place: int) -> tuple[list[float], list[float]]:
         """What is given at A, and at B, where blank as at A: fields A B, or 1A 2A 1B 2B."""
@@ -118,10 +138,32 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         offsets.append((a, (b[0], b[1])))
     (m_a, m_b), (n_a, n_b) = offsets
     first, second = (
-        _values(values, (K1, K2), nsi, m, n, material, reading, added)
-        for values, nsi, m, n in ((at_a, nsi_a, m_a, n_a), (at_b, nsi_b, m_b, n_b))
+        replace(
+            _values(values, (K1, K2), nsi, m, n, material, reading, added),
+            geometry=_points([_number(card, word, 0.0) for word in points], points) if any(points) else None,
+        )
+        for values, nsi, m, n, points in (
+            (at_a, nsi_a, m_a, n_a, points_a),
+            (at_b, nsi_b, m_b, n_b, points_b),
+        )
     )
     return BeamProperty(material, first, None if first == second else second)
+
+
+def _leave_out_between(
+    card: BulkCard,
+    at_a: Sequence[float],
+    at_b: Sequence[float],
+    between: Sequence[tuple[float, Sequence[float]]],
+    reading: Reading,
+) -> None:
+    """Leave out what stations say between the ends, where it is not on the straight line between these."""
+    a, b = np.array(at_a), np.array(at_b)
+    for place, values in between:
+        straight = a + place * (b - a)
+        if (np.abs(values - straight) > _OFF_THE_LINE * np.maximum(np.abs(a), np.abs(b))).any():
+            reading.leave_out(card, "sections between its ends count as on the straight line between them")
+            return
 
 
 def _number(card: BulkCard, word: str, default: float) -> float:
@@ -132,7 +174,7 @@ def has_warping(card: BulkCard) -> bool:
     """Whether a property gives a stiffness against warping, CW."""
     if card.name != "PBEAM":
         return False
-    _, rest = _rows_of_beam(card)
+    _, rest, _ = _rows_of_beam(card)
     return any(_number(card, word, 0.0) for word in rest[6:8])
 
 
@@ -164,15 +206,20 @@ def _values(
     return BeamValues(area, I1, I2, J, *K, mass, I12, neutral, (centre[0], centre[1]), rotary)
 
 
-def _rows_of_beam(card: BulkCard) -> tuple[list[tuple[str, ...]], tuple[str, ...]]:
-    """Stations of a PBEAM (SO, X/XB, section there) and the fields from K1 on, without stress points."""
-    rows = [card.fields[i : i + 8] for i in range(8, len(card.fields), 8)]
-    stations: list[tuple[str, ...]] = []
+_Row = tuple[str, ...]
+
+
+def _rows_of_beam(card: BulkCard) -> tuple[list[tuple[_Row, _Row]], _Row, _Row]:
+    """Stations of a PBEAM (SO, X/XB, section there; its points), the fields from K1 on, points at A."""
+    rows = [(*card.fields[i : i + 8], *[""] * 8)[:8] for i in range(8, len(card.fields), 8)]
+    stations: list[tuple[_Row, _Row]] = []
     place = 0 if rows and rows[0][0].upper() in _STATIONS else 1
-    while place < len(rows) and rows[place][0].upper() in _STATIONS:
-        stations.append(rows[place])
-        place += _STATIONS[rows[place][0].upper()]
-    return stations, tuple(word for row in rows[place:] for word in row)
+    at_a = rows[0] if place and rows else ()
+    while place < len(rows) and (kind := rows[place][0].upper()) in _STATIONS:
+        points = rows[place + 1] if kind == "YES" and place + 1 < len(rows) else ()
+        stations.append((rows[place], points))
+        place += _STATIONS[kind]
+    return stations, tuple(word for row in rows[place:] for word in row), at_a
 
 
 def _shaped(
@@ -192,17 +239,18 @@ def _shaped(
         at = card.real(place + 1, "X/XB", 1.0)
         stations.append((at, _sizes(card, place + 2, shape.sizes, stations[0][1])))
         place += shape.sizes + 3
-    if any(0 < at < 1 for at, _ in stations):
-        reading.note("Sections of PBEAML are read at both ends; those between count as on the straight line.")
-    made = []
-    for at, sizes in stations:
-        if at not in (0.0, 1.0):
-            continue
+    made: list[BeamValues] = []
+    for _, sizes in stations:
         section = shape.values(*sizes[:-1]) if min(sizes[:-1]) >= 0 else None
         if section is None or not section.area > 0:
             return f"the sizes {list(sizes[:-1])} do not make a section {word}"
         made.append(_of_shape(card, section, material, (sizes[-1] + added) * reading.mass_factor))
-    return BeamProperty(material, made[0], made[-1] if len(made) > 1 and made[-1] != made[0] else None)
+    places = [place for place, _ in stations]
+    second = made[places.index(1.0)] if 1.0 in places else made[0]
+    listed = [[s.area, s.I1, s.I2, s.J, s.mass_per_length] for s in (made[0], second, *made[1:])]
+    between = list(zip(places[1:], listed[2:], strict=True))
+    _leave_out_between(card, listed[0], listed[1], between, reading)
+    return BeamProperty(material, made[0], None if second == made[0] else second)
 
 
 def _sizes(card: BulkCard, place: int, count: int, default: tuple[float, ...] | None) -> tuple[float, ...]:
@@ -215,13 +263,18 @@ def _sizes(card: BulkCard, place: int, count: int, default: tuple[float, ...] | 
 
 def _of_shape(card: BulkCard, s: SectionValues, material: IsotropicMaterial, added: float) -> BeamValues:
     mass = material.density * s.area + added
-    values = BeamValues(s.area, s.I1, s.I2, s.J, s.K1, s.K2, mass, s.I12)
+    values = BeamValues(s.area, s.I1, s.I2, s.J, s.K1, s.K2, mass, s.I12, geometry=s.geometry)
     if card.name == "PBARL" or s.shear_centre == (0.0, 0.0):
         return values
     neutral = (-s.shear_centre[0], -s.shear_centre[1])
     own = material.density * s.area
     share = own / mass if mass else 0.0
-    return replace(values, neutral=neutral, mass_centre=(share * neutral[0], share * neutral[1]))
+    return replace(
+        values,
+        neutral=neutral,
+        mass_centre=(share * neutral[0], share * neutral[1]),
+        geometry=s.geometry.moved(*neutral),
+    )
 
 
 _BEAMS: dict[str, Callable[[BulkCard, IsotropicMaterial, Reading, float], BeamProperty | str]] = {

@@ -95,11 +95,11 @@ def read_rods(
         nsm = added.get(element, 0.0)
         if card.name == "CONROD":
             number, total = card.integer(3, "the material id"), card.real(7, "NSM", 0.0) + nsm
-            area, J = card.real(4, "A", 0.0), card.real(5, "J", 0.0)
+            area, J, arm = (card.real(4 + i, what, 0.0) for i, what in enumerate(("A", "J", "C")))
             material = materials.isotropic(number)
-            made = material if isinstance(material, str) else rod(material, area, J, total, reading)
+            made = material if isinstance(material, str) else rod(material, area, J, arm, total, reading)
             own.cards = {number: card}
-            of, why = own.name(number, (area, J, total), lambda _, made=made: made)
+            of, why = own.name(number, (area, J, arm, total), lambda _, made=made: made)
             ends = grids_named([card], reading, 1, 2)[0].tolist()
         else:
             number = card.integer(1, "the property id", element)

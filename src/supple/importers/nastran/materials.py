@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.temperature import at_temperature
 
 __all__ = ["MATERIAL_CARDS", "Materials", "WallMaterial"]
 
@@ -41,6 +42,8 @@ class Materials:
         self._reading = reading
         self._cards: dict[int, BulkCard] = {}
         self._line: dict[int, IsotropicMaterial] = {}
+        self._of_lines: dict[int, BulkCard] = {}
+        self._half_rigid: set[BulkCard] = set()
         for card in reading.file.named(*MATERIAL_CARDS):
             number = card.integer(0, "the material id")
             first = self._cards.setdefault(number, card)
@@ -49,6 +52,7 @@ class Materials:
                     f"material {number} is defined a second time and differs from that of line {first.line}; "
                     "renumber or remove it"
                 )
+        self._cards |= at_temperature(reading, self._cards)
 
     def isotropic(self, number: int) -> IsotropicMaterial | str:
         """The MAT1 of a beam or rod; else why there is none."""
@@ -64,13 +68,21 @@ class Materials:
             return f"Poisson's ratio of its material {number} is {found.poissons_ratio:g}"
         return found
 
+    def _continuum(self, number: int) -> IsotropicMaterial | str:
+        """The MAT1 of a wall or solid, where Poisson's ratio acts also beside E and G."""
+        found = self.isotropic(number)
+        if number in self._of_lines:
+            meaning = "Poisson's ratio by E and G is that of no wall or solid: it counts as 0"
+            self._reading.leave_out(self._of_lines.pop(number), meaning)
+        return found
+
     def of_solid(self, number: int) -> IsotropicMaterial | AnisotropicMaterial | str:
         """The material of solid cells; else why there is none."""
         card = self._cards.get(number)
         if card is None or card.name not in ("MAT1", "MAT9", "MAT11"):
             return self._missing(number, card)
         if card.name == "MAT1":
-            return self.isotropic(number)
+            return self._continuum(number)
         return self._mat9(card) if card.name == "MAT9" else self._mat11(card)
 
     def of_wall(self, number: int) -> WallMaterial | str:
@@ -109,13 +121,14 @@ class Materials:
             nu = E / (2 * G) - 1
         if has_G and has_E and not -1 < nu <= 0.5:
             nu, shear = 0.0, G  # of beams, which have no use for it
+            self._of_lines[card.integer(0, "the material id")] = card
         elif nu <= -1:
             return IsotropicMaterial(E, nu, 0.0)  # which `isotropic` leaves out
         elif has_G and has_nu and not has_E:
             E = 2 * G * (1 + nu)
         elif has_G and (not has_E or abs(1 - E / (2 * (1 + nu) * G)) > LARGEST_INCONSISTENCY):
             shear = G
-        elif has_E and not has_nu:
+        elif has_E and not has_nu and not has_G:
             self._reading.note(
                 f"MAT1 {card.word(0)} gives E alone; NU counts as 0, G as E / 2 (Nastran: G = 0)."
             )
@@ -125,7 +138,7 @@ class Materials:
         )
 
     def _plane_isotropic(self, number: int) -> WallMaterial | str:
-        found = self.isotropic(number)
+        found = self._continuum(number)
         if isinstance(found, str):
             return found
         E, nu = found.youngs_modulus, found.poissons_ratio
@@ -150,6 +163,9 @@ class Materials:
         Q = np.array([[E1 / d, nu * E2 / d, 0.0], [nu * E2 / d, E2 / d, 0.0], [0.0, 0.0, G12]])
         factor = self._reading.stiffness_factor
         shear = np.diag([G1Z, G2Z]) * factor if G1Z > 0 and G2Z > 0 else None
+        if (G1Z > 0) != (G2Z > 0) and card not in self._half_rigid:
+            self._half_rigid.add(card)
+            self._reading.leave_out(card, "one of G1Z and G2Z is blank: both count as rigid")
         return WallMaterial(Q * factor, shear, self._density(card, 7), None)
 
     def _mat9(self, card: BulkCard) -> AnisotropicMaterial:

@@ -60,29 +60,29 @@ def read_nastran(
     cells: dict[CellType, list[IntArray]] = {}
     ids: dict[CellType, list[IntArray]] = {}
     origins: dict[CellType, list[CellOrigin]] = {}
-    sets: dict[str, dict[CellType, list[IntArray]]] = {}
     for found in deck.elements:
-        before = sum(len(part) for part in cells.get(found.kind, []))
         cells.setdefault(found.kind, []).append(found.nodes)
         ids.setdefault(found.kind, []).append(found.ids)
         origins.setdefault(found.kind, []).extend(
             CellOrigin(path, line, element)
             for line, element in zip(found.lines.tolist(), found.ids.tolist(), strict=True)
         )
-        of_property = sets.setdefault("_".join(found.property.split("_")[:2]), {})
-        of_property.setdefault(found.kind, []).append(before + np.arange(len(found.nodes)))
+    all_ids = {kind: np.concatenate(parts) for kind, parts in ids.items()}
+    sets = {
+        name: {
+            kind: inside for kind, own in all_ids.items() if len(inside := np.flatnonzero(np.isin(own, of)))
+        }
+        for name, of in deck.element_sets.items()
+    }
     file = FileMesh(
         path,
         deck.nodes,
         {kind: np.vstack(parts) for kind, parts in cells.items()},
         dict(deck.node_sets),
-        {
-            name: {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
-            for name, by_kind in sets.items()
-        },
+        sets,
         {kind: tuple(found) for kind, found in origins.items()},
         deck.node_ids,
-        {kind: np.concatenate(parts) for kind, parts in ids.items()},
+        all_ids,
     )
     shown = np.zeros(len(deck.nodes), dtype=bool)
     shown[[tie.reference for tie in (*deck.rigid, *deck.means)]] = True
@@ -102,6 +102,10 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
     file = read_bulk_data(path)
     reading = start_reading(file, file)
     grids = reading.grids
+    if not len(grids.ids):
+        raise ImportFormatError(
+            f"{path}: its main bulk data have no GRID, only its superelements; give the file of one of them"
+        )
     rigid, means = read_ties(reading, np.ones(len(grids.ids), dtype=bool))
     # The reference of a mean carries no stiffness of its own; whether another grid does, only matrices know.
     averaged = {mean.reference for mean in means}

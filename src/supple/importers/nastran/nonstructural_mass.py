@@ -91,18 +91,24 @@ def _only(number: int) -> range:
 
 
 def _members(card: BulkCard, of: str, ids: list[range] | None, reading: Reading) -> list[BulkCard]:
-    if of == "ELEMENT":
-        field, names = 0, _BY_ELEMENT
+    there: set[int] | None = None
+    if of in ("ELEMENT", "CONROD"):
+        field, names = 0, _ELEMENTS.get(of, _BY_ELEMENT)
     elif of in _ELEMENTS:
-        field, names = (0 if of == "CONROD" else 1), _ELEMENTS[of]
+        field, names = 1, _ELEMENTS[of]
+        of_type = reading.file.named(of, "PCOMPG" if of == "PCOMP" else of)
+        there = {known.integer(0, "the property id") for known in of_type}
     else:
         reading.leave_out(card, f"left out: mass of {of or 'no type'} is not read")
         return []
+    numbers = (
+        (element, element.integer(field, "an id", element.integer(0, "the element id")))
+        for element in reading.file.named(*names)
+    )
     return [
         element
-        for element in reading.file.named(*names)
-        if ids is None
-        or _is_among(element.integer(field, "an id", element.integer(0, "the element id")), ids)
+        for element, number in numbers
+        if (there is None or number in there) and (ids is None or _is_among(number, ids))
     ]
 
 

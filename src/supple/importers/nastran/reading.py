@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -68,6 +68,7 @@ class Reading:
 
     scalar_points : (S,) ids of points that are one freedom
     mass_factor, stiffness_factor, damping_factor : what the PARAMs multiply
+    matrix_factors : {"K2GG": of the matrices that it adds, ..}; WTMASS is not among them
     added_nodes : places of nodes that no grid of the file is: on an arc, amid an edge
     lumped_mass : Nastran's default; PARAM,COUPMASS above 0 asks for the mass of shape functions
     """
@@ -79,6 +80,7 @@ class Reading:
     mass_factor: float
     stiffness_factor: float
     damping_factor: float
+    matrix_factors: Mapping[str, float]
     added_nodes: list[FloatArray] = field(default_factory=list)
     springs: Rows = field(default_factory=Rows)
     dashpots: Rows = field(default_factory=Rows)
@@ -88,11 +90,11 @@ class Reading:
     masses: list[NodalMatrix] = field(default_factory=list)
     notes: dict[str, None] = field(default_factory=dict)
     lumped_mass: bool = True
-    _left: dict[tuple[str, str], list[int]] = field(default_factory=dict)
+    _left: list[tuple[BulkCard, str]] = field(default_factory=list)
 
     def leave_out(self, card: BulkCard, meaning: str) -> None:
         """Record that a card, or a part of what it says, is left out, and what that means."""
-        self._left.setdefault((card.name, meaning), []).append(card.line)
+        self._left.append((card, meaning))
 
     def note(self, sentence: str) -> None:
         """Record what a user should know, once."""
@@ -101,9 +103,7 @@ class Reading:
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
         """All that was left out, by card and meaning."""
-        return tuple(
-            LeftOut(card, len(lines), min(lines), meaning) for (card, meaning), lines in self._left.items()
-        )
+        return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
         """Sets that case control chooses, with those that the adding card joins; without it the only one."""
@@ -113,6 +113,9 @@ class Reading:
                 if sets:
                     why = "case control chooses none" if self.case.present else "no case control chooses"
                     self.note(f"{command} sets {', '.join(map(str, sorted(sets)))} are not applied: {why}.")
+                if command != "SPC" and not self.case.present:  # supports are left to joints in any case
+                    for card in self.file.named(command, f"{command}1", f"{command}L", f"{command}L1"):
+                        self.leave_out(card, "left out: no case control chooses one of its sets")
                 return set()
             return set(sets)
         if command in self.case.varied:
@@ -173,6 +176,14 @@ class Reading:
         direction = self.grids.axes[node][:, component % 3]
         first = 6 * node + 3 * (component // 3)
         return [(first + i, float(direction[i])) for i in np.flatnonzero(np.abs(direction) > 1e-14).tolist()]
+
+
+def left_out_by_card(given: Sequence[tuple[BulkCard, str]]) -> tuple[LeftOut, ...]:
+    """Cards and what leaving each out means, counted by name and meaning."""
+    lines: dict[tuple[str, str], list[int]] = {}
+    for card, meaning in given:
+        lines.setdefault((card.name, meaning), []).append(card.line)
+    return tuple(LeftOut(name, len(own), min(own), meaning) for (name, meaning), own in lines.items())
 
 
 def times(terms: Sequence[Term], factor: float) -> list[Term]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.reading import Reading, Term, times
 
-__all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties"]
+__all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties", "turned_by_ties"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -23,8 +25,8 @@ Side = tuple[int, str]
 def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
     """All rigid and averaging elements; what is neither simply one nor the other, as constraints.
 
-    turning : (N,) whether the rotations of a node have stiffness (shells, beams); ties of nodes of solids
-              alone take all or none of them alike
+    turning : (N,) whether something beside supports acts on the rotations of a grid; where nothing does, as
+              on nodes of solids, a tie of its translations is one of all six freedoms
     """
     rigid: list[RigidTie] = []
     means: list[WeightedMean] = []
@@ -50,6 +52,34 @@ def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidT
             case _:
                 _rbe1(card, reading)
     return rigid, means
+
+
+def turned_by_ties(reading: Reading) -> NDArray[np.bool_]:
+    """Grids (N,) whose rotations a tie takes along, or goes by; those that it averages turn nothing."""
+    found = np.zeros(len(reading.grids.ids), dtype=bool)
+
+    def mark(ids: list[int]) -> None:
+        numbers, known = reading.grids.lookup(np.array(ids, dtype=np.int64))
+        found[numbers[known]] = True
+
+    def turns(word: str) -> bool:
+        return bool(set(word) & set("456"))
+
+    for card in reading.file.named("RBE2"):
+        mark([card.integer(1, "the grid GN")])
+        if turns(card.word(2)):
+            found[_grid_list(card, _listed_grids(card), reading)] = True
+    for card in reading.file.named("RBE3"):
+        if turns(card.word(3)):
+            mark([card.integer(2, "the reference grid")])
+    for card in reading.file.named("RBAR", "RBAR1"):
+        mark([card.integer(1, "the grid GA"), card.integer(2, "the grid GB")])
+    for card in reading.file.named("RTRPLT"):
+        mark([card.integer(1 + i, "a grid") for i in range(3)])
+    for card in reading.file.named("RBE1"):
+        for node, components in chain(*_rbe1_sides(card, reading)):
+            found[node] |= turns(components)
+    return found
 
 
 def _components(card: BulkCard, word: str, what: str) -> str:
@@ -84,11 +114,9 @@ def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: Reading) -
 def _rbe2(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
     """EID GN CM GM1 .. [ALPHA]: components CM of the others follow GN rigidly, in the axes of each."""
     ties = _components(card, card.word(2), "its components")
-    words = [(i, card.word(i)) for i in range(3, len(card.fields)) if card.word(i)]
-    if words and "." in words[-1][1]:  # ALPHA, thermal expansion, which nothing here heats
-        words.pop()
     reference = reading.node(card, 1, "the grid GN")
-    nodes = [node for node in dict.fromkeys(_grid_list(card, words, reading)) if node != reference]
+    listed = _grid_list(card, _listed_grids(card), reading)
+    nodes = [node for node in dict.fromkeys(listed) if node != reference]
     if not nodes:
         reading.leave_out(card, "ties no grids")
         return
@@ -98,6 +126,11 @@ def _rbe2(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], rigid: l
     for node in nodes:
         for component in ties:
             _follows(card, node, int(component) - 1, reference, reading)
+
+
+def _listed_grids(card: BulkCard) -> list[tuple[int, str]]:
+    """Fields of the grids GM of an RBE2; ALPHA and TREF behind them are of heat."""
+    return [(i, card.word(i)) for i in range(3, len(card.fields)) if card.word(i) and "." not in card.word(i)]
 
 
 def _follows(card: BulkCard, node: int, component: int, reference: int, reading: Reading) -> None:
@@ -212,7 +245,15 @@ def _rtrplt(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
 
 
 def _rbe1(card: BulkCard, reading: Reading) -> None:
-    """EID GN1 CN1 .. GN6 CN6, then UM GM1 CM1 .. [ALPHA]."""
+    independent, dependent = _rbe1_sides(card, reading)
+    if not independent or not dependent:
+        reading.leave_out(card, "left out: it has no independent, or no dependent components")
+        return
+    _rigid_rows(card, independent, dependent, reading)
+
+
+def _rbe1_sides(card: BulkCard, reading: Reading) -> tuple[list[Side], list[Side]]:
+    """EID GN1 CN1 .. GN6 CN6, then UM GM1 CM1 .. [ALPHA]: independent and dependent components."""
     independent: list[Side] = []
     dependent: list[Side] = []
     sides = independent
@@ -228,10 +269,7 @@ def _rbe1(card: BulkCard, reading: Reading) -> None:
         node = reading.node(card, place, "a grid")
         sides.append((node, _components(card, card.word(place + 1), f"the components of grid {word}")))
         place += 2
-    if not independent or not dependent:
-        reading.leave_out(card, "left out: it has no independent, or no dependent components")
-        return
-    _rigid_rows(card, independent, dependent, reading)
+    return independent, dependent
 
 
 def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: list[WeightedMean]) -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, tanh
 
 import numpy as np
+
+from supple.mesh import SectionGeometry, Wall, circular_section, rectangular_section, walled_section
 
 __all__ = ["SHAPES", "SectionShape", "SectionValues"]
 
@@ -17,6 +19,7 @@ class SectionValues:
 
     I1, I2, I12 : int y^2, int z^2, int y z
     K1, K2 : shear factors along y and z
+    geometry : from the centroid
     shear_centre : (y, z) from the centroid
     """
 
@@ -27,6 +30,7 @@ class SectionValues:
     J: float
     K1: float
     K2: float
+    geometry: SectionGeometry
     shear_centre: tuple[float, float] = (0.0, 0.0)
 
 
@@ -38,27 +42,13 @@ class SectionShape:
     values: Callable[..., SectionValues | None]
 
 
-@dataclass(frozen=True)
-class _Box:
-    """A rectangle of a section: its middle, and its sizes along y and z."""
-
-    y: float
-    z: float
-    height: float
-    width: float
-
-    @property
-    def area(self) -> float:
-        """Height times width."""
-        return self.height * self.width
-
-
 def _built(
-    boxes: list[_Box], J: float, shear_centre: tuple[float | None, float | None] = (None, None)
+    boxes: list[Wall], J: float, shear_centre: tuple[float | None, float | None] = (None, None)
 ) -> SectionValues | None:
     """Values of rectangles that do not overlap; a place of the shear centre in the axes of the boxes.
 
-    The upright walls carry shear along y, the lying ones along z: K is their share of the area.
+    The upright walls carry shear along y, the lying ones along z: K is their share of the area. Walls
+    without a shear stress by torsion have that of open sections, thickness / J.
     """
     if min(min(b.height, b.width) for b in boxes) < 0 or J <= 0:
         return None
@@ -70,7 +60,9 @@ def _built(
     upright = sum(b.area for b in boxes if b.height > b.width) / area
     lying = sum(b.area for b in boxes if b.height <= b.width) / area
     at = tuple(0.0 if s is None else s - c for s, c in zip(shear_centre, (y, z), strict=True))
-    return SectionValues(area, I1, I2, I12, J, upright or 5 / 6, lying or 5 / 6, (at[0], at[1]))
+    walls = [b if b.shear else replace(b, shear=min(b.height, b.width) / J) for b in boxes]
+    geometry = walled_section(walls).moved(-y, -z)
+    return SectionValues(area, I1, I2, I12, J, upright or 5 / 6, lying or 5 / 6, geometry, (at[0], at[1]))
 
 
 def _thin(*strips: tuple[float, float]) -> float:
@@ -84,7 +76,7 @@ def _rod(radius: float) -> SectionValues:
 
 def _tube(outer: float, inner: float, K: float = 0.5) -> SectionValues:
     area, second = pi * (outer**2 - inner**2), pi * (outer**4 - inner**4) / 4
-    return SectionValues(area, second, second, 0.0, 2 * second, K, K)
+    return SectionValues(area, second, second, 0.0, 2 * second, K, K, circular_section(outer, inner))
 
 
 def _tube2(outer: float, thickness: float) -> SectionValues:
@@ -99,7 +91,9 @@ def _bar(width: float, height: float) -> SectionValues | None:
     odd = range(1, 20, 2)
     series = sum(tanh(n * pi * long / (2 * short)) / n**5 for n in odd)
     J = long * short**3 / 3 * (1 - 192 / pi**5 * short / long * series)
-    return SectionValues(width * height, width * height**3 / 12, height * width**3 / 12, 0.0, J, 5 / 6, 5 / 6)
+    I1, I2 = width * height**3 / 12, height * width**3 / 12
+    shape = rectangular_section(height, width)
+    return SectionValues(width * height, I1, I2, 0.0, J, 5 / 6, 5 / 6, shape)
 
 
 def _box(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
@@ -112,15 +106,21 @@ def _box1(
     """J of a closed cell by Bredt: 4 A^2 / (int ds / t)."""
     inner = height - top - bottom
     boxes = [
-        _Box((height - top) / 2, 0.0, top, width),
-        _Box(-(height - bottom) / 2, 0.0, bottom, width),
-        _Box((bottom - top) / 2, (width - right) / 2, inner, right),
-        _Box((bottom - top) / 2, -(width - left) / 2, inner, left),
+        Wall((height - top) / 2, 0.0, top, width),
+        Wall(-(height - bottom) / 2, 0.0, bottom, width),
+        Wall((bottom - top) / 2, (width - right) / 2, inner, right),
+        Wall((bottom - top) / 2, -(width - left) / 2, inner, left),
     ]
     if min(top, bottom, right, left, inner, width - right - left) <= 0:
         return None
     w, h = width - (left + right) / 2, height - (top + bottom) / 2
-    return _built(boxes, 4 * (w * h) ** 2 / (w / top + w / bottom + h / left + h / right))
+    J = 4 * (w * h) ** 2 / (w / top + w / bottom + h / left + h / right)
+    return _built(_closed(boxes, w * h), J)
+
+
+def _closed(walls: list[Wall], area: float) -> list[Wall]:
+    """Walls around a cell, with the shear stress 1 / (2 A t) of a unit torsional moment [Bredt]."""
+    return [replace(wall, shear=1 / (2 * area * min(wall.height, wall.width))) for wall in walls]
 
 
 def _i(
@@ -130,9 +130,9 @@ def _i(
     if min(height, bottom, top, web, t_bottom, t_top, inner) <= 0:
         return None
     boxes = [
-        _Box(0.0, 0.0, t_bottom, bottom),
-        _Box(between, 0.0, t_top, top),
-        _Box((t_bottom + inner) / 2, 0.0, inner, web),
+        Wall(0.0, 0.0, t_bottom, bottom),
+        Wall(between, 0.0, t_top, top),
+        Wall((t_bottom + inner) / 2, 0.0, inner, web),
     ]
     centre = between * t_top * top**3 / (t_top * top**3 + t_bottom * bottom**3)
     return _built(boxes, _thin((bottom, t_bottom), (top, t_top), (between, web)), (centre, 0.0))
@@ -149,9 +149,9 @@ def _chan(width: float, height: float, web: float, flange: float) -> SectionValu
     if min(width, web, flange, inner, width - web) <= 0:
         return None
     boxes = [
-        _Box(h / 2, b / 2 - web / 4, flange, width),
-        _Box(-h / 2, b / 2 - web / 4, flange, width),
-        _Box(0.0, 0.0, inner, web),
+        Wall(h / 2, b / 2 - web / 4, flange, width),
+        Wall(-h / 2, b / 2 - web / 4, flange, width),
+        Wall(0.0, 0.0, inner, web),
     ]
     out = 3 * b**2 * flange / (6 * b * flange + h * web)
     return _built(boxes, _thin((b, flange), (b, flange), (h, web)), (0.0, -out))
@@ -170,7 +170,7 @@ def _chan2(leg: float, base: float, height: float, width: float) -> SectionValue
 def _turned(s: SectionValues) -> SectionValues:
     """Turned by a right angle, z to y and y to -z."""
     y, z = s.shear_centre
-    return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, (z, -y))
+    return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, s.geometry.turned(), (z, -y))
 
 
 def _t(width: float, height: float, flange: float, web: float) -> SectionValues | None:
@@ -178,28 +178,20 @@ def _t(width: float, height: float, flange: float, web: float) -> SectionValues 
     stem = height - flange
     if min(width, flange, web, stem) <= 0:
         return None
-    boxes = [_Box(0.0, 0.0, flange, width), _Box(-height / 2, 0.0, stem, web)]
+    boxes = [Wall(0.0, 0.0, flange, width), Wall(-height / 2, 0.0, stem, web)]
     return _built(boxes, _thin((width, flange), (height - flange / 2, web)), (0.0, 0.0))
 
 
 def _t1(height: float, stem: float, flange: float, web: float) -> SectionValues | None:
-    """Flange upright on the right, stem to the left: T turned by a right angle."""
-    turned = _t(height, stem + flange, flange, web)
-    return None if turned is None else _turned_back(turned)
-
-
-def _turned_back(s: SectionValues) -> SectionValues:
-    """Turned by a right angle, y to z and z to -y."""
-    y, z = s.shear_centre
-    return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, (-z, y))
+    """Flange upright on the right, stem to the left: T turned by three right angles."""
+    s = _t(height, stem + flange, flange, web)
+    return None if s is None else _turned(_turned(_turned(s)))
 
 
 def _t2(width: float, height: float, flange: float, web: float) -> SectionValues | None:
     """Flange at the bottom: T upside down."""
     s = _t(width, height, flange, web)
-    if s is None:
-        return None
-    return SectionValues(s.area, s.I1, s.I2, s.I12, s.J, s.K1, s.K2, (-s.shear_centre[0], s.shear_centre[1]))
+    return None if s is None else _turned(_turned(s))
 
 
 def _l(width: float, height: float, lying: float, upright: float) -> SectionValues | None:
@@ -207,7 +199,7 @@ def _l(width: float, height: float, lying: float, upright: float) -> SectionValu
     b, h = width - upright / 2, height - lying / 2
     if min(width - upright, height - lying, lying, upright) <= 0:
         return None
-    boxes = [_Box(0.0, (width - upright) / 2, lying, width), _Box(height / 2, 0.0, height - lying, upright)]
+    boxes = [Wall(0.0, (width - upright) / 2, lying, width), Wall(height / 2, 0.0, height - lying, upright)]
     return _built(boxes, _thin((b, lying), (h, upright)), (0.0, 0.0))
 
 
@@ -215,8 +207,8 @@ def _cross(arms: float, web: float, height: float, thickness: float) -> SectionV
     if min(arms, web, height, thickness, height - thickness) <= 0:
         return None
     boxes = [
-        _Box(0.0, 0.0, height, web),
-        *(_Box(0.0, s * (web + arms / 2) / 2, thickness, arms / 2) for s in (1, -1)),
+        Wall(0.0, 0.0, height, web),
+        *(Wall(0.0, s * (web + arms / 2) / 2, thickness, arms / 2) for s in (1, -1)),
     ]
     return _built(boxes, _thin((height, web), (arms, thickness)))
 
@@ -225,8 +217,8 @@ def _h(inner: float, flanges: float, height: float, web: float) -> SectionValues
     if min(inner, flanges, height, web) <= 0:
         return None
     boxes = [
-        _Box(0.0, 0.0, web, inner),
-        *(_Box(0.0, s * (inner + flanges / 2) / 2, height, flanges / 2) for s in (1, -1)),
+        Wall(0.0, 0.0, web, inner),
+        *(Wall(0.0, s * (inner + flanges / 2) / 2, height, flanges / 2) for s in (1, -1)),
     ]
     return _built(boxes, _thin((inner, web), (height, flanges / 2), (height, flanges / 2)))
 
@@ -237,8 +229,8 @@ def _z(flange: float, web: float, inner: float, height: float) -> SectionValues 
     if min(flange, web, inner, t) <= 0:
         return None
     boxes = [
-        _Box(0.0, 0.0, height, web),
-        *(_Box(s * (height - t) / 2, -s * (web + flange) / 2, t, flange) for s in (1, -1)),
+        Wall(0.0, 0.0, height, web),
+        *(Wall(s * (height - t) / 2, -s * (web + flange) / 2, t, flange) for s in (1, -1)),
     ]
     strip = (flange + web / 2, t)
     return _built(boxes, _thin(strip, strip, (height - t, web)))
@@ -254,17 +246,20 @@ def _hexa(corner: float, width: float, height: float) -> SectionValues | None:
     area = rectangle + 2 * triangle
     I1 = flat * height**3 / 12 + 2 * corner * height**3 / 48
     I2 = height * flat**3 / 12 + 2 * (height * corner**3 / 36 + triangle * (flat / 2 + corner / 3) ** 2)
-    return SectionValues(area, I1, I2, 0.0, area**4 / (40 * (I1 + I2)), 5 / 6, 5 / 6)
+    y, z = height / 2, width / 2
+    around = ((y, flat / 2), (0.0, z), (-y, flat / 2), (-y, -flat / 2), (0.0, -z), (y, -flat / 2))
+    shape = SectionGeometry(around, (), (around,))
+    return SectionValues(area, I1, I2, 0.0, area**4 / (40 * (I1 + I2)), 5 / 6, 5 / 6, shape)
 
 
 def _hat(height: float, t: float, top: float, brim: float) -> SectionValues | None:
     inner = height - 2 * t
     if min(t, brim, inner, top - 2 * t) <= 0:
         return None
-    boxes = [_Box((height - t) / 2, 0.0, t, top)]
+    boxes = [Wall((height - t) / 2, 0.0, t, top)]
     for s in (1, -1):
-        boxes.append(_Box(0.0, s * (top - t) / 2, inner, t))
-        boxes.append(_Box(-(height - t) / 2, s * (top / 2 - t + (brim + t) / 2), t, brim + t))
+        boxes.append(Wall(0.0, s * (top - t) / 2, inner, t))
+        boxes.append(Wall(-(height - t) / 2, s * (top / 2 - t + (brim + t) / 2), t, brim + t))
     h = height - t
     return _built(boxes, _thin((top - t, t), (h, t), (h, t), (brim + t / 2, t), (brim + t / 2, t)))
 
@@ -274,13 +269,12 @@ def _hat1(width: float, height: float, top: float, t: float, bottom: float) -> S
     inner, brim = height - bottom - 2 * t, (width - top) / 2
     if min(t, bottom, inner, top - 2 * t) <= 0 or brim < 0:
         return None
-    boxes = [_Box(bottom / 2, 0.0, bottom, width), _Box(height - t / 2, 0.0, t, top)]
-    for s in (1, -1):
-        boxes.append(_Box(bottom + t + inner / 2, s * (top - t) / 2, inner, t))
-        boxes.append(_Box(bottom + t / 2, s * (top / 2 - t + (brim + t) / 2), t, brim + t))
+    sides = [Wall(bottom + t + inner / 2, s * (top - t) / 2, inner, t) for s in (1, -1)]
+    brims = [Wall(bottom + t / 2, s * (top / 2 - t + (brim + t) / 2), t, brim + t) for s in (1, -1)]
     w, h = top - t, height - t / 2 - bottom / 2
     cell = 4 * (w * h) ** 2 / (w / t + 2 * h / t + w / bottom)
-    return _built(boxes, cell + _thin((2 * brim, t + bottom)))
+    around = [Wall(bottom / 2, 0.0, bottom, width), Wall(height - t / 2, 0.0, t, top), *sides]
+    return _built([*_closed(around, w * h), *brims], cell + _thin((2 * brim, t + bottom)))
 
 
 def _dbox(
@@ -299,16 +293,6 @@ def _dbox(
     wl, wr = middle_at - left - middle / 2, width - middle_at - right - middle / 2
     if min(wl, wr, left, middle, right, top_left, bottom_left, top_right, bottom_right) <= 0:
         return None
-    boxes = [
-        _Box(height / 2, left / 2, height, left),
-        _Box(height / 2, middle_at, height, middle),
-        _Box(height / 2, width - right / 2, height, right),
-    ]
-    for at, w, top, bottom in (
-        (left + wl / 2, wl, top_left, bottom_left),
-        (middle_at + middle / 2 + wr / 2, wr, top_right, bottom_right),
-    ):
-        boxes += [_Box(height - top / 2, at, top, w), _Box(bottom / 2, at, bottom, w)]
     # Shear flows q of unit twist: sum over the walls of a cell of q s / t, less the neighbour's, is 2 A.
     spans = (wl + (left + middle) / 2, wr + (right + middle) / 2)
     depths = (height - (top_left + bottom_left) / 2, height - (top_right + bottom_right) / 2)
@@ -320,7 +304,21 @@ def _dbox(
             [-shared, spans[1] / top_right + spans[1] / bottom_right + depths[1] / right + shared],
         ]
     )
-    return _built(boxes, float(4 * areas @ np.linalg.solve(flow, areas)))
+    twist = np.linalg.solve(flow, areas)
+    J = float(4 * areas @ twist)
+    q = 2 * np.abs(twist) / J
+    boxes = [
+        Wall(height / 2, left / 2, height, left, q[0] / left),
+        Wall(height / 2, middle_at, height, middle, abs(q[0] - q[1]) / middle),
+        Wall(height / 2, width - right / 2, height, right, q[1] / right),
+    ]
+    for at, w, top, bottom, own in (
+        (left + wl / 2, wl, top_left, bottom_left, q[0]),
+        (middle_at + middle / 2 + wr / 2, wr, top_right, bottom_right, q[1]),
+    ):
+        boxes.append(Wall(height - top / 2, at, top, w, own / top))
+        boxes.append(Wall(bottom / 2, at, bottom, w, own / bottom))
+    return _built(boxes, J)
 
 
 SHAPES = {

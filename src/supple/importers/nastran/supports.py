@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,10 +21,13 @@ IntArray = NDArray[np.int64]
 SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
 
 
-def read_supports(reading: Reading) -> dict[str, IntArray]:
+def read_supports(reading: Reading, tied: Collection[int] = ()) -> dict[str, IntArray]:
     """Node sets `spcS_C` of support set S and components C, `spc_C` of PS fields, `aset`; each node once.
 
     What the chosen set and the PS fields hold is added to the reading's `held`.
+
+    tied : grids that a rigid tie of translations takes along in all six freedoms, as nothing acts on their
+           rotations: what holds these holds nothing
     """
     found: dict[str, dict[int, None]] = {}
     cards = reading.file.named("SPC", "SPC1")
@@ -50,6 +55,8 @@ def read_supports(reading: Reading) -> dict[str, IntArray]:
         grids = np.unique(physical[physical[:, 1] > 0, 0])
         found["aset"] = dict.fromkeys(reading.grids.lookup(grids)[0].tolist())
     for (node, component), line in held.items():
+        if component > 2 and node in tied:
+            continue
         reading.held.add(reading.node_freedom(node, component), line)
     return {name: np.array(list(nodes), dtype=np.int64) for name, nodes in found.items() if nodes}
 
@@ -134,9 +141,10 @@ def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
             factor, name = _scaled(word.strip())
             if name in cards:
                 used.add(name)
-                matrices.append(_matrix(cards[name], factor, reading))
+                matrices.append(_matrix(cards[name], factor * reading.matrix_factors[command], reading))
             elif name:
-                reading.note(f"Case control adds {command} = {name}, and the file has no such DMIG.")
+                absent = BulkCard(command, (name,), reading.file.path, 0)
+                reading.leave_out(absent, f"case control adds {name}, and the file has no such DMIG")
     for command in ("K2PP", "M2PP", "B2PP"):
         name = reading.case.chosen.get(command, "")
         if name in cards:
@@ -177,7 +185,7 @@ def _matrix(cards: list[BulkCard], factor: float, reading: Reading) -> NodalMatr
                     entries[i, j] = entries.get((i, j), 0.0) + a * b * value
                     if row != column and cards[0].word(2) == "6":
                         entries[j, i] = entries.get((j, i), 0.0) + a * b * value
-    freedoms, places = np.unique(np.array(list(entries)), return_inverse=True)
+    freedoms, places = np.unique(np.array(list(entries), dtype=np.int64), return_inverse=True)
     places = places.reshape(-1, 2)
     values = np.zeros((len(freedoms), len(freedoms)))
     np.add.at(values, (places[:, 0], places[:, 1]), list(entries.values()))

@@ -53,7 +53,7 @@ def _pshell(
         return "its bending is that of plane strain (MID2 = -1), which is not read"
     used: dict[int, WallMaterial] = {}
     for place in (1, 3, 5, 10):
-        if card.word(place):
+        if card.word(place) not in ("", "0"):
             found = materials.of_wall(card.integer(place, "a material"))
             if isinstance(found, str):
                 return found

@@ -159,7 +159,7 @@ def read_flexible_body_file(path: Path | str) -> FlexibleBodyFile:
         s,
         frame_modes,
         frame_mass,
-        damping=damping,  # type: ignore[arg-type] - of length 2
+        damping=damping,
         **coupling,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
@@ -12,14 +13,20 @@ from supple.body.floating_kinematics import node_numbers
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.point_motion import InterfaceMotion, NodeMotion
-from supple.fem import FiniteElementModel
+from supple.fem import FiniteElementModel, node_masses, refuse_attached
 from supple.mesh import Mesh
 from supple.methods.explicit.motions import NodalMotion
 from supple.methods.explicit.node_set import NodeSet, node_sets
 
-__all__ = ["ElementPart"]
+__all__ = ["ElementPart", "refuse_beside_elements"]
 
 FloatArray = NDArray[np.float64]
+
+
+def refuse_beside_elements(what: str, model: FiniteElementModel) -> None:
+    """ModelError where more than elements and masses at nodes makes a part."""
+    refuse_attached(replace(model.attached, mass=None), what)
+    node_masses(model)
 
 
 class ElementPart(FormDefaults):

@@ -15,10 +15,15 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel, HomogeneousSection, lumped_mass, stress_recovery
 from supple.fem.kirchhoff_bending import MIDSIDES
 from supple.fem.optimal_membrane import drilling_stiffness, triangle_area
-from supple.fem.shell_kinematics import DRILLING
-from supple.fem.shell_triangle import element_axes, plane_coordinates, resultant_strains
+from supple.fem.shell_triangle import (
+    drilling_rotations,
+    element_axes,
+    plane_coordinates,
+    plane_tensor,
+    resultant_strains,
+)
 from supple.mesh import CellType
-from supple.methods.explicit.element_part import ElementPart
+from supple.methods.explicit.element_part import ElementPart, refuse_beside_elements
 from supple.methods.explicit.materials import J2Plasticity
 
 __all__ = ["ExplicitShell", "explicit_shell"]
@@ -72,6 +77,7 @@ class ExplicitShell(ElementPart):
     def __post_init__(self) -> None:
         check_fields(self)
         refuse_held(self.damping, f"explicit shell '{self.name}'")
+        refuse_beside_elements(f"explicit shell '{self.name}'", self.model)
         for section in self.model.sections:
             if section.cell_type is not CellType.TRIANGLE3 or not isinstance(
                 section.property, HomogeneousSection
@@ -130,11 +136,12 @@ class ExplicitShell(ElementPart):
             given = section.property
             assert isinstance(given, HomogeneousSection)
             corners = section.corners(self.model.mesh)
-            xy = plane_coordinates(corners, element_axes(corners, given, section.directions))
+            axes = element_axes(corners, given, section.directions)
+            xy, surface = plane_coordinates(corners, axes), plane_tensor(section.surface_curvature, axes)
             area = triangle_area(xy)
             B = block.B[:, 0]
-            membrane, bending = resultant_strains(xy, MIDSIDES, given)
-            drills = B[:, DRILLING]
+            membrane, bending = resultant_strains(xy, MIDSIDES, given, surface)
+            drills = drilling_rotations(xy, given, surface) @ B
             D = block.w[:, :1, None] * np.broadcast_to(block.D, (len(B), *block.D.shape[-2:]))
             mass = given.mass_per_area * area / 3
             of_strain = np.broadcast_to(stress.of_strain, (len(B), *stress.of_strain.shape[1:]))

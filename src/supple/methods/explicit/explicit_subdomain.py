@@ -12,11 +12,11 @@ from supple.arguments import check_fields, checked_arguments
 from supple.body import LinearRayleighDamping
 from supple.body.damping import refuse_held
 from supple.errors import ModelError
-from supple.fem import FiniteElementModel, Isotropic, lumped_mass
+from supple.fem import FiniteElementModel, Isotropic, lumped_mass, node_masses
 from supple.fem.mass import CellMass
 from supple.fem.model import SOLID_ELEMENTS
 from supple.fem.solid_element import solid_mass
-from supple.methods.explicit.element_part import ElementPart
+from supple.methods.explicit.element_part import ElementPart, refuse_beside_elements
 from supple.methods.explicit.elements import (
     BulkArrays,
     BulkViscosity,
@@ -57,6 +57,7 @@ class ExplicitSubdomain(ElementPart):
     def __post_init__(self) -> None:
         check_fields(self)
         refuse_held(self.damping, f"explicit sub-domain '{self.name}'")
+        refuse_beside_elements(f"explicit sub-domain '{self.name}'", self.model)
         if self.model.dofs_per_node != 3:
             raise ModelError(
                 f"explicit sub-domain '{self.name}': its law is of solids, its model of shells; "
@@ -69,8 +70,12 @@ class ExplicitSubdomain(ElementPart):
 
     @cached_property
     def masses(self) -> FloatArray:
-        """(N,) lumped, kg; positive on quadratic tetrahedra too (Hinton, Rock and Zienkiewicz 1976)."""
-        return lumped_mass(self.model)[::3] * (self.law.elastic.density / self._density)
+        """(N,) lumped, kg; positive on quadratic tetrahedra too (Hinton, Rock and Zienkiewicz 1976).
+
+        With concentrated masses, which the density of the law leaves as they are.
+        """
+        beside = node_masses(self.model)
+        return beside + (lumped_mass(self.model)[::3] - beside) * (self.law.elastic.density / self._density)
 
     @cached_property
     def points(self) -> tuple[SolidPoints, ...]:
@@ -114,7 +119,7 @@ class ExplicitSubdomain(ElementPart):
 
     @property
     def _density(self) -> float:
-        return self.model.sections[0].property.density  # type: ignore[union-attr] - of solids
+        return self.model.sections[0].property.density  # ty: ignore[missing-union-attribute] - of solids
 
 
 @checked_arguments

@@ -71,7 +71,7 @@ class Generalized(NamedTuple):
     p: Array
     y: Array
 
-    def __add__(self, other: Generalized) -> Generalized:  # type: ignore[override] - sums, as tuples do not
+    def __add__(self, other: Generalized) -> Generalized:  # ty: ignore[incompatible-method-override] - sums, as tuples do not
         """Their sum."""
         return Generalized(self.p + other.p, self.y + other.y)
 

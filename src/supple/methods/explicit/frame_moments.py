@@ -32,7 +32,7 @@ class Moments(NamedTuple):
     S1: Array
     C: Array
 
-    def __add__(self, other: Moments) -> Moments:  # type: ignore[override] - sums, as tuples do not
+    def __add__(self, other: Moments) -> Moments:  # ty: ignore[incompatible-method-override] - sums, as tuples do not
         """The sums of two sets of mass on one frame."""
         return Moments(*(a + b for a, b in zip(self, other, strict=True)))
 

@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.fem import FiniteElementModel, HomogeneousSection, Isotropic, stress_recovery, von_mises
+from supple.fem import (
+    BeamSection,
+    FiniteElementModel,
+    HomogeneousSection,
+    Isotropic,
+    RodSection,
+    stress_recovery,
+    von_mises,
+)
 from supple.methods.explicit.modal_subdomain import ModalSubdomain
 
 __all__ = ["isotropic_materials", "modal_von_mises", "stress_of_modes"]
@@ -14,9 +22,10 @@ FloatArray = NDArray[np.float64]
 
 
 def isotropic_materials(model: FiniteElementModel) -> set[Isotropic]:
-    """Of solids and of shells of one material through the thickness."""
+    """Of solids, beams, rods, and of shells of one material through the thickness."""
     given = [section.property for section in model.sections]
-    made_of = [own.material if isinstance(own, HomogeneousSection) else own for own in given]
+    of_material = HomogeneousSection | BeamSection | RodSection
+    made_of = [own.material if isinstance(own, of_material) else own for own in given]
     return {material for material in made_of if isinstance(material, Isotropic)}
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -13,11 +15,17 @@ __all__ = ["NodalMotion"]
 
 
 @register_motion
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class NodalMotion(StackedMotion):
     """Motion of the nodes of an explicit sub-domain."""
 
     kind: ClassVar[str] = "nodal"
+    dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {
+            **dict.fromkeys(("nodes", "velocities", "accelerations"), ("node", "axis")),
+            **dict.fromkeys(("plastic_strain", "alive", "von_mises"), ("element",)),
+        }
+    )
 
     nodes: np.ndarray
     """(t, N, 3) positions in space."""

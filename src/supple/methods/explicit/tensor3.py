@@ -31,7 +31,7 @@ Tensor = tuple[tuple[Array, Array, Array], tuple[Array, Array, Array], tuple[Arr
 
 def tensor(component: Callable[[int, int], Array]) -> Tensor:
     """From a function of the two indices."""
-    return tuple(tuple(component(i, j) for j in range(3)) for i in range(3))  # type: ignore[return-value] - of length 3
+    return tuple(tuple(component(i, j) for j in range(3)) for i in range(3))  # ty: ignore[invalid-explicit-return] - of length 3
 
 
 def transposed(a: Tensor) -> Tensor:

@@ -9,6 +9,7 @@ from scipy import linalg, sparse
 from supple.arguments import checked_arguments
 from supple.body import Damping, FlexibleBody
 from supple.errors import ModelError
+from supple.fem import Attached, refuse_attached
 from supple.methods.intrinsic.condensed_line import condensed_line
 from supple.methods.intrinsic.expansion import carried_by_stations
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody
@@ -51,7 +52,8 @@ def condense(
 
     Raises
     ------
-    ModelError      no elements; stations that no mesh carries; and as `intrinsic_modes`
+    ModelError      no elements; dashpots; masses that several nodes share; stations that no mesh carries; and
+                    as `intrinsic_modes`
     Source: [Wang2015] section 3; [Guyan1965].
     """
     if body.model is None:
@@ -59,6 +61,7 @@ def condense(
             f"body '{body.name}' is made of matrices, which do not say where its mass is: give "
             "condensed_line the matrices of its stations instead"
         )
+    refuse_attached(Attached(damping=body.model.attached.damping), f"the line of body '{body.name}'")
     interfaces, parents = path.stations(body)
     points = np.array([interface.position for interface in interfaces])
     tree = load_path_tree(points, parents)

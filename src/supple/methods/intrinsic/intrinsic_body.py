@@ -35,6 +35,7 @@ from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
 from supple.methods.intrinsic.strain_integration import Places, station_places
+from supple.summary import Summarized, Summary, point
 
 __all__ = ["IntrinsicBody", "intrinsic_body"]
 
@@ -59,8 +60,8 @@ class Station(UntiedInterface):
     number: int
 
 
-@dataclass(frozen=True, eq=False)
-class IntrinsicBody(FormDefaults):
+@dataclass(frozen=True, eq=False, repr=False)
+class IntrinsicBody(FormDefaults, Summarized):
     """A slender body that turns and bends by any angle, from its linear modes; build it with `intrinsic_body`
     or `condense`.
 
@@ -78,6 +79,18 @@ class IntrinsicBody(FormDefaults):
     damping: Damping | None = None
     complete: IntrinsicBody | None = field(default=None, repr=False)
     supported: IntrinsicBody | None = field(default=None, repr=False)
+
+    def summary(self) -> Summary:
+        """Stations, modes, mass and interfaces."""
+        lowest = ", ".join(f"{value:.4g}" for value in self.modes.frequencies[:6] / (2 * np.pi))
+        rows = [
+            ("modes", f"{self.n_coordinates} on {self.line.n} stations"),
+            ("rigid motions of its root", f"{self.support.free.shape[1]} free"),
+            ("mass", f"{self.mass:g}"),
+            ("lowest frequencies", f"{lowest} cycles per unit of time"),
+        ]
+        rows += [(f"interface {one.name}", f"at {point(one.position)}") for one in self.interfaces]
+        return Summary(f"IntrinsicBody '{self.name}', {self.n_coordinates} modes", rows)
 
     @property
     def name(self) -> str:
@@ -211,6 +224,11 @@ class IntrinsicBody(FormDefaults):
             )
             result[part] = np.einsum("nw,tnwi->tni", weights, moved)
         return result
+
+    def node_rotations(self, motion: IntrinsicMotion) -> Array:
+        """Rotation matrices (t, N, 3, 3) of nodes: of the station that carries the larger share of each."""
+        larger = self.expansion.weights.argmax(axis=1)
+        return self.places(motion)[0][:, self.expansion.stations[np.arange(len(larger)), larger]]
 
     def station_motion(self, motion: IntrinsicMotion) -> StationMotion:
         """Places, velocities and accelerations of the stations in space."""

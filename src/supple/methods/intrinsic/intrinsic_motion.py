@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
@@ -17,11 +19,19 @@ UNKNOWN = np.empty(0)
 
 
 @register_motion
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class IntrinsicMotion(StackedMotion):
     """Root, strains and velocities of an intrinsic body, one row per output time."""
 
     kind: ClassVar[str] = "intrinsic"
+    dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+        {
+            "rotation": ("axis", "body_axis"),
+            "coordinates": ("coordinate",),
+            "rates": ("velocity_mode",),
+            "accelerations": ("velocity_mode",),
+        }
+    )
 
     position: np.ndarray
     """(t, 3) of the origin of the body's axes, which the root carries, global components."""

@@ -223,7 +223,7 @@ def _missing(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
     first, _ = line_rates(model, q1, q2, wrench)
     pushed = jnp.zeros_like(q1) if wrench is None else -wrench.reshape(-1) @ model.velocities
     left, loads = jnp.linalg.solve(rows.T, jnp.stack([rates - first, pushed], axis=1)).T
-    return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # type: ignore[return-value]
+    return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # ty: ignore[invalid-explicit-return]
 
 
 def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> Places:

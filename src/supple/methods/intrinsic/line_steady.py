@@ -116,7 +116,7 @@ def _turning_lines(arrays: JoinedArrays, turning: Turning | None, now: Instant) 
         return tuple(jnp.zeros_like(state.q1) for state in now.lines)
     rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_held :]
     return tuple(
-        _turning_line(model, drive and drive.twist(now.time), state, w, turning.point)
+        _turning_line(model, None if drive is None else drive.twist(now.time), state, w, turning.point)
         for model, drive, state, w in zip(arrays.lines, arrays.drives, now.lines, rates, strict=True)
     )
 

@@ -79,7 +79,7 @@ class LoadPath:
         for number, (own, _) in enumerate(shares, start=1):
             if not _carries_a_section(body, nodes[own]):
                 raise ModelError(self._too_few(body, nodes, place, number, length))
-        masses = body.nodal_mass.diagonal()[nodes * body.dofs_per_node]
+        masses = _element_masses(body)[nodes]
         if not (masses > 0).all():
             masses = np.ones(len(nodes))
         return [
@@ -182,7 +182,7 @@ class LoadPaths:
         ends: dict[str, int] = {self.paths[0].root: 0}
         found: list[BodyInterface] = [body.interface(self.paths[0].root)]
         parents: list[int] = [ROOT]
-        nearest = self._nearest(body)
+        nearest = np.where(_in_cells(body), self._nearest(body), -1)
         for number, path in enumerate(self.paths):
             slices = _averaged(body, path.slices(body, np.flatnonzero(nearest == number)))
             above = ends[path.root]
@@ -232,6 +232,21 @@ class NodeSetPath:
 def _averaged(body: FlexibleBody, interfaces: Sequence[AveragingInterface]) -> tuple[BodyInterface, ...]:
     resolved = virtual_nodes(body.name, body.nodes, body.dofs_per_node, interfaces)
     return interface_motions(body.nodes, body.dofs_per_node, body.expansion, resolved)
+
+
+def _in_cells(body: FlexibleBody) -> NDArray[np.bool_]:
+    """Nodes (N,) of cells: those of springs, masses and ties alone say nothing of a section."""
+    found = np.full(len(body.nodes), body.model is None)
+    for cells in () if body.model is None else body.model.mesh.cells.values():
+        found[cells] = True
+    return found
+
+
+def _element_masses(body: FlexibleBody) -> Array:
+    """Mass (N,) of the nodes without concentrated masses, which would draw the mean of a section to them."""
+    beside = None if body.model is None else body.model.attached.mass
+    mass = body.nodal_mass if beside is None else body.nodal_mass - beside
+    return np.asarray(mass.diagonal()[:: body.dofs_per_node], dtype=np.float64)
 
 
 def _where(body: FlexibleBody) -> str:

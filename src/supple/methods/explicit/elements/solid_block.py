@@ -94,7 +94,7 @@ def hourglass_stiffness(points: SolidPoints, elastic: Isotropic, hourglass: floa
 def deformation(block: SolidBlock, corners: Array) -> Tensor:
     """sum_k x_k (x) grad N_k of corner vectors (3, k, E), components (g, E)."""
     g = block.gradients
-    return tensor(lambda i, j: sum(corners[i, k] * g[k, j] for k in range(len(g))))  # type: ignore[misc] - a sum of arrays is no int
+    return tensor(lambda i, j: sum(corners[i, k] * g[k, j] for k in range(len(g))))  # ty: ignore[invalid-argument-type] - a sum of arrays is no int
 
 
 def block_force(

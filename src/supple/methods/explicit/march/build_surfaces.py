@@ -56,7 +56,7 @@ def modal_skins(system: System, first: int) -> list[ModalSkin]:
     for body in (placed.body for placed in system.bodies):
         own = [system.node_numbers(end) for end in ends if end.body == body.name]
         if own and body.kind == "modal":
-            corners = np.unique(np.concatenate(own))
+            corners = np.unique(np.concatenate(own)).astype(int)
             skins.append(ModalSkin(body.name, first + np.arange(len(corners)), corners))
             first += len(corners)
     return skins

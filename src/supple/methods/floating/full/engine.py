@@ -110,7 +110,7 @@ class FullEngine:
             auxiliary=known.get("auxiliary", instant.acceleration),
             multipliers=instant.multipliers[list(machine.model.active)],
             frame_multipliers=tuple(known.get("frame_multipliers", fresh.frame_multipliers)),
-            control=fresh.control and fresh.control._replace(start=control),
+            control=control and fresh.control and fresh.control._replace(start=control),
         )
         return March(
             state,

@@ -1,4 +1,4 @@
-"""Rigid obstacles as surfaces of an animation: a patch of a plane, a piece of a cylinder, a ball."""
+"""Rigid obstacles as triangles to be drawn: a patch of a plane, a piece of a cylinder, a ball."""
 
 from __future__ import annotations
 
@@ -7,27 +7,25 @@ from numpy.typing import NDArray
 
 from supple.machine import RigidCylinder, RigidPlane, RigidSphere
 from supple.machine.obstacles import Obstacle
-from supple.viz.mesh_skin import Skin
-from supple.viz.scene import Actor
 
-__all__ = ["obstacle_actor"]
+__all__ = ["obstacle_shape"]
 
 FloatArray = NDArray[np.float64]
 
 _AROUND, _UP = 32, 16
 
 
-def obstacle_actor(obstacle: Obstacle, offsets: FloatArray, seen: FloatArray) -> Actor:
-    """An obstacle moved by offsets (t, 3), as large as it takes beside what else is seen, points (n, 3)."""
+def obstacle_shape(obstacle: Obstacle, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Points (n, 3) and triangles (m, 3) of an obstacle where it stood at first.
+
+    seen : (k, 3) of what moves beside it, which a plane and a cylinder are drawn as large as
+    """
     if isinstance(obstacle, RigidPlane):
-        points, triangles = _patch(obstacle, seen)
-    elif isinstance(obstacle, RigidCylinder):
-        points, triangles = _tube(obstacle, seen)
-    else:
-        assert isinstance(obstacle, RigidSphere)
-        points, triangles = _ball(obstacle)
-    skin = Skin(triangles, np.zeros(triangles.shape, dtype=bool))
-    return Actor(skin, points + offsets[:, None])
+        return _patch(obstacle, seen)
+    if isinstance(obstacle, RigidCylinder):
+        return _tube(obstacle, seen)
+    assert isinstance(obstacle, RigidSphere)
+    return _ball(obstacle)
 
 
 def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.fem import FiniteElementModel
+from supple.fem import FiniteElementModel, has_stress
 from supple.methods.explicit.modal_stress import isotropic_materials
-from supple.quantities import von_mises_history
+from supple.quantities import von_mises_by_end
 from supple.results import without_noise
 from supple.results.explicit_fields import element_means
 from supple.units import UnitSystem, labelled
@@ -25,8 +25,8 @@ Array = NDArray[np.float64]
 class Colouring:
     """What colours the bodies of an animation.
 
-    values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame; None of a body
-        that has no such values
+    values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame, or (t, N, g) by
+        the groups of a `BodySurface`; None of a body that has no such values
     label : of a unit system: what stands under the colour bar, and what the values are shown times
     """
 
@@ -51,10 +51,12 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
     elements : of the bodies, by name
     """
 
-    def values(body: Any, motion: Any, _deflection: Array | None) -> Array:
+    def values(body: Any, motion: Any, _deflection: Array | None) -> Array | None:
         model = elements[body.name]
+        if not has_stress(model):
+            return None
         if body.has_frame:
-            stress = von_mises_history(body, model, motion.coordinates)
+            stress = von_mises_by_end(body, model, motion.coordinates)
         else:
             stress = element_means(body, motion.von_mises, motion.alive)
         return without_noise(stress, like=[each.youngs_modulus for each in isotropic_materials(model)])

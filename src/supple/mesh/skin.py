@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.mesh import Mesh
+from supple.mesh.mesh import Mesh
 from supple.mesh.outer_faces import outer_faces
 
 __all__ = ["Skin", "skin_of"]
@@ -62,11 +62,13 @@ def skin_of(mesh: Mesh) -> Skin:
     """The skin of a mesh.
 
     Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them,
-    so that a curved face looks curved. Beams (LINE2) have no faces and are not shown.
+    so that a curved face looks curved. Beams (LINE2) have no faces: `body_surface` shows them.
     """
     parts = [_skin_of_faces(faces) for faces in outer_faces(mesh, middles=True)]
     if not parts:
-        raise ModelError("a mesh of beams alone has no skin; draw its deflection by the motion of its nodes")
+        raise ModelError(
+            "a mesh of beams alone has no skin; draw its elements, which know the sections of beams"
+        )
     return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))
 
 

@@ -6,9 +6,9 @@ from fixtures.solid_blocks import LINEAR, QUADRATIC, solid_block
 
 from supple.errors import ModelError
 from supple.mesh import CellType, Mesh, block, box_beam, strip
+from supple.mesh.feature_edges import feature_edges
 from supple.mesh.outer_faces import outer_triangles
-from supple.viz.feature_edges import feature_edges
-from supple.viz.mesh_skin import Skin, skin_of
+from supple.mesh.skin import Skin, skin_of
 
 
 def area_vectors(nodes, triangles):

@@ -1,0 +1,176 @@
+"""A machine of rigid bodies from a file of another program: its tables, as if they stood in the case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field
+from scipy.spatial.transform import Rotation
+
+from supple.body import RigidBody
+from supple.cases.body_kinds import kind_of
+from supple.cases.shared_rules import FileName
+from supple.errors import SuppleError
+from supple.importers.text_file import is_file
+from supple.importers.toml import CheckedTable, KeyPath, Raw
+from supple.machine import (
+    GROUND,
+    AngleStop,
+    Bushing,
+    Joint,
+    SlideStop,
+    TorsionSpringDamper,
+    Universal,
+    read_mujoco,
+)
+
+__all__ = ["MachineFile", "with_machine"]
+
+Mistake = tuple[KeyPath, str]
+
+
+class MachineFile(CheckedTable):
+    """Rigid bodies, joints, springs and stops of a URDF or MJCF file, beside those of the case."""
+
+    mujoco: FileName = Field(
+        description="URDF or MJCF file beside the case file; pip install 'supple[mujoco]'"
+    )
+    leave_out: tuple[str, ...] = Field(
+        (),
+        strict=False,
+        description='what the machine may lack of the file: "actuators", "tendons", "friction", "armature", '
+        '"equality", "limits"',
+    )
+
+
+def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
+    """The raw case with the tables of its machine behind its own, and mistakes about these.
+
+    A body of the case that has the name of one of the machine stands in its place: there, with its interfaces
+    at the joints that they are named after. One that states no kind adds to the rigid body.
+    """
+    given = raw.get("machine")
+    name = given.get("mujoco") if isinstance(given, Mapping) else None
+    if not isinstance(given, Mapping) or not isinstance(name, str) or not is_file(folder / name):
+        return raw, []
+    leave_out = given.get("leave_out", [])
+    try:
+        system = read_mujoco(folder / name, leave_out=leave_out if isinstance(leave_out, list) else [])
+    except SuppleError as error:
+        return raw, [(("machine", "mujoco"), str(error))]
+    made = {placed.body.name: _body(placed) for placed in system.bodies}
+    bodies, mistakes = [], list[Mistake]()
+    for number, body in enumerate(_listed(raw, "body")):
+        own = made.pop(str(body.get("name")), None) if isinstance(body, Mapping) else None
+        bodies.append(body if own is None else _in_its_place(body, own, ("body", number), mistakes))
+    added = {
+        "joint": [_joint(joint) for joint in system.joints],
+        "spring": [_spring(load) for load in system.loads if isinstance(load, TorsionSpringDamper)],
+        "element": [_element(load) for load in system.loads if not isinstance(load, TorsionSpringDamper)],
+    }
+    tables = {section: [*_listed(raw, section), *new] for section, new in added.items()}
+    gravity = {} if "gravity" in raw else {"gravity": [float(g) for g in system.gravity]}
+    return {**raw, **gravity, **tables, "body": [*bodies, *made.values()]}, mistakes
+
+
+def _listed(raw: Raw, section: str) -> Sequence[Any]:
+    given = raw.get(section, [])
+    return given if isinstance(given, list) else []
+
+
+def _body(placed: Any) -> dict[str, Any]:
+    body: RigidBody = placed.body
+    return {
+        "name": body.name,
+        "rigid": {"mass": body.mass, "centre": _numbers(body.centre), "inertia": body.inertia.tolist()},
+        "interface": [{"name": each, "position": _numbers(at)} for each, at in body.points.items()],
+        "position": _numbers(placed.position),
+        "rotation": _numbers(Rotation.from_matrix(placed.rotation).as_rotvec()),
+    }
+
+
+def _in_its_place(
+    body: Mapping[str, Any], rigid: dict[str, Any], path: KeyPath, mistakes: list[Mistake]
+) -> dict[str, Any]:
+    """A body of the case as the machine has it: where it stands, and where its joints are."""
+    for key in ("position", "rotation"):
+        if key in body:
+            message = f"the machine says where body '{rigid['name']}' stands; remove the key"
+            mistakes.append(((*path, key), message))
+    places = {each["name"]: each["position"] for each in rigid["interface"]}
+    given = [each for each in _listed(body, "interface") if isinstance(each, Mapping)]
+    names = {each.get("name") for each in given}
+    if kind_of(body) is None:
+        interfaces = [*(each for each in rigid["interface"] if each["name"] not in names), *given]
+        return {**rigid, **body, "interface": interfaces}
+    missing = [name for name in places if name not in names]
+    if missing and "reduced" not in body:
+        message = f"the machine has joints at {', '.join(missing)} of it; add interfaces of these names"
+        mistakes.append((path, message))
+    at_joints = [
+        {**each, "position": places[each["name"]]}
+        if each.get("name") in places and not {"position", "connection"} & set(each)
+        else each
+        for each in given
+    ]
+    stands = {key: rigid[key] for key in ("position", "rotation")}
+    return {**body, **stands, **({"interface": at_joints} if given else {})}
+
+
+def _joint(joint: Joint) -> dict[str, Any]:
+    kind = type(joint).__name__.lower()
+    axes = {}
+    if isinstance(joint, Universal):
+        axes = {"axis": _numbers(joint.first_axis), "second_axis": _numbers(joint.second_axis)}
+    elif (axis := getattr(joint, "axis", None)) is not None:
+        axes = {"axis": _numbers(axis)}
+    return {"kind": kind, "name": joint.name, **_ends(joint), **axes}
+
+
+def _spring(spring: TorsionSpringDamper) -> dict[str, Any]:
+    return {
+        "kind": "torsion",
+        "name": f"{_place(spring)} spring",
+        **_ends(spring),
+        "axis": _numbers(spring.axis),
+        "stiffness": spring.stiffness,
+        "damping": spring.damping,
+        "free_angle": spring.rest_angle,
+    }
+
+
+def _element(load: Any) -> dict[str, Any]:
+    """A stop, or the bushing that is the spring of a slide or ball."""
+    common = {**_ends(load), "axis": _numbers(load.axis)}
+    match load:
+        case AngleStop() | SlideStop():
+            kind = "angle-stop" if isinstance(load, AngleStop) else "slide-stop"
+            limits = {"lower": load.lower, "upper": load.upper, "stiffness": load.penalty.stiffness}
+            return {"kind": kind, "name": f"{_place(load)} stop", **common, **limits}
+        case Bushing():
+            own = {"stiffness": _diagonal(load.stiffness), "damping": _diagonal(load.damping)}
+            offset = {} if load.offset is None else {"offset": _numbers(load.offset)}
+            return {"kind": "bushing", "name": f"{_place(load)} spring", **common, **own, **offset}
+    raise NotImplementedError(f"a machine file has a {type(load).__name__}, which has no table")
+
+
+def _ends(pair: Any) -> dict[str, str]:
+    return {"first": _end(pair.first), "second": _end(pair.second)}
+
+
+def _end(end: Any) -> str:
+    return "ground" if end == GROUND else f"{end.body}.{end.interface}"
+
+
+def _place(pair: Any) -> str:
+    return str(pair.second.interface)
+
+
+def _diagonal(matrix: Any) -> list[float]:
+    return [float(row[place]) for place, row in enumerate(matrix)]
+
+
+def _numbers(values: Iterable[float]) -> list[float]:
+    return [float(value) for value in values]

@@ -1,0 +1,70 @@
+"""The page of a run for a browser, as its case asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from supple.cases.case import Case
+from supple.fem import FiniteElementModel
+from supple.integrate import Solution, StepProgress
+from supple.machine import System
+from supple.quantities import Reading, TrackedMotion
+from supple.storage.run_inputs import Inputs
+
+__all__ = ["case_texts", "coloured_elements", "page_path", "write_run_page"]
+
+
+def page_path(folder: Path) -> Path:
+    """The file of the page of a run."""
+    return folder / "report.html"
+
+
+def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
+    """Elements whose stress colours bodies, if the case asks for it; what has no frame does not deflect."""
+    framed = all(placed.body.has_frame for placed in system.bodies)
+    return case.elements if case.tables.output.colour == "von-mises" or not framed else None
+
+
+def write_run_page(
+    case: Case,
+    folder: Path,
+    system: System,
+    solution: Solution,
+    *,
+    tracked: Mapping[str, TrackedMotion],
+    readings: Sequence[Reading],
+    numbers: Mapping[str, Any],
+    rounds: Sequence[Mapping[str, Any]],
+    inputs: Inputs,
+    progress: StepProgress,
+) -> None:
+    """Write `report.html`, unless the case does without."""
+    if not case.tables.output.report:
+        return
+    from supple.report import write_report
+
+    progress("writing the report", 0.0)
+    write_report(
+        page_path(folder),
+        system,
+        solution,
+        case.meshes,
+        title=case.title,
+        tracked=tracked,
+        readings=readings,
+        elements=coloured_elements(case, system),
+        bases=case.bases,
+        numbers=numbers,
+        rounds=rounds,
+        inputs=case_texts(case, inputs),
+        units=case.units,
+    )
+    progress("writing the report", 1.0)
+
+
+def case_texts(case: Case, inputs: Inputs) -> dict[str, str]:
+    """The case file as it stands, and digests of the files it names, as they were when it was read."""
+    listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith("the file ")]
+    return {case.path.name: case.text} | ({"files that it names": "\n".join(listed)} if listed else {})

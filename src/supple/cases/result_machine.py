@@ -1,0 +1,149 @@
+"""The machine that a result file is of, from the case file it was run from and the bodies beside it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from supple.cases.case import Case
+from supple.cases.case_inputs import FILE
+from supple.cases.notify import Notify, silent
+from supple.cases.read_case import read_case
+from supple.cases.static_case import assembled_system
+from supple.errors import ResultFileError
+from supple.machine import Placed, System
+from supple.methods.intrinsic.complete_motion import with_modes
+from supple.methods.intrinsic.enough_modes import FEWEST
+from supple.reduction import ReducedBody
+from supple.simulation.kept_bodies import kept_path
+from supple.simulation.recorded_columns import check_bodies
+from supple.storage import ResultParts, read_header, read_reduced_body
+from supple.storage.result_content import ResultHeader
+from supple.storage.run_inputs import Inputs, changes
+
+__all__ = ["CASE_FILE", "ResultMachine", "path_from", "result_machine"]
+
+CASE_FILE = "case file"
+"""Of the metadata of a result file: the case file, seen from the folder of the result."""
+
+_READ_AFTERWARDS = ("sensor", "order of sensor", "error")
+"""Beginnings of the names of inputs that no motion depends on."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResultMachine:
+    """A run on disk, and what it is of.
+
+    system : without controllers, bodies as they were simulated, placed as the case places them
+    """
+
+    case: Case
+    system: System
+    run: ResultParts
+
+
+def path_from(folder: Path, path: Path) -> str:
+    """A path as it is seen from a folder; the whole path on another drive."""
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:
+        return path.resolve().as_posix()
+
+
+def result_machine(path: Path, case_file: Path | None = None, notify: Notify = silent) -> ResultMachine:
+    """The machine of a result file that `supple run` wrote; nothing is written.
+
+    case_file : where its case file is now; where it was when it was run, seen from the result, when None
+
+    Raises
+    ------
+    ResultFileError     no result; of a run without a case file; reduced bodies that are not beside it; whose
+                        case or files have changed since, but for its sensors
+    errors of `read_case` and of building its machine
+    """
+    header = read_header(path)
+    case = read_case(_case_path(path, header, case_file), notify)
+    same_text = header.case == case.text
+    changed = changes(*(_of_motion(inputs, same_text) for inputs in (header.inputs, case.inputs)))
+    if changed:
+        raise ResultFileError(
+            f"{path} is not of {case.path} as it is now ({changed}): run the case again, or name the case "
+            "file it was run from (--case)"
+        )
+    system = _as_simulated(case, path)
+    check_bodies(header, system, path)
+    return ResultMachine(case, system, ResultParts(path))
+
+
+def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
+    if given is not None:
+        return given
+    named = header.metadata.get(CASE_FILE)
+    if named is None:
+        raise ResultFileError(f"{path} does not name the case file it was run from: name it (--case FILE)")
+    found = path.resolve().parent / str(named)
+    if not found.is_file():
+        raise ResultFileError(
+            f"{path} was run from {found}, which is not there now: name its case file (--case FILE)"
+        )
+    return found
+
+
+def _of_motion(inputs: Inputs, same_text: bool) -> Inputs:
+    """What the motion depends on: of a case whose text is the same its files alone, for keys may be new."""
+    if same_text:
+        return {name: value for name, value in inputs.items() if name.startswith(FILE)}
+    return {name: value for name, value in inputs.items() if not name.startswith(_READ_AFTERWARDS)}
+
+
+def _as_simulated(case: Case, path: Path) -> System:
+    system = assembled_system(case)
+    reduced: Collection[str] = {*system.bodies_of(ReducedBody), *case.starts} & case.made_here
+    counted = {
+        table.name
+        for table in case.parts.body
+        if table.condense is not None and table.condense.accuracy is not None
+    }
+    return replace(
+        system,
+        bodies=tuple(
+            _kept(placed, path)
+            if placed.body.name in reduced
+            else _with_recorded_modes(placed, path)
+            if placed.body.name in counted
+            else placed
+            for placed in system.bodies
+        ),
+    )
+
+
+def _kept(placed: Placed, path: Path) -> Placed:
+    kept = kept_path(path.parent, placed.body.name)
+    if not kept.exists():
+        raise ResultFileError(
+            f"{kept} is missing: the motion in {path} is of this reduced body; bring it back, or run the "
+            "case again"
+        )
+    return replace(
+        placed,
+        body=read_reduced_body(kept),
+        coordinates=np.zeros(0),
+        coordinate_rates=np.zeros(0),
+    )
+
+
+def _with_recorded_modes(placed: Placed, path: Path) -> Placed:
+    """With as many modes as its run found to be enough, which tried twice as many each time."""
+    (instant,) = ResultParts(path, [0])
+    recorded = instant.bodies[placed.body.name].coordinates.shape[1]
+    number, whole = FEWEST, with_modes(placed, None)
+    while number < whole.body.n_coordinates:
+        found = with_modes(placed, number)
+        if found.body.n_coordinates == recorded:
+            return found
+        number *= 2
+    return whole

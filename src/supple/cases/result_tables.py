@@ -1,0 +1,30 @@
+"""What a table of a run holds: its sensors, the forces of its joints, the places it tracks, its energies."""
+
+from __future__ import annotations
+
+from supple.cases.result_machine import ResultMachine
+from supple.quantities import DeflectionSensor, EnergySensor, JointForceSensor, PositionSensor, Quantity
+from supple.results.march_energy_sensor import MarchEnergySensor
+from supple.simulation.engines import is_explicit
+
+__all__ = ["recorded_quantities"]
+
+
+def recorded_quantities(found: ResultMachine) -> tuple[Quantity, ...]:
+    """All that a table holds, by names that differ.
+
+    Sensors have their own names; then `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` of tracked
+    places of bodies that deform, and `energy`. A sensor of such a name stands in its place.
+    """
+    case, system = found.case, found.system
+    sensors = {sensor.name: sensor for sensor in case.sensors}
+    others: list[Quantity] = [JointForceSensor(f"joint {joint.name}", joint.name) for joint in system.joints]
+    for words in case.parts.output.track:
+        place = case.place(words)
+        body = system.placed(place.body).body
+        others.append(PositionSensor(f"position {words}", place))
+        if body.n_coordinates and body.has_frame:
+            others.append(DeflectionSensor(f"deflection {words}", place, case.bases.get(place.body)))
+    marched = is_explicit(system, case.run)
+    others.append(MarchEnergySensor("energy") if marched else EnergySensor("energy"))
+    return (*sensors.values(), *(each for each in others if each.name not in sensors))

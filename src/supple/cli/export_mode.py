@@ -1,0 +1,42 @@
+"""Write a mode of a case's machine for ParaView."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from supple.cases import read_case
+from supple.cases.modes_case import mode_case
+from supple.cases.outputs import check_not_an_input
+from supple.errors import ArgumentError
+from supple.export import write_vtkhdf, write_vtu
+from supple.terminal import console, say, worded
+
+
+def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | None, time: float) -> None:
+    """Write one period of a mode (.vtkhdf), or its phase 0 (.vtu), of the machine of the case at `path`.
+
+    mode : from 1, the slowest
+    bodies : names of those to write; all, with the joints, when None
+    time : at which loads and laws are taken
+
+    Raises
+    ------
+    ArgumentError       no case; another suffix
+    ModelError          as `machine_modes` and the writers
+    ResultFileError     a file that cannot be written
+    """
+    suffix = target.suffix.lower()
+    if path.suffix.lower() != ".toml" or suffix not in (".vtkhdf", ".vtu"):
+        raise ArgumentError("--mode is of a case (.toml), written as .vtkhdf or .vtu")
+    with console.status("reading") as status:
+        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        check_not_an_input(case, [target])
+        system, motion = mode_case(case, mode, time=time)
+        of_picture: dict[str, Any] = {"bodies": bodies or None, "bases": case.bases, "units": case.units}
+        if suffix == ".vtu":
+            write_vtu(target, system, motion.at(slice(1)), case.meshes, **of_picture)
+        else:
+            write_vtkhdf(target, system, motion, case.meshes, **of_picture)
+    say(f"mode {mode} written to {target}")

@@ -1,0 +1,156 @@
+"""Write the run in a result file for ParaView, or as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.cases.outputs import check_not_an_input
+from supple.cases.result_machine import ResultMachine, result_machine
+from supple.cases.result_tables import recorded_quantities
+from supple.errors import ArgumentError, ModelError, ResultFileError
+from supple.export import TABLE_SUFFIXES, write_readings, write_vtkhdf, write_vtu
+from supple.fem import FiniteElementModel, stress_recovery
+from supple.quantities import read_in_parts
+from supple.simulation.kept_bodies import kept_path
+from supple.storage import ResultParts
+from supple.terminal import console, say, worded
+from supple.units import measured
+
+_PICTURES = (".vtkhdf", ".vtu")
+
+
+def export_result(
+    path: Path,
+    target: Path,
+    *,
+    bodies: Sequence[str] | None,
+    time: float | None,
+    times: str | None,
+    stress: bool,
+    case_file: Path | None,
+) -> None:
+    """Write the run in the result file at `path`, in the format that the suffix of the target names.
+
+    bodies : names of those for ParaView; all, with the joints, when None
+    time : of a .vtu; the end of the run when None
+    times : FROM:TO:NUMBER, instants evenly spread, of any other format; all when None
+    stress : whether files for ParaView have it
+    case_file : as for `result_machine`
+
+    Raises
+    ------
+    ArgumentError       an option that the format does not take, or times that are none
+    ModelError          another suffix; as the writers
+    ResultFileError     as for `result_machine`; a file that cannot be written
+    """
+    suffix = target.suffix.lower()
+    _check_options(target, suffix, bodies, time, times)
+    with console.status("reading") as status:
+        found = result_machine(path, case_file, lambda step, detail="": status.update(worded(step, detail)))
+        check_not_an_input(found.case, [target])
+        if target.resolve() in {path.resolve(), *_bodies_beside(found, path)}:
+            raise ResultFileError(
+                f"cannot write {target}: the result is of this file, which would be lost; write another (-o)"
+            )
+        rows = _rows(found.run.times, suffix, time, times)
+        run = ResultParts(path, rows)
+        status.update("writing")
+        if suffix in TABLE_SUFFIXES:
+            readings = read_in_parts(recorded_quantities(found), found.system, run)
+            write_readings(target, readings, units=found.case.units)
+        else:
+            _write_picture(target, suffix, found, run, bodies, stress=stress)
+    instants = f"{len(rows)} instants" if len(rows) > 1 else f"t = {run.times[0]:g}"
+    say(f"{instants if len(rows) > 1 else measured(instants, found.case.units.time)} written to {target}")
+
+
+def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
+    """Files of the reduced bodies that its motion means."""
+    return {kept_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
+
+
+def _check_options(
+    target: Path, suffix: str, bodies: Sequence[str] | None, time: float | None, times: str | None
+) -> None:
+    known = (*_PICTURES, *TABLE_SUFFIXES)
+    if suffix not in known:
+        raise ModelError(
+            f"cannot write {target}: of a result, files that end in {', '.join(known)} can be written"
+        )
+    if bodies and suffix not in _PICTURES:
+        raise ArgumentError("--body is of files for ParaView: a table has the whole machine; leave it out")
+    if time is not None and suffix != ".vtu":
+        raise ArgumentError("--time is of a .vtu, which holds one instant; --times FROM:TO:NUMBER of others")
+    if times is not None and suffix == ".vtu":
+        raise ArgumentError("a .vtu holds one instant: give --time, or write .vtkhdf")
+
+
+def _rows(
+    there: NDArray[np.float64], suffix: str, time: float | None, times: str | None
+) -> NDArray[np.int64]:
+    """Numbers of the output times that are nearest to those asked for."""
+    if suffix == ".vtu":
+        wanted = np.array([there[-1] if time is None else time])
+    elif times is not None:
+        wanted = _spread(times)
+    else:
+        return np.arange(len(there))
+    half = float(np.diff(there).max(initial=0.0)) / 2
+    beyond = wanted[~((wanted >= there[0] - half) & (wanted <= there[-1] + half))]
+    if beyond.size:
+        raise ArgumentError(
+            f"the run has no instant {beyond[0]:g}: it goes from {there[0]:g} to {there[-1]:g}"
+        )
+    return np.unique(np.searchsorted((there[1:] + there[:-1]) / 2, wanted))
+
+
+def _spread(times: str) -> NDArray[np.float64]:
+    try:
+        first, last, number = times.split(":")
+        return np.linspace(float(first), float(last), int(number))
+    except ValueError as error:
+        raise ArgumentError(f"--times takes FROM:TO:NUMBER, such as 0:10:101, got {times}") from error
+
+
+def _write_picture(
+    target: Path,
+    suffix: str,
+    found: ResultMachine,
+    run: ResultParts,
+    bodies: Sequence[str] | None,
+    *,
+    stress: bool,
+) -> None:
+    case = found.case
+    of_picture: dict[str, Any] = {
+        "elements": _with_stress(case.elements, bodies) if stress else {},
+        "bodies": bodies or None,
+        "bases": case.bases,
+        "units": case.units,
+    }
+    if suffix == ".vtu":
+        (instant,) = run
+        write_vtu(target, found.system, instant, case.meshes, **of_picture)
+    else:
+        write_vtkhdf(target, found.system, run, case.meshes, **of_picture)
+
+
+def _with_stress(
+    elements: Mapping[str, FiniteElementModel], bodies: Sequence[str] | None
+) -> dict[str, FiniteElementModel]:
+    """The elements of the bodies whose stress is known; the others are named."""
+    known = {}
+    for name, model in elements.items():
+        if bodies and name not in bodies:
+            continue
+        try:
+            stress_recovery(model)
+            known[name] = model
+        except ModelError as error:
+            say(f"no stress of body '{name}': {error}")
+    return known

@@ -1,0 +1,38 @@
+"""Readings as HDF5: a dataset per sensor, with axes, places and nodes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from supple.quantities import Readings
+from supple.units import UnitSystem
+
+
+def write_hdf5(path: Path, readings: Readings, units: UnitSystem) -> None:
+    """Write `time` (t,), and (t, c) by sensor with channels, units and axes.
+
+    Where a sensor knows at which nodes it reads, their ids (t, c) are `NAME.nodes`; its attributes
+    `nodes` (c,) and `points` (c, 3) are those where the magnitude of each channel is largest.
+    """
+    times = readings.columns(units).times
+    # Built in memory, because HDF5 does not survive a write that fails: see storage/disk_space.
+    with h5py.File("image", "w", driver="core", backing_store=False) as file:
+        file.create_dataset("time", data=times).attrs["unit"] = units.time
+        for each in readings:
+            values = file.create_dataset(each.name, data=each.values)
+            values.attrs["channels"] = [channel.name for channel in each.channels]
+            values.attrs["quantities"] = [channel.quantity.value for channel in each.channels]
+            values.attrs["units"] = [channel.quantity.unit(units) for channel in each.channels]
+            values.attrs["axes"] = [channel.axes for channel in each.channels]
+            if any(channel.place for channel in each.channels):
+                values.attrs["places"] = [channel.place for channel in each.channels]
+            if each.nodes is not None and each.points is not None:
+                channels = np.arange(len(each.channels))
+                values.attrs["nodes"] = each.nodes[each.peaks, channels]
+                values.attrs["points"] = each.points[each.peaks, channels]
+                file.create_dataset(f"{each.name}.nodes", data=each.nodes)
+        file.flush()
+        path.write_bytes(file.id.get_file_image())

@@ -1,0 +1,100 @@
+"""Readings as OpenFAST's binary output (.outb), which its tools read."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.quantities import Readings
+from supple.quantities.readings import TIME, Columns
+from supple.units import UnitSystem
+
+Array = NDArray[np.float64]
+
+_FORMAT = 4
+"""Equal time steps, values packed to 16 bits, length of names in the file."""
+_REACH = 32_500.0
+"""Of packed values: within 16 bits also when their offset is rounded."""
+_LARGEST_OFFSET = 2.0**25
+"""Of packed values: to be rounded in single precision by two at most."""
+_EQUAL_STEPS = 1e-6
+"""Of a time step: times that are off by less count as equally spaced."""
+_ROWS = 10_000
+
+
+def write_outb(path: Path, readings: Readings, units: UnitSystem) -> None:
+    """Write the columns, each packed as `round(scale x + offset)` with single-precision scale and offset.
+
+    A value is off by at most 1/130 000 of the span of its column, or 2e-8 of its largest magnitude.
+
+    Raises ModelError: output times that are not equally spaced, numbers that are not finite, names in other
+    alphabets, none of which the format can hold.
+    """
+    columns = readings.columns(units)
+    start, step = _equal_steps(columns.times)
+    scales, offsets = _packing(columns)
+    with path.open("wb") as file:
+        names = _words((TIME, *columns.names))
+        named_units = _words(f"({unit})" for unit in (columns.time_unit, *columns.units))
+        length = max(map(len, names + named_units))
+        n_times, n_columns = columns.values.shape
+        file.write(struct.pack("<hhii", _FORMAT, length, n_columns, n_times))
+        file.write(struct.pack("<dd", start, step))
+        file.write(scales.tobytes() + offsets.tobytes())
+        file.write(struct.pack("<i", 0))  # characters of a description
+        for word in names + named_units:
+            file.write(word.ljust(length))
+        _write_packed(file, columns.values, scales, offsets)
+
+
+def _write_packed(file: BinaryIO, values: Array, scales: NDArray, offsets: NDArray) -> None:
+    for start in range(0, len(values), _ROWS):
+        packed = np.rint(values[start : start + _ROWS] * scales.astype(float) + offsets.astype(float))
+        file.write(packed.astype("<i2").tobytes())
+
+
+def _equal_steps(times: Array) -> tuple[float, float]:
+    """The first time and the step."""
+    if len(times) == 1:
+        return float(times[0]), 0.0
+    step = (times[-1] - times[0]) / (len(times) - 1)
+    off = np.abs(times - (times[0] + step * np.arange(len(times)))).max()
+    if off > _EQUAL_STEPS * step:
+        raise ModelError(
+            "an .outb file holds equally spaced times, and these are not: choose others, or write .csv"
+        )
+    return float(times[0]), float(step)
+
+
+def _packing(columns: Columns) -> tuple[NDArray, NDArray]:
+    """Single-precision scale and offset (c,) of each column."""
+    values = columns.values
+    finite = np.isfinite(values).all(axis=0)
+    if not finite.all():
+        name = columns.names[int(np.argmin(finite))]
+        raise ModelError(f"column '{name}' holds numbers that are not finite, which .outb cannot; write .csv")
+    low, high = values.min(axis=0), values.max(axis=0)
+    size, span = np.maximum(np.abs(low), np.abs(high)), high - low
+    with np.errstate(divide="ignore"):
+        scale = np.minimum(2 * _REACH / span, _LARGEST_OFFSET / size)
+    scale = np.where(size > 0, np.clip(scale, 1e-30, 1e30), 1.0).astype("<f4")
+    offset = (-scale.astype(float) * (low + high) / 2).astype("<f4")
+    return scale, offset
+
+
+def _words(words: Iterable[str]) -> list[bytes]:
+    found = []
+    for word in words:
+        try:
+            found.append(word.encode("ascii"))
+        except UnicodeEncodeError as error:
+            raise ModelError(
+                f"'{word}': an .outb file holds ASCII letters alone; rename it, or write .csv, .mat or .nc"
+            ) from error
+    return found

@@ -1,0 +1,188 @@
+"""A machine in motion as one VTKHDF file, which ParaView opens.
+
+VTKHDF 2.0, an UnstructuredGrid of one partition per body: cells and points once, and in `PointData` and
+`CellData` rows for each output time, of all partitions one after another. All of VTK from 9.3 to 9.7 reads
+it; collections of named blocks it reads from 9.4 on, and in 9.7 their first time alone. The cell array `body`
+numbers the names in the field data `bodies`.
+
+Source: VTK file formats, VTKHDF, https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.errors import ModelError
+from supple.export.vtk.fields import Field, fields_of
+from supple.export.vtk.pieces import Piece, pieces_of
+from supple.fem import FiniteElementModel
+from supple.integrate import Solution
+from supple.machine import At, System
+from supple.mesh import Mesh
+from supple.storage import ResultParts
+from supple.storage.atomic_write import replacing
+from supple.storage.disk_space import reserve_space
+from supple.units import UNNAMED, UnitSystem
+
+__all__ = ["write_vtkhdf"]
+
+Array = NDArray[np.float64]
+
+_BLOCK_NUMBERS = 2**22
+"""Of a field, computed and written at a time (32 MiB)."""
+_HEADERS = 2**16
+"""Bytes that the arrays may add to the headers of the file, at most."""
+
+
+@checked_arguments
+def write_vtkhdf(
+    path: Path | str,
+    system: System,
+    run: Solution | ResultParts,
+    meshes: Mapping[str, Mesh] = MappingProxyType({}),
+    *,
+    elements: Mapping[str, FiniteElementModel] = MappingProxyType({}),
+    bodies: Collection[str] | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
+    units: UnitSystem = UNNAMED,
+) -> Path:
+    """Write a machine in motion as VTKHDF (`.vtkhdf`), the path of which is returned.
+
+    The mesh stands undeformed where the machine was put together; `displacement` leads from there to where it
+    is. `deflection` is the part of it that the body's first interface does not carry along, in global
+    components. Numbers are in single precision; NaN stands where a body has no such field.
+
+    Parameters
+    ----------
+    run : Solution | ResultParts    the instants to write; parts of a result file are read as they are written
+    meshes : of the elastic bodies, by name; the nodes of a body without one are written as points
+    elements : of these bodies, by name, to write their von Mises stress too
+    bodies : names of those to write, without joints; all, with the joints, when omitted
+    bases : interfaces that deflections are seen from, by body, where it is not its own first one
+    units : of the model, for the names of the fields
+
+    Raises
+    ------
+    ModelError          no instant, another suffix, a body that is not there; as `stress_modes`
+    ResultFileError     the file cannot be written (a full disk), or that of the run not read
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".vtkhdf":
+        raise ModelError(f"cannot write {path}: ParaView knows such files by their suffix; end it in .vtkhdf")
+    if not len(run.times):
+        raise ModelError(f"cannot write {path}: no instant is chosen")
+    pieces = pieces_of(system, meshes, bodies)
+    fields = fields_of(system, pieces, elements, bases, units)
+    with replacing(path) as temporary:
+        # Built in memory and on bytes made sure of: HDF5 does not survive a write that fails (disk_space).
+        with h5py.File("image", "w", driver="core", backing_store=False) as file:
+            group = file.create_group("VTKHDF")
+            _write_grid(group, pieces)
+            _write_steps(group, np.asarray(run.times), pieces, fields)
+            n_bytes = sum(_dataset(group, len(run.times), pieces, field).nbytes for field in fields)
+            file.flush()
+            temporary.write_bytes(file.id.get_file_image())
+        reserve_space(temporary, temporary.stat().st_size + n_bytes + _HEADERS)
+        with h5py.File(temporary, "r+") as file:
+            datasets = [_dataset_of(file["VTKHDF"], field) for field in fields]
+            begun = 0
+            for part in _short_parts(run, pieces):
+                _write_part(datasets, begun, part, pieces, fields)
+                begun += len(part.times)
+    return path
+
+
+def _write_grid(group: h5py.Group, pieces: Sequence[Piece]) -> None:
+    group.attrs["Version"] = np.array([2, 0])
+    group.attrs.create("Type", np.bytes_("UnstructuredGrid"))
+    group["NumberOfPoints"] = [len(piece.points) for piece in pieces]
+    group["NumberOfCells"] = [len(piece.cells.types) for piece in pieces]
+    group["NumberOfConnectivityIds"] = [len(piece.cells.nodes) for piece in pieces]
+    group["Points"] = np.concatenate([piece.points for piece in pieces])
+    group["Types"] = np.concatenate([piece.cells.types for piece in pieces])
+    group["Offsets"] = np.concatenate([piece.cells.offsets for piece in pieces])
+    group["Connectivity"] = np.concatenate([piece.cells.nodes for piece in pieces])
+    numbers = [np.full(len(piece.cells.types), k, np.int32) for k, piece in enumerate(pieces)]
+    group["CellData/body"] = np.concatenate(numbers)
+    # VTK reads no other strings than ASCII ones.
+    names = [piece.name.encode("ascii", "replace").decode() for piece in pieces]
+    group.create_dataset("FieldData/bodies", data=names, dtype=h5py.string_dtype("ascii"))
+
+
+def _write_steps(group: h5py.Group, times: Array, pieces: Sequence[Piece], fields: Sequence[Field]) -> None:
+    n_times = len(times)
+    still = np.zeros(n_times, dtype=np.int64)
+    steps = group.create_group("Steps")
+    steps.attrs["NSteps"] = n_times
+    steps["Values"] = times
+    steps["NumberOfParts"] = np.full(n_times, len(pieces))
+    for name in ("PartOffsets", "PointOffsets"):
+        steps[name] = still
+    for name in ("CellOffsets", "ConnectivityIdOffsets"):
+        steps[name] = still[:, None]
+    steps["CellDataOffsets/body"] = still
+    steps["FieldDataOffsets/bodies"] = still
+    steps["FieldDataSizes/bodies"] = np.tile([1, len(pieces)], (n_times, 1))
+    for field in fields:
+        n_rows = sum(_n_rows(piece, field) for piece in pieces)
+        steps[f"{_data(field)}Offsets/{field.name}"] = n_rows * np.arange(n_times)
+
+
+def _dataset(group: h5py.Group, n_times: int, pieces: Sequence[Piece], field: Field) -> h5py.Dataset:
+    n_rows = n_times * sum(_n_rows(piece, field) for piece in pieces)
+    shape = (n_rows,) if field.width == 1 else (n_rows, field.width)
+    return group.create_dataset(f"{_data(field)}/{field.name}", shape, field.kind)  # not yet allocated
+
+
+def _dataset_of(group: h5py.Group, field: Field) -> h5py.Dataset:
+    return group[f"{_data(field)}/{field.name}"]
+
+
+def _data(field: Field) -> str:
+    return "CellData" if field.of_cells else "PointData"
+
+
+def _n_rows(piece: Piece, field: Field) -> int:
+    return len(piece.cells.types if field.of_cells else piece.points)
+
+
+def _short_parts(run: Solution | ResultParts, pieces: Sequence[Piece]) -> Iterator[Solution]:
+    """The run in parts whose positions fit in memory."""
+    n_times = max(1, _BLOCK_NUMBERS // (3 * sum(len(piece.points) for piece in pieces)))
+    for part in (run,) if isinstance(run, Solution) else run:
+        for start in range(0, len(part.times), n_times):
+            yield part.at(slice(start, start + n_times))
+
+
+def _write_part(
+    datasets: Sequence[h5py.Dataset],
+    begun: int,
+    part: Solution,
+    pieces: Sequence[Piece],
+    fields: Sequence[Field],
+) -> None:
+    """Write the values of some instants behind those of `begun` others."""
+    positions = [piece.positions(part) for piece in pieces]
+    for dataset, field in zip(datasets, fields, strict=True):
+        values = np.concatenate(
+            [values_of(field, piece, part, own) for piece, own in zip(pieces, positions, strict=True)], axis=1
+        )
+        start = begun * values.shape[1]
+        rows = values.reshape(-1, *values.shape[2:])
+        dataset[start : start + len(rows)] = rows
+
+
+def values_of(field: Field, piece: Piece, part: Solution, positions: Array) -> NDArray:
+    """Values (t, n) or (t, n, width) of a field on a piece, as they stand in a file."""
+    evaluate = field.evaluators.get(piece)
+    if evaluate is not None:
+        return np.asarray(evaluate(part, positions)).astype(field.kind)
+    shape = (len(part.times), _n_rows(piece, field), field.width)[: 2 + (field.width > 1)]
+    return np.full(shape, field.absent, field.kind)

@@ -1,0 +1,77 @@
+"""A flat triangle that stands for a curved surface: what bending of the surface does in its plane.
+
+A smooth surface that only bends shortens the chords between its points and turns them in the planes of
+facets. Facets that take this for strain lock as soon as the angle between neighbours, times their size,
+exceeds the thickness. With the curvature K of the surface and W that of its bending, both constant, the
+heights `z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` that vanish at the corners have the slopes
+g_i and b_i there. Without membrane strain, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`, whose integral is
+
+    along side k, from corner i to j    e_k = -1/12 (s_k.(g_j - g_i)) (s_k.(b_j - b_i))
+    drilling of corner i                d_i = 1/2 g_i x b_i - 1/6 g_i x (b_j + b_k) + 1/6 (g_j + g_k) x b_i
+
+exactly. The facet's own strain and drilling are what it has beyond these. b_i follows from strains of the
+facet, which rigid motions leave alone.
+
+The strain e_k is that of a shallow shell, averaged over the side (K. Marguerre, Proc. 5th Int. Congr. Appl.
+Mech. (1938) 93-101).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.fem.kirchhoff_bending import side_directions
+from supple.fem.optimal_membrane import LAST, NEXT, linear_gradients
+
+__all__ = ["bent_with_surface"]
+
+FloatArray = NDArray[np.float64]
+
+
+def bent_with_surface(xy: FloatArray, curvature: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Membrane strain and drilling that bending without stretch makes in facets, (E, 3, 12) each.
+
+    Parameters
+    ----------
+    xy : float array (E, 3, 2)          corners, counter-clockwise, m
+    curvature : float array (E, 2, 2)   K of the surface, in the plane of each facet, 1/m
+    Returns
+    -------
+    rows xx yy xy (engineering shear), and the corners; columns those of `kirchhoff_bending.curvature`
+    """
+    s = side_directions(xy)
+    g, b = _surface_slopes(xy, curvature)[..., None], _bend_slopes(xy)
+    along_g, along_b = (np.einsum("eki,ekin->ekn", s, each[:, NEXT] - each) for each in (g, b))
+    natural = np.stack([s[..., 0] ** 2, s[..., 1] ** 2, s[..., 0] * s[..., 1]], axis=-1)
+    others_g, others_b = (each[:, NEXT] + each[:, LAST] for each in (g, b))
+    drilling = _cross(g, b) / 2 - _cross(g, others_b) / 6 + _cross(others_g, b) / 6
+    return np.linalg.solve(natural, -along_g * along_b / 12), drilling
+
+
+def _surface_slopes(xy: FloatArray, curvature: FloatArray) -> FloatArray:
+    """Slopes g (E, 3, 2) at the corners of heights of constant curvature that vanish there."""
+    heights = 0.5 * np.einsum("eai,eij,eaj->ea", xy, curvature, xy)
+    linear = np.einsum("ea,eai->ei", heights, linear_gradients(xy))
+    return xy @ curvature - linear[:, None]
+
+
+def _bend_slopes(xy: FloatArray) -> FloatArray:
+    """Slopes b (E, 3, 2, 12) at the corners by the differences of their rotations.
+
+    The mean is that of constant curvature, `s_k.(b_i + b_j) = 0`, on all three sides by least squares.
+    """
+    b = np.zeros((len(xy), 3, 2, 12))
+    corner = np.arange(3)
+    b[:, corner, 0, 2 * corner + 1] = -1
+    b[:, corner, 1, 2 * corner] = 1
+    b -= b.mean(axis=1, keepdims=True)
+    s = side_directions(xy)
+    on_chords = np.einsum("eki,ekin->ekn", s, 0.5 * (b + b[:, NEXT]))
+    s_t = s.swapaxes(1, 2)
+    return b - np.linalg.solve(s_t @ s, s_t @ on_chords)[:, None]
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Normal component (E, 3, n) of the products of plane vectors (E, 3, 2, n or 1)."""
+    return a[:, :, 0] * b[:, :, 1] - a[:, :, 1] * b[:, :, 0]

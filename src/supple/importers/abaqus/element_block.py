@@ -1,0 +1,62 @@
+"""Elements of one keyword, and the numbers of what has ids within scopes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.element_types import ElementType
+
+__all__ = ["ElementBlock", "Labels"]
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class ElementBlock:
+    """Elements of one *ELEMENT: ids, node numbers (E, n), lines; `first`: the number of its first element.
+
+    axis_nodes : (E,) of beams, a node towards which their first axis points; None where it is not given
+    """
+
+    type: ElementType
+    scope: int
+    first: int
+    ids: IntArray
+    nodes: IntArray
+    lines: IntArray
+    set_name: str | None = None
+    axis_nodes: IntArray | None = None
+
+    @property
+    def numbers(self) -> IntArray:
+        """Numbers of its elements, counted through the whole file."""
+        return self.first + np.arange(len(self.ids))
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """Numbers of what has ids within scopes."""
+
+    scopes: IntArray
+    ids: IntArray
+    _sorted: dict[int, tuple[IntArray, IntArray]] = field(default_factory=dict)
+
+    def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
+        """Numbers of ids in a scope, and whether they are there."""
+        # Files look up line by line: ids are sorted once.
+        if scope not in self._sorted:
+            mine = self.of(scope)
+            mine = mine[np.argsort(self.ids[mine], kind="stable")]
+            self._sorted[scope] = mine, self.ids[mine]
+        mine, known = self._sorted[scope]
+        if not len(mine):
+            return np.zeros(ids.shape, dtype=np.int64), np.zeros(ids.shape, dtype=bool)
+        place = np.minimum(np.searchsorted(known, ids), len(known) - 1)
+        return mine[place], known[place] == ids
+
+    def of(self, scope: int) -> IntArray:
+        """Numbers of all in a scope."""
+        return np.flatnonzero(self.scopes == scope)

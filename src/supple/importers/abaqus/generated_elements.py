@@ -1,0 +1,121 @@
+"""Elements that a file generates from others: *ELGEN and *ELCOPY."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.element_block import ElementBlock, Labels
+from supple.importers.abaqus.element_types import CELLS, ElementType, Family
+from supple.importers.abaqus.nodes import most_generated
+from supple.importers.keyword_file import KeywordFile, fields
+from supple.importers.moved_deck import mirrored_order
+from supple.importers.plain_number import is_plain_digits, plain_integer
+from supple.mesh import CellType
+
+__all__ = ["copied_elements", "generated_elements"]
+
+IntArray = NDArray[np.int64]
+
+
+def generated_elements(
+    file: KeywordFile, node_labels: Labels, placed: ScopedBlock, earlier: Sequence[ElementBlock]
+) -> list[ElementBlock]:
+    """Elements of *ELGEN: a master, then up to three times a count and steps of its nodes and of its id."""
+    found = list[ElementBlock]()
+    for line, text in placed.block.data:
+        words = fields(text)
+        if not all(map(is_plain_digits, filter(None, words))):
+            raise file.error(line, f"*ELGEN takes whole numbers; '{text[:40]}' is not that")
+        master, *rest = [int(word or 1) for word in words]
+        source = next((b for b in earlier if b.scope == placed.scope and master in b.ids), None)
+        if source is None:
+            raise file.error(line, f"*ELGEN starts from element {master}, which is not above it")
+        nodes = node_labels.ids[source.nodes[source.ids == master]]
+        ids = np.array([master])
+        steps = [[*rest[i : i + 3], 1, 1][:3] for i in range(0, len(rest), 3)]
+        most_generated(file, line, int(np.prod([float(step[0]) for step in steps])))
+        for count, node_step, id_step in steps:
+            k = np.arange(count)
+            nodes = (nodes + node_step * k[:, None, None]).reshape(-1, nodes.shape[1])
+            ids = (ids + id_step * k[:, None]).ravel()
+        numbers, known = node_labels.numbers(placed.scope, nodes[1:])
+        if not known.all():
+            raise file.error(
+                line,
+                f"*ELGEN makes an element with node {nodes[1:][~known][0]}, which the file does not define",
+            )
+        lines = np.full(len(ids) - 1, line)
+        name = placed.block.options.get("ELSET")
+        found.append(ElementBlock(source.type, placed.scope, 0, ids[1:], numbers, lines, name))
+    return found
+
+
+def copied_elements(
+    file: KeywordFile,
+    node_labels: Labels,
+    placed: ScopedBlock,
+    earlier: Sequence[ElementBlock],
+    listed: IntArray,
+) -> list[ElementBlock]:
+    """Elements of *ELCOPY: those of a set, with shifted ids and nodes; REFLECT turns their nodes round.
+
+    listed : ids that *ELSETs name of the old set, beside those of elements that name it themselves
+    """
+    block = placed.block
+    name, by, nodes_by = block.options.get("OLDSET", "").upper(), 0, 0
+    try:
+        by, nodes_by = (plain_integer(block.options.get(key, "0")) for key in ("ELEMENTSHIFT", "SHIFTNODES"))
+    except ValueError:
+        name = ""
+    if not name:
+        raise file.error(block.line, "*ELCOPY takes OLD SET, ELEMENT SHIFT and SHIFT NODES; correct them")
+    found = list[ElementBlock]()
+    for source in (each for each in earlier if each.scope == placed.scope):
+        whole = (source.set_name or "").upper() == name
+        own = np.flatnonzero(np.isin(source.ids, listed) | whole)
+        if not own.size:
+            continue
+        ids = node_labels.ids[source.nodes[own]] + nodes_by
+        numbers, known = node_labels.numbers(placed.scope, ids)
+        if not known.all():
+            raise file.error(
+                block.line,
+                f"*ELCOPY makes an element with node {ids[~known][0]}, which the file does not define",
+            )
+        order = _reflected(source.type) if "REFLECT" in block.options else np.arange(numbers.shape[1])
+        axis = source.axis_nodes
+        if axis is not None:
+            axis = node_labels.numbers(placed.scope, node_labels.ids[axis[own]] + nodes_by)[0]
+        found.append(
+            ElementBlock(
+                source.type,
+                placed.scope,
+                0,
+                source.ids[own] + by,
+                numbers[:, order],
+                np.full(len(own), block.line),
+                block.options.get("NEWSET"),
+                axis,
+            )
+        )
+    if not found:
+        raise file.error(block.line, f"*ELCOPY: there are no elements of set '{name}' above it; correct it")
+    return found
+
+
+def _reflected(kind: ElementType) -> IntArray:
+    """The order of the nodes of a reflected element: its first node stays, the others turn round."""
+    n = kind.n_nodes
+    if kind.family is Family.SOLID:
+        order = mirrored_order(CellType[CELLS[n]])
+        return order if len(order) == n else np.concatenate([order, np.arange(len(order), n)])
+    if kind.family in (Family.BEAM, Family.ROD) or n < 3:
+        return np.arange(n)
+    corners = 3 if n in (3, 6) else 4
+    turned = [0, *range(corners - 1, 0, -1)]
+    edges = [corners + edge for edge in range(corners - 1, -1, -1)] if n > corners else []
+    return np.array([*turned, *edges, *range(2 * corners, n)])

@@ -1,0 +1,68 @@
+"""Multi-point constraints of a node by others, in small motions: *MPC but for BEAM, which is a rigid tie."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.freedoms import Terms, along
+
+__all__ = ["mpc_rows"]
+
+FloatArray = NDArray[np.float64]
+
+
+def mpc_rows(
+    kind: str, first: int, others: Sequence[int], positions: FloatArray
+) -> Iterator[tuple[Terms, int]]:
+    """Sums that are zero, each with the freedom that it eliminates, or -1.
+
+    TIE, PIN           u_p = u_a, with or without rotations
+    LINK               the distance of p and a stays
+    LINEAR, QUADRATIC  u_p is interpolated on the edge a b, or a b c, where p is: rotations likewise
+    SLIDER             p stays on the line a b, along which it slides
+    """
+    p, place = first, positions[first]
+    if kind == "LINK":
+        (a,) = others
+        span = place - positions[a]
+        if np.linalg.norm(span) > 0:
+            yield along(a, p, span / np.linalg.norm(span)), -1
+        return
+    if kind == "SLIDER":
+        a, b = others
+        along_line = positions[b] - positions[a]
+        if np.linalg.norm(along_line) > 0:
+            share = float((place - positions[a]) @ along_line / (along_line @ along_line))
+            for across in np.linalg.svd(along_line[None])[2][1:]:
+                weights = ((p, 1.0), (a, share - 1.0), (b, -share))
+                yield [(6 * n + i, w * float(across[i])) for n, w in weights for i in range(3)], -1
+        return
+    shares = [1.0] if len(others) == 1 else _shares(place, positions[list(others)])
+    for component in range(3 if kind == "PIN" else 6):
+        terms = [(6 * n + component, -share) for n, share in zip(others, shares, strict=True)]
+        yield [(6 * p + component, 1.0), *terms], 6 * p + component
+
+
+def _shares(place: FloatArray, nodes: FloatArray) -> list[float]:
+    """What the nodes of an edge count at a place on it: their shape functions there, linear or quadratic.
+
+    The place gives s of a quadratic edge x(s) = sum_i N_i(s) x_i, whose middle node may stand off the middle.
+    """
+    if len(nodes) == 2:
+        chord = nodes[1] - nodes[0]
+        s = float((place - nodes[0]) @ chord / (chord @ chord))
+        return [1 - s, s]
+    distance = np.linalg.norm(nodes[:, None] - nodes, axis=2)
+    middle = int(np.argmin(distance.sum(axis=1)))
+    first, last = (i for i in range(3) if i != middle)
+    chord = nodes[last] - nodes[first]
+    t, at = ((x - nodes[first]) @ chord / (chord @ chord) for x in (nodes[middle], place))
+    # t(s) = s^2 (2 - 4 t) + s (4 t - 1), of the middle node t
+    b = 4 * t - 1
+    s = float(2 * at / (b + np.sqrt(max(b**2 + 4 * (2 - 4 * t) * at, 0.0))))
+    shares = [0.0, 0.0, 0.0]
+    shares[first], shares[middle], shares[last] = (1 - s) * (1 - 2 * s), 4 * s * (1 - s), s * (2 * s - 1)
+    return shares

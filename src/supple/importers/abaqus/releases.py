@@ -1,0 +1,60 @@
+"""Released ends of beams: *RELEASE."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.abaqus.element_types import Family
+from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.keyword_file import fields
+
+__all__ = ["read_releases", "released_ends"]
+
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+# Rotations about the axis and the two axes of the section: x, y, z of a beam here.
+_ROTATIONS = {"T": (3,), "M1": (4,), "M2": (5,), "ALLM": (3, 4, 5)}
+_ENDS = {"S1": 0, "S2": 6}
+
+
+def read_releases(model: AbaqusModel) -> BoolArray | None:
+    """Freedoms (E, 12) of the ends of all elements of a file that carry no moment; None where there are none.
+
+    A line names an element or set, an end (S1, S2) and a code (M1, M2, T, M1-M2, .., ALLM); or both ends.
+    """
+    found = np.zeros((len(model.element_labels.ids), 12), dtype=bool)
+    beams = np.zeros(len(found), dtype=bool)
+    for block in model.elements:
+        beams[block.numbers] = block.type.family is Family.BEAM
+    for placed in model.named("RELEASE"):
+        for line, text in placed.block.data:
+            word, *rest = (each.upper() for each in fields(text) if each)
+            members = model.elements_of(placed.scope, word, line, "*RELEASE")
+            pairs = list(zip(rest[::2], rest[1::2], strict=False))
+            known = all(
+                end in _ENDS and all(part in _ROTATIONS for part in code.split("-")) for end, code in pairs
+            )
+            if not pairs or len(rest) % 2 or not known or not beams[members].all():
+                meaning = "ends of beams that are not released by S1 or S2 and M1, M2, T or ALLM are fixed"
+                model.report.leave_out("*RELEASE", line, meaning)
+                continue
+            for end, code in pairs:
+                for freedom in (f for part in code.split("-") for f in _ROTATIONS[part]):
+                    found[members, _ENDS[end] + freedom] = True
+    return found if found.any() else None
+
+
+def released_ends(releases: BoolArray | None, elements: IntArray) -> BoolArray | None:
+    """Released freedoms (C, 12) of the cells of elements (C,), which stand one behind the other; or None.
+
+    Of a quadratic beam the first cell has the first end, the last cell the second.
+    """
+    if releases is None or not releases[elements].any():
+        return None
+    found = releases[elements].copy()
+    inner = elements[1:] == elements[:-1]
+    found[np.append(inner, False), 6:] = False
+    found[np.append(False, inner), :6] = False
+    return found

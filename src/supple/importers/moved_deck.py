@@ -1,0 +1,172 @@
+"""A deck moved, turned or mirrored: every position, direction, freedom and section with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from supple.importers.deck import (
+    BeamProperty,
+    BeamValues,
+    Deck,
+    DeckElements,
+    LeftOut,
+    NodalMatrix,
+    Property,
+    ScalarTerms,
+    WallProperty,
+    WeightedMean,
+)
+from supple.mesh import CellType
+from supple.mesh.reference_cell import reference_nodes
+
+__all__ = ["mirrored_order", "moved_deck"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+# Of a component that the motion of axes leaves empty.
+_NONE = 1e-14
+
+
+def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
+    """The deck with x -> Q x + shift.
+
+    u -> Q u, and rotations, which are axial vectors, theta -> det(Q) Q theta. A mirrored cell lists its nodes
+    the other way round, so that its normal is the mirrored normal; the second axis of a wall and of a beam
+    is then the opposite of the mirrored one, and the terms of their stiffness that are odd in it change sign.
+
+    Parameters
+    ----------
+    Q : (3, 3) orthogonal, det +1 or -1 (mirrored);  shift : (3,)
+    """
+    turn = _Turn(np.asarray(Q, dtype=np.float64), 6 * len(deck.node_ids))
+    kept = tuple(mean for mean in deck.means if turn.keeps(mean.components))
+    lost = [mean for mean in deck.means if not turn.keeps(mean.components)]
+    left = [
+        LeftOut(
+            mean.name, 1, mean.line, "some of its components follow in axes that are turned with its part"
+        )
+        for mean in lost
+    ]
+    return replace(
+        deck.with_actions(turn.matrix, turn.terms),
+        nodes=deck.nodes @ turn.Q.T + shift,
+        elements=tuple(turn.elements(each) for each in deck.elements),
+        properties={name: turn.property(each) for name, each in deck.properties.items()},
+        means=tuple(replace(mean, components=turn.components(mean)) for mean in kept),
+        left_out=(*deck.left_out, *left),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Turn:
+    """Turned or mirrored axes. n_freedoms: those of nodes; beyond are scalar points, which have no axes."""
+
+    Q: FloatArray
+    n_freedoms: int
+
+    @property
+    def mirrors(self) -> bool:
+        return bool(np.linalg.det(self.Q) < 0)
+
+    @property
+    def whole(self) -> FloatArray:
+        """(6, 6) of the six freedoms of a node."""
+        axial = -self.Q if self.mirrors else self.Q
+        return np.block([[self.Q, np.zeros((3, 3))], [np.zeros((3, 3)), axial]])
+
+    def expansion(self, freedoms: IntArray) -> sparse.csr_array:
+        """Rows (k, n) of freedoms by the new ones: u_j = sum_i whole_ij u'_i."""
+        n = int(max(self.n_freedoms, freedoms.max(initial=-1) + 1))
+        placed = freedoms < self.n_freedoms
+        factors = np.where(placed[:, None], self.whole.T[freedoms % 6], np.eye(6)[freedoms % 6])
+        row, component = np.nonzero(np.abs(factors) > _NONE)
+        places = row, 6 * (freedoms[row] // 6) + component
+        return sparse.csr_array(sparse.coo_array((factors[row, component], places), shape=(len(freedoms), n)))
+
+    def terms(self, given: ScalarTerms) -> ScalarTerms:
+        shape = (len(given.lines), len(given.freedoms))
+        order = np.arange(len(given.freedoms))
+        sums = sparse.coo_array((given.factors, (given.rows, order)), shape=shape)
+        made = sparse.coo_array(sparse.csr_array(sums) @ self.expansion(given.freedoms))
+        rows, freedoms = (np.asarray(each, dtype=np.int64) for each in made.coords)
+        there = np.abs(made.data) > _NONE * np.abs(given.factors).max(initial=0.0)
+        return replace(
+            given,
+            rows=rows[there],
+            freedoms=freedoms[there],
+            factors=made.data[there],
+            dependent=self.dependent(given.dependent),
+        )
+
+    def dependent(self, given: IntArray) -> IntArray:
+        """The freedom that each row eliminates, where it is one in the new axes, too; or -1."""
+        own = np.maximum(given, 0)
+        factors = np.abs(self.whole.T[own % 6])
+        new = 6 * (own // 6) + factors.argmax(axis=1)
+        same = (given >= 0) & (factors.max(axis=1) > 1 - _NONE) & (own < self.n_freedoms)
+        return np.where(same, new, np.where(given >= self.n_freedoms, given, -1))
+
+    def matrix(self, given: NodalMatrix) -> NodalMatrix:
+        whole = self.expansion(given.freedoms)
+        used = np.unique(whole.indices).astype(np.int64)
+        own = whole[:, used].toarray()
+        return NodalMatrix(used, own.T @ given.values @ own)
+
+    def elements(self, given: DeckElements) -> DeckElements:
+        directions, offsets = given.directions, given.offsets
+        if directions is not None:
+            directions = self.Q @ directions if directions.ndim == 3 else directions @ self.Q.T
+        return replace(
+            given,
+            nodes=given.nodes[:, mirrored_order(given.kind)] if self.mirrors else given.nodes,
+            directions=directions,
+            offsets=None if offsets is None else offsets @ self.Q.T,
+        )
+
+    def property(self, given: Property) -> Property:
+        if not self.mirrors:
+            return given
+        if isinstance(given, WallProperty):
+            odd = np.diag([1.0, 1.0, -1.0])
+            A, B, D = (odd @ each @ odd for each in (given.membrane, given.coupling, given.bending))
+            side = np.diag([1.0, -1.0])
+            shear = None if given.shear is None else side @ given.shear @ side
+            return replace(given, membrane=A, coupling=B, bending=D, shear=shear)
+        if isinstance(given, BeamProperty):
+            second = None if given.second is None else _mirrored_beam(given.second)
+            return replace(given, first=_mirrored_beam(given.first), second=second)
+        return given
+
+    def keeps(self, components: tuple[bool, ...]) -> bool:
+        """Whether components of a node are components in the new axes."""
+        halves = (components[:3], components[3:])
+        return all(len(set(half)) == 1 for half in halves) or bool(
+            (np.abs(self.Q).max(axis=0) > 1 - _NONE).all()
+        )
+
+    def components(self, mean: WeightedMean) -> tuple[bool, ...]:
+        given = np.array(mean.components)
+        if all(len(set(half)) == 1 for half in (mean.components[:3], mean.components[3:])):
+            return mean.components
+        return tuple((np.rint(np.abs(self.whole)) @ given > 0).tolist())
+
+
+@cache
+def mirrored_order(kind: CellType) -> IntArray:
+    """The order of the nodes of a mirrored cell: its reference cell with x and y exchanged."""
+    if kind.dimension < 3:
+        return np.array([0, 1] if kind.dimension == 1 else [0, 2, 1])
+    points = reference_nodes(kind)
+    return np.argmin(np.linalg.norm(points[None] - points[:, None, [1, 0, 2]], axis=2), axis=1)
+
+
+def _mirrored_beam(given: BeamValues) -> BeamValues:
+    """Its z, normal to plane 1, is the opposite of the mirrored one."""
+    (y, z), (own_y, own_z) = given.neutral, given.mass_centre
+    return replace(given, I12=-given.I12, neutral=(y, -z), mass_centre=(own_y, -own_z))

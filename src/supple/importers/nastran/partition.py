@@ -1,0 +1,120 @@
+"""Superelements within one bulk data section: SESET, SEELT and the SEID of GRID."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.importers.deck import Deck, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
+from supple.importers.nastran.bulk_data import BulkCard, integers
+from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.superelements import superelement_name
+from supple.importers.restricted_deck import kept_elements, kept_terms, restricted_deck, used_nodes
+
+__all__ = ["PARTITION_CARDS", "partitioned"]
+
+IntArray = NDArray[np.int64]
+
+PARTITION_CARDS = ("SESET", "SEELT")
+
+
+def partitioned(deck: Deck, reading: Reading) -> Deck:
+    """The deck with a set of elements and of nodes for each superelement, and each in `superelements`.
+
+    Whatever touches an interior grid of a superelement is of it, of two the one of the lower number; the rest
+    is the residual structure, unless SEELT says otherwise. A deck without superelements stays as it is.
+    """
+    interior = _interior(deck, reading)
+    numbers = [n for n in np.unique(interior).tolist() if n]
+    if not numbers:
+        return deck
+    owners = [_owners(interior, each.nodes) for each in deck.elements]
+    for card in reading.file.named("SEELT"):
+        number, ids = card.integer(0, "the superelement"), _ids(card)
+        for each, owner in zip(deck.elements, owners, strict=True):
+            owner[np.isin(each.ids, ids)] = number
+    found = {number: _part(deck, interior, owners, number) for number in (0, *numbers)}
+    none = np.empty(0, dtype=np.int64)
+    elements = {
+        superelement_name(n): np.unique(np.concatenate([none, *(each.ids for each in part.elements)]))
+        for n, part in found.items()
+    }
+    nodes = {superelement_name(n): np.flatnonzero(interior == n) for n in numbers}
+    return replace(
+        deck,
+        superelements={superelement_name(n): part for n, part in found.items() if len(part.nodes)},
+        element_sets={**deck.element_sets, **{name: ids for name, ids in elements.items() if len(ids)}},
+        node_sets={**deck.node_sets, **nodes},
+    )
+
+
+def _interior(deck: Deck, reading: Reading) -> IntArray:
+    """The superelement that each node is an interior grid of; 0 of the residual structure."""
+    file = reading.file
+    found = np.zeros(len(deck.nodes), dtype=np.int64)
+    default = next((card.integer(7, "SEID", 0) for card in file.named("GRDSET")), 0)
+    grids = reading.grids.cards
+    found[: len(grids)] = integers(grids, 7, "SEID", default)
+    for card in file.named("SESET"):
+        found[np.isin(deck.node_ids, _ids(card))] = card.integer(0, "the superelement")
+    return found
+
+
+def _ids(card: BulkCard) -> IntArray:
+    """Ids of a list from the second field on, which may hold THRU."""
+    words = [(i, card.word(i)) for i in range(1, len(card.fields)) if card.word(i)]
+    found: list[IntArray] = []
+    for k, (place, word) in enumerate(words):
+        if word != "THRU":
+            found.append(np.array([card.integer(place, "an id")]))
+        elif k and k + 1 < len(words):
+            first, last = (card.integer(words[i][0], "an id") for i in (k - 1, k + 1))
+            if last - first > 10**6:
+                raise card.error(f"{first} THRU {last} are over a million ids; correct the range")
+            found.append(np.arange(first, last + 1))
+    return np.concatenate([np.empty(0, dtype=np.int64), *found])
+
+
+def _owners(interior: IntArray, nodes: IntArray) -> IntArray:
+    """The superelement of each of some groups of nodes (C, k): the lowest number above 0 among them, or 0."""
+    own = interior[nodes]
+    far = np.iinfo(np.int64).max
+    lowest = np.where(own > 0, own, far).min(axis=1)
+    return np.where(lowest == far, 0, lowest)
+
+
+def _part(deck: Deck, interior: IntArray, owners: list[IntArray], number: int) -> Deck:
+    """One superelement: its elements, and what else touches its interior grids."""
+
+    def is_own(nodes: IntArray) -> bool:
+        return int(_owners(interior, nodes[None])[0]) == number
+
+    def matrix(given: NodalMatrix) -> NodalMatrix | None:
+        return given if is_own(given.freedoms // 6) else None
+
+    def terms(given: ScalarTerms) -> ScalarTerms:
+        nodes = given.freedoms // 6
+        placed = nodes < len(interior)
+        own = np.where(placed, interior[np.minimum(nodes, len(interior) - 1)], 0)
+        far = np.iinfo(np.int64).max
+        lowest = np.full(len(given.lines), far)
+        np.minimum.at(lowest, given.rows, np.where(own > 0, own, far))
+        return kept_terms(given, np.where(lowest == far, 0, lowest) == number)
+
+    def tied(given: RigidTie | WeightedMean) -> bool:
+        return is_own(np.append(given.nodes, given.reference))
+
+    elements = [
+        kept_elements(each, own)
+        for each, owner in zip(deck.elements, owners, strict=True)
+        if (own := owner == number).any()
+    ]
+    part = replace(
+        deck.with_actions(matrix, terms),
+        elements=tuple(elements),
+        rigid=tuple(each for each in deck.rigid if tied(each)),
+        means=tuple(each for each in deck.means if tied(each)),
+    )
+    return restricted_deck(part, used_nodes(part))

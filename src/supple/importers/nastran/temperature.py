@@ -1,0 +1,75 @@
+"""Materials at the temperature that case control chooses: MATT1 with TEMPD and TABLEM1."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.reading import Reading
+
+__all__ = ["at_temperature"]
+
+_MATERIALS = ("MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATT11")
+_FIELDS = ("TEMP", "TEMPP1", "TEMPP3", "TEMPRB", "TEMPF", "TEMPG")
+_OF_STIFFNESS_AND_MASS = range(1, 5)
+"""Fields of E, G, NU and RHO: of a MAT1 the values, of a MATT1 the tables."""
+
+
+def at_temperature(reading: Reading, cards: Mapping[int, BulkCard]) -> dict[int, BulkCard]:
+    """The MAT1 cards whose values a table gives at the one temperature of the chosen set, with these.
+
+    Other temperatures and tables are left out.
+    """
+    if not reading.case.temperature:
+        return {}
+    temperature = _uniform(reading)
+    tables = {card.word(0): card for card in reading.file.named("TABLEM1")}
+    found: dict[int, BulkCard] = {}
+    for card in reading.file.named(*_MATERIALS):
+        number = card.integer(0, "the material id")
+        if number not in cards or (card.name == "MATT1" and card.is_blank(1, 5)):
+            continue  # of its expansion or damping alone
+        fields = [*cards[number].fields, *[""] * 5]
+        known = card.name == "MATT1" and temperature is not None
+        for place in _OF_STIFFNESS_AND_MASS if known else ():
+            if card.word(place) in ("", "0"):
+                continue
+            value = _interpolated(tables.get(card.word(place)), temperature or 0.0)
+            known &= value is not None
+            fields[place] = repr(value)
+        if known:
+            found[number] = cards[number]._replace(fields=tuple(fields))
+        else:
+            reading.leave_out(card, "its values at the temperatures of case control are not read")
+    return found
+
+
+def _uniform(reading: Reading) -> float | None:
+    """The temperature of all grids by TEMPD; None where there is none, or others beside it."""
+    chosen = reading.case.temperature
+    if any(card.word(0) == chosen for card in reading.file.named(*_FIELDS)):
+        return None
+    for card in reading.file.named("TEMPD"):
+        for place in range(0, len(card.fields), 2):
+            if card.word(place) == chosen:
+                return card.real(place + 1, "the temperature")
+    return None
+
+
+def _interpolated(table: BulkCard | None, at: float) -> float | None:
+    """Value of a TABLEM1, linear between its points; None outside them, or without it."""
+    if table is None:
+        return None
+    words = [word.upper() for word in table.fields[8:]]
+    pairs = zip(range(8, len(table.fields), 2), words[::2], words[1::2], strict=False)
+    points = [
+        (table.real(place, "x"), table.real(place + 1, "y"))
+        for place, x, y in pairs
+        if x and y and "ENDT" not in (x, y) and "SKIP" not in (x, y)
+    ]
+    if not points:
+        return None
+    x, y = np.array(points).T
+    return float(np.interp(at, x, y)) if x.min() <= at <= x.max() else None

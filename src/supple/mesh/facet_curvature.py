@@ -1,0 +1,157 @@
+"""Curvature of the surface that a mesh of triangles stands for, at each triangle, from its neighbours."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["facet_curvature", "sides_across"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+CREASE = np.radians(20.0)
+"""Largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
+ONE_SURFACE = 0.9
+"""Of the squares of heights, what a quadratic surface must explain; less, and a crease is among the edges."""
+SAME_NORMAL = 0.1
+"""Of the largest difference of normals nearby, what is no difference."""
+FLAT = 1e-6
+"""Difference of normals, rad, that is no curvature."""
+DETERMINED = 1e-3
+"""Of the largest eigenvalue of a fit: what is less, the neighbours do not show."""
+
+SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]]])
+
+
+def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREASE) -> FloatArray:
+    """Curvature tensors of the surface through triangles and their neighbours, in global axes.
+
+    Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners fits
+    the corners of its neighbours across smooth edges, and of theirs, by least squares with the weights
+    `1/distance^4`: exact on a quadratic surface, at its rim too. Of all K that fit alike it is the smallest.
+
+    K is zero beside creases, where no quadratic surface fits, or none fits across a folded edge; and where a
+    triangle and those around it show two normals alone, which may be a fold of two planes as well.
+
+    Parameters
+    ----------
+    nodes : float array (N, 3)      m
+    triangles : int array (E, 3)    with an area
+    crease : float                  angle of the least crease, rad
+    Returns
+    -------
+    float array (E, 3, 3)           1/m, symmetric, in the plane of each triangle; z along its normal
+    """
+    corners = nodes[triangles]
+    first = corners[:, 1] - corners[:, 0]
+    normal = np.cross(first, corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    across = sides_across(triangles, normal, crease)
+    beside = np.where(across >= 0, across // 3, np.arange(len(across))[:, None])
+    bent, folded, edges = _bends(normal, beside)
+    K, smooth = np.zeros((len(triangles), 3, 3)), np.zeros(len(triangles), dtype=bool)
+    x = first[bent] / np.linalg.norm(first[bent], axis=1, keepdims=True)
+    axes = np.stack([x, np.cross(normal[bent], x), normal[bent]], axis=1)
+    K[bent], smooth[bent] = _fitted(axes, corners[bent], nodes, _nodes_across(triangles, across)[bent])
+    # Across a folded edge the surface goes on: the crest of a corrugated sheet fits alone.
+    smooth &= (smooth[beside] | ~edges).all(axis=1)
+    shown = smooth & ~folded
+    for _ in range(2):
+        shown |= shown[beside].any(axis=1)
+    K[~(smooth & shown)] = 0.0
+    return K
+
+
+def sides_across(triangles: IntArray, normals: FloatArray, crease: float) -> IntArray:
+    """Sides (E, 3) of neighbours, by their numbers 3 e + k of triangle e; -1 at rims and creases.
+
+    Side k leads from corner k to the next. Of several triangles at an edge, the two at the least angle
+    continue each other.
+
+    normals : float array (E, 3)    right-handed to the order of the corners
+    crease : float                  rad
+    """
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    edge = np.minimum(start, end) * (int(triangles.max(initial=0)) + 1) + np.maximum(start, end)
+    order = np.argsort(edge, kind="stable")
+    across, best = np.full(edge.size, -1), np.full(edge.size, np.cos(crease))
+    for shift in range(1, int(np.unique(edge, return_counts=True)[1].max(initial=1))):
+        same = edge[order[shift:]] == edge[order[:-shift]]
+        pair = order[:-shift][same], order[shift:][same]
+        # Triangles that turn alike pass their common edge in opposite directions.
+        sense = np.where(start[pair[0]] == end[pair[1]], 1.0, -1.0)
+        cosine = sense * (normals[pair[0] // 3] * normals[pair[1] // 3]).sum(axis=1)
+        for side, other in (pair, pair[::-1]):
+            closer = cosine > best[side]
+            across[side[closer]], best[side[closer]] = other[closer], cosine[closer]
+    mutual = (across >= 0) & (across[across] == np.arange(edge.size))
+    return np.where(mutual, across, -1).reshape(-1, 3)
+
+
+def _nodes_across(triangles: IntArray, across: IntArray) -> IntArray:
+    """Nodes (E, 12) opposite the sides of each triangle and of its neighbours; -1 where there is none."""
+    beyond = np.where(across >= 0, triangles.ravel()[across - across % 3 + (across + 2) % 3], -1)
+    further = np.where(across[..., None] >= 0, beyond[across // 3], -1)
+    return np.concatenate([beyond, further.reshape(len(triangles), -1)], axis=1)
+
+
+def _quadratics(points: FloatArray) -> FloatArray:
+    """Heights (..., 3) of unit curvatures xx, yy, xy."""
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([0.5 * x**2, 0.5 * y**2, x * y], axis=-1)
+
+
+def _linear(points: FloatArray) -> FloatArray:
+    """x, y, 1 of points, (..., 3)."""
+    return np.concatenate([points[..., :2], np.ones((*points.shape[:-1], 1))], axis=-1)
+
+
+def _bends(
+    normal: FloatArray, beside: IntArray
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether (E,) the normals of a triangle, its neighbours and theirs differ at all, and are just two.
+
+    Also (E, 3) across which sides they do.
+    """
+    near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
+    # Triangles that turn the other way have the other normal.
+    sense = np.sign((normal[near] * normal[:, None]).sum(axis=2, keepdims=True))
+    turned = sense * normal[near] - normal[:, None]
+    squares = (turned**2).sum(axis=2)
+    most = np.take_along_axis(turned, squares.argmax(axis=1)[:, None, None], axis=1)
+    off = np.minimum(squares, ((turned - most) ** 2).sum(axis=2)).max(axis=1)
+    largest = squares.max(axis=1)
+    same = SAME_NORMAL**2 * largest
+    return largest > FLAT**2, off <= same, squares[:, :3] > same[:, None]
+
+
+def _fitted(
+    axes: FloatArray, corners: FloatArray, nodes: FloatArray, around: IntArray
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Curvature (E, 3, 3) of the surface through corners (E, 3, 3) and nodes around, and whether it fits."""
+    scale = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)[:, None, None]
+    origin = corners.mean(axis=1, keepdims=True)
+    own, near = ((each - origin) @ axes.swapaxes(1, 2) / scale for each in (corners, nodes[around]))
+    rows = _quadratics(near) - _linear(near) @ np.linalg.solve(_linear(own), _quadratics(own))
+    distance = np.linalg.norm(near, axis=2)
+    weight = np.divide(1.0, distance**4, out=np.zeros_like(distance), where=around >= 0)
+    values, explained = _smallest_fit(rows, near[..., 2], weight)
+    K = np.einsum("ec,cij->eij", values, SYMMETRIC) / scale
+    return axes[:, :2].swapaxes(1, 2) @ K @ axes[:, :2], explained > ONE_SURFACE
+
+
+def _smallest_fit(rows: FloatArray, wanted: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Values (E, c) of least weighted squares of `rows . values - wanted`, and what they explain (E,).
+
+    The smallest of all that fit alike; explained is a share of the squares of `wanted`.
+    """
+    weighted = (rows * weight[..., None]).swapaxes(1, 2)
+    eigenvalues, vectors = np.linalg.eigh(weighted @ rows)
+    shown = eigenvalues > DETERMINED * eigenvalues[:, -1:]
+    inverse = np.divide(1.0, eigenvalues, out=np.zeros_like(eigenvalues), where=shown)
+    right = (weighted @ wanted[..., None])[..., 0]
+    values = np.einsum("eij,ej,ekj,ek->ei", vectors, inverse, vectors, right)
+    squares = (weight * wanted**2).sum(axis=1)
+    fitted = (values * right).sum(axis=1)
+    return values, np.divide(fitted, squares, out=np.zeros_like(squares), where=squares > 0)

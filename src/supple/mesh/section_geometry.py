@@ -1,0 +1,197 @@
+"""Geometry of a beam's section: its outline, and the points at which its stress is recovered."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import cos, cosh, isfinite, pi, sin, tanh
+
+import numpy as np
+
+from supple.errors import MeshError
+
+__all__ = ["SectionGeometry", "Wall", "circular_section", "rectangular_section", "walled_section"]
+
+Point = tuple[float, float]
+Loop = tuple[Point, ...]
+
+ROUND_POINTS = 8
+"""Of a circle: the bending stress between two of them is at most 8 % above the larger of theirs."""
+ROUND_CORNERS = 16
+"""Of the polygon that a circle is drawn as."""
+SAME_PLACE = 1e-9
+"""Of the size of a section."""
+
+
+@dataclass(frozen=True)
+class SectionGeometry:
+    """Places (y, z) in the axes of the section, from the beam's axis (its shear centre), m.
+
+    points : where stress is recovered
+    torsion_shear : (y, z) components of the shear stress at each point per unit torsional moment, m^-3;
+                    empty where the section does not define it, which counts as none
+    loops : convex polygons of which the section is made; empty where its shape is not known
+    hole : inner rim of the first loop, with as many corners; empty where it is solid
+
+    Raises
+    ------
+    MeshError   places that are not finite; as many shears as points, or none, are expected
+    """
+
+    points: Loop = ()
+    torsion_shear: Loop = ()
+    loops: tuple[Loop, ...] = ()
+    hole: Loop = ()
+
+    def __post_init__(self) -> None:
+        pairs = [*self.points, *self.torsion_shear, *self.hole, *(p for loop in self.loops for p in loop)]
+        if not all(len(pair) == 2 and isfinite(pair[0]) and isfinite(pair[1]) for pair in pairs):
+            raise MeshError("the geometry of a section needs places (y, z) that are finite")
+        if self.torsion_shear and len(self.torsion_shear) != len(self.points):
+            raise MeshError(
+                f"{len(self.torsion_shear)} shear stresses by torsion for {len(self.points)} points of a "
+                "section; give one each, or none"
+            )
+        if self.hole and (not self.loops or len(self.hole) != len(self.loops[0])):
+            raise MeshError("the hole of a section needs as many corners as its first loop")
+
+    def moved(self, y: float, z: float) -> SectionGeometry:
+        """The same, moved."""
+
+        def all_of(loop: Loop) -> Loop:
+            return tuple((p[0] + y, p[1] + z) for p in loop)
+
+        return replace(
+            self,
+            points=all_of(self.points),
+            loops=tuple(all_of(loop) for loop in self.loops),
+            hole=all_of(self.hole),
+        )
+
+    def turned(self) -> SectionGeometry:
+        """The same, turned by a right angle about the origin: y to -z, z to y."""
+
+        def all_of(loop: Loop) -> Loop:
+            return tuple((z, -y) for y, z in loop)
+
+        return SectionGeometry(
+            all_of(self.points),
+            all_of(self.torsion_shear),
+            tuple(all_of(loop) for loop in self.loops),
+            all_of(self.hole),
+        )
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A rectangle of a thin-walled section: its middle, its sizes along y and z.
+
+    shear : stress along its longer side per unit torsional moment, m^-3: thickness / J of an open section,
+            1 / (2 A thickness) around a closed cell of area A (Bredt)
+    """
+
+    y: float
+    z: float
+    height: float
+    width: float
+    shear: float = 0.0
+
+    @property
+    def area(self) -> float:
+        """Height times width."""
+        return self.height * self.width
+
+    @property
+    def corners(self) -> Loop:
+        """Around it."""
+        h, w = self.height / 2, self.width / 2
+        return tuple((self.y + a * h, self.z + b * w) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
+
+    @property
+    def shear_stress(self) -> Point:
+        """(y, z) components that turn about x."""
+        if self.height > self.width:
+            return (-self.shear if self.z > 0 else self.shear, 0.0)
+        return (0.0, self.shear if self.y >= 0 else -self.shear)
+
+
+def rectangular_section(height: float, width: float) -> SectionGeometry:
+    """A solid rectangle of a height along y and a width along z: its corners, and the middles of its sides.
+
+    Torsion has no shear at corners. In the middle of the longer sides a, and of the shorter b, with n odd
+
+        tau / M = b / J (1 - 8/pi^2 sum 1 / (n^2 cosh c_n)),   b / J 8/pi^2 sum (-1)^((n-1)/2) tanh c_n / n^2
+
+    and c_n = n pi a / 2b. [Timoshenko & Goodier, Theory of Elasticity, 3rd ed., section 109]
+    """
+    long, short = max(height, width), min(height, width)
+    odd = range(1, 200, 2)
+    c = [n * pi * long / (2 * short) for n in odd]
+    J = long * short**3 / 3
+    J *= 1 - 192 / pi**5 * short / long * sum(tanh(x) / n**5 for n, x in zip(odd, c, strict=True))
+    by_long = 1 - 8 / pi**2 * sum(1 / (n**2 * cosh(min(x, 300.0))) for n, x in zip(odd, c, strict=True))
+    by_short = sum((-1) ** (n // 2) * tanh(x) / n**2 for n, x in zip(odd, c, strict=True)) * 8 / pi**2
+    # The sides across y are as long as the section is wide.
+    across_y, across_z = (by_long, by_short) if width >= height else (by_short, by_long)
+    h, w = height / 2, width / 2
+    corners = Wall(0.0, 0.0, height, width).corners
+    middles = ((h, 0.0), (0.0, w), (-h, 0.0), (0.0, -w))
+    ty, tz = short / J * across_y, short / J * across_z
+    shear = ((0.0, 0.0),) * 4 + ((0.0, ty), (-tz, 0.0), (0.0, -ty), (tz, 0.0))
+    return SectionGeometry(corners + middles, shear, (corners,))
+
+
+def circular_section(radius: float, inner: float = 0.0) -> SectionGeometry:
+    """A circle or tube: eight places around it, with tau = M r / J."""
+    J = pi * (radius**4 - inner**4) / 2
+    places = _around(radius, ROUND_POINTS)
+    hole = _around(inner, ROUND_CORNERS) if inner > 0 else ()
+    shear = tuple((-z / J, y / J) for y, z in places)
+    return SectionGeometry(places, shear, (_around(radius, ROUND_CORNERS),), hole)
+
+
+def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = None) -> SectionGeometry:
+    """A section of rectangles: the corners of its convex hull, on which the bending stress is largest.
+
+    box : outer and inner rim of walls that are one closed box, to draw it by
+    """
+    owners = [(corner, wall) for wall in walls if min(wall.height, wall.width) > 0 for corner in wall.corners]
+    hull = np.array(_convex_hull([corner for corner, _ in owners]))
+    # From the upper right, towards -y: as C, D, E, F of Nastran's shapes.
+    first = int(np.argmax((hull / np.ptp(hull, axis=0)).sum(axis=1).round(9)))
+    hull = np.roll(hull, -first, axis=0)
+    size = float(np.ptp(hull, axis=0).max())
+
+    def shear(place: np.ndarray) -> Point:
+        own = [wall for corner, wall in owners if np.abs(place - corner).max() <= SAME_PLACE * size]
+        return max(own, key=lambda wall: abs(wall.shear)).shear_stress
+
+    loops = tuple(wall.corners for wall in walls) if box is None else (box[0],)
+    points = tuple((float(y), float(z)) for y, z in hull)
+    return SectionGeometry(
+        points, tuple(shear(place) for place in hull), loops, () if box is None else box[1]
+    )
+
+
+def _convex_hull(places: list[Point]) -> list[Point]:
+    """Its corners, from y towards z, by Andrew's monotone chain."""
+    flat = SAME_PLACE * float(np.prod(np.ptp(places, axis=0)))
+
+    def chain(ordered: list[Point]) -> list[Point]:
+        found: list[Point] = []
+        for y, z in ordered:
+            while len(found) > 1:
+                (y0, z0), (y1, z1) = found[-2:]
+                if (y1 - y0) * (z - z0) - (z1 - z0) * (y - y0) > flat:
+                    break
+                found.pop()
+            found.append((y, z))
+        return found[:-1]
+
+    ordered = sorted(set(places))
+    return chain(ordered) + chain(ordered[::-1])
+
+
+def _around(radius: float, count: int) -> Loop:
+    angles = (2 * pi * k / count for k in range(count))
+    return tuple((radius * cos(a), radius * sin(a)) for a in angles)

@@ -1,0 +1,139 @@
+"""A bar over work that takes over two seconds, where somebody watches: in a terminal or a notebook."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import wraps
+from threading import Lock, Timer
+from typing import Any, ParamSpec, Protocol, TypeVar
+
+__all__ = ["show_progress"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+PATIENCE = 2.0
+"""s, after which a bar appears."""
+
+
+class Share(Protocol):
+    """Takes the fraction that is done, 0 to 1, and of work in several steps the name of the step."""
+
+    def __call__(self, fraction: float, step: str = "", /) -> None:
+        """Report a fraction of a step."""
+        ...
+
+
+Adapter = Callable[[Share], Callable[..., None]]
+_switch = {"on": True}
+_outermost: ContextVar[bool] = ContextVar("outermost", default=True)
+
+
+def show_progress(shown: bool = True) -> None:
+    """Switch the bars of this process on, as they are at first, or off."""
+    _switch["on"] = shown
+
+
+def by_fraction(share: Share) -> Callable[[float], None]:
+    """For work that reports its fraction."""
+    return share
+
+
+def by_step(share: Share) -> Callable[[str, float], None]:
+    """For work that reports steps and the fraction of each."""
+    return lambda step, fraction: share(fraction, step)
+
+
+def with_progress_bar(
+    title: str, adapter: Adapter | None = None
+) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Decorator of long work; with an adapter the bar is filled by what is given to `progress` else."""
+
+    def decorate(work: Callable[P, T]) -> Callable[P, T]:
+        @wraps(work)
+        def watched(*args: P.args, **kwargs: P.kwargs) -> T:
+            if kwargs.get("progress") is not None:
+                return work(*args, **kwargs)
+            with progress_bar(title) as share:
+                if share is None or adapter is None:
+                    return work(*args, **kwargs)
+                reporting: Callable[..., T] = work
+                return reporting(*args, **{**kwargs, "progress": adapter(share)})
+
+        return watched
+
+    return decorate
+
+
+@contextmanager
+def progress_bar(title: str) -> Iterator[Share | None]:
+    """What reports to the bar of some work; None where none is shown, as within work that has one."""
+    if not (_switch["on"] and _outermost.get() and _is_watched()):
+        yield None
+        return
+    bar, token = _Bar(title), _outermost.set(False)
+    try:
+        yield bar.share
+    finally:
+        _outermost.reset(token)
+        bar.stop()
+
+
+def _is_watched() -> bool:
+    return "ipykernel" in sys.modules or sys.stderr.isatty()
+
+
+class _Bar:
+    """One line on standard error, or in a notebook's cell, that goes when the work is done."""
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._step = ""
+        self._fraction: float | None = None
+        self._over = False
+        self._bars: Any = None
+        self._lock = Lock()
+        self._timer = Timer(PATIENCE, self._appear)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def share(self, fraction: float, step: str = "", /) -> None:
+        """Report a fraction of a step."""
+        with self._lock:
+            self._fraction, self._step = fraction, step
+            self._update()
+
+    def stop(self) -> None:
+        """The work is done, or has failed."""
+        self._timer.cancel()
+        with self._lock:
+            self._over = True
+            if self._bars is not None:
+                self._bars.stop()
+
+    def _appear(self) -> None:
+        # Imported here: work that is done by then, and scripts that nobody watches, do without.
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+        with self._lock:
+            if self._over:
+                return
+            columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=30))
+            self._bars = Progress(
+                *(SpinnerColumn(), *columns, TimeElapsedColumn()),
+                console=Console(stderr=True),
+                transient=True,
+            )
+            self._task = self._bars.add_task(self._title, total=None)
+            self._bars.start()
+            self._update()
+
+    def _update(self) -> None:
+        if self._bars is None or self._over or self._fraction is None:
+            return
+        described = f"{self._title}: {self._step}" if self._step else self._title
+        self._bars.update(self._task, description=described, total=1.0, completed=self._fraction)

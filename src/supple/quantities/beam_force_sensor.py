@@ -1,0 +1,89 @@
+"""Section forces of one beam or rod at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import check_fields
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel, beam_force_recovery
+from supple.integrate import Solution
+from supple.machine import System
+from supple.mesh import CellType
+from supple.quantities.place import body_named
+from supple.quantities.reading import Channel, QuantityKind
+from supple.quantities.stress_history import tensor_blocks
+from supple.quantities.tensor_modes import NodalTensor
+
+__all__ = ["BeamForceSensor"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BeamForceSensor:
+    """N, Vy, Vz, T, My, Mz at an end of a beam or rod, (t, 6), in axes that turn with its section.
+
+    They are what lies beyond the section, towards the beam's second end, exerts on what lies before it; N is
+    positive in tension, and moments are about the beam's axis (`beam_forces`).
+
+    body : its name;   model : its elements
+    beam : id of the element, as the mesh or deck has it
+    end : 1 or 2, where the element begins or ends
+    """
+
+    name: str
+    body: str
+    model: FiniteElementModel
+    beam: int
+    end: int = 1
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.end not in (1, 2):
+            raise ModelError(f"sensor '{self.name}': a beam has ends 1 and 2, not {self.end}")
+
+    def channels(self, system: System) -> Sequence[Channel]:
+        """Three forces and three moments."""
+        self._check(system)
+        axes = f"section of beam {self.beam} of {self.body}"
+        kinds = (QuantityKind.FORCE, QuantityKind.MOMENT)
+        names = (("N", "Vy", "Vz"), ("T", "My", "Mz"))
+        place = f"end {self.end}"
+        return [
+            Channel(name, kind, axes, place) for kind, own in zip(kinds, names, strict=True) for name in own
+        ]
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(t, 6)."""
+        self._check(system)
+        cell = self._cell()
+        node = self.model.mesh.cells[CellType.LINE2][cell, self.end - 1]
+        forces = NodalTensor(partial(beam_force_recovery, cell=cell), partial(np.linalg.norm, axis=-1))
+        form, coordinates = body_named(system, self.body, self.name), solution.bodies[self.body].coordinates
+        found = np.zeros((len(coordinates), 6))
+        for times, _, field in tensor_blocks(forces, form, self.model, coordinates, [node]):
+            found[times] = field[:, 0, 0]
+        return found
+
+    def _check(self, system: System) -> None:
+        form = body_named(system, self.body, self.name)
+        if not (form.n_coordinates and form.has_frame):
+            raise ModelError(
+                f"sensor '{self.name}': body '{self.body}' is {form.kind}: its beams have no force"
+            )
+        self._cell()
+
+    def _cell(self) -> int:
+        """Number of the cell at that end: an element may be several."""
+        ids = self.model.mesh.cell_ids.get(CellType.LINE2, np.empty(0, dtype=np.int64))
+        own = np.flatnonzero(ids == self.beam)
+        if not own.size:
+            known = f"ids {ids.min()} to {ids.max()}" if ids.size else "none"
+            raise ModelError(f"sensor '{self.name}': there is no beam {self.beam}; the body has {known}")
+        return int(own[0] if self.end == 1 else own[-1])

@@ -1,0 +1,104 @@
+"""All that was read off one run: a table of named columns with units, over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.errors import ModelError
+from supple.optional_packages import optional_package
+from supple.quantities.reading import Channel, Reading
+from supple.units import UNNAMED, UnitSystem
+
+__all__ = ["Columns", "Readings"]
+
+Array = NDArray[np.float64]
+
+TIME = "Time"
+"""Name of the first column of every table."""
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Columns of numbers over time; their names differ.
+
+    times : (t,);  time_unit : its name, "" where it has none
+    names, units : of the c columns, such as "tip.x" and "m"
+    channels : what each column measures, along which axes and where
+    values : (t, c)
+    """
+
+    times: Array
+    time_unit: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    channels: tuple[Channel, ...]
+    values: Array
+
+    @property
+    def heads(self) -> Iterator[str]:
+        """Names with units, the time first: `Time_[s]`, `tip.x_[m]`; `tip.x` where a unit has no name."""
+        pairs = zip((TIME, *self.names), (self.time_unit, *self.units), strict=True)
+        return (f"{name}_[{unit}]" if unit else name for name, unit in pairs)
+
+
+class Readings(tuple[Reading, ...]):
+    """The readings of some sensors over one run, in their order."""
+
+    __slots__ = ()
+
+    @checked_arguments
+    def columns(self, units: UnitSystem = UNNAMED) -> Columns:
+        """The readings as one table.
+
+        Raises ModelError: no reading, readings of different times, two columns of one name.
+        """
+        if not self:
+            raise ModelError("there is no reading to write: give at least one sensor")
+        times = self[0].times
+        for each in self:
+            if not np.array_equal(each.times, times):
+                raise ModelError(f"sensor '{each.name}' was read at other times than '{self[0].name}'")
+        names = tuple(name for each in self for name in each.names)
+        for name in names:
+            if (TIME, *names).count(name) > 1:
+                raise ModelError(f"two columns would be named '{name}': give the sensors other names")
+        channels = tuple(channel for each in self for channel in each.channels)
+        return Columns(
+            times=times,
+            time_unit=units.time,
+            names=names,
+            units=tuple(channel.quantity.unit(units) for channel in channels),
+            channels=channels,
+            values=np.column_stack([each.values for each in self]),
+        )
+
+    def to_pandas(self, units: UnitSystem = UNNAMED) -> Any:
+        """A `pandas.DataFrame` over time with columns such as `tip.x_[m]`.
+
+        Raises ModelError as `columns`; MissingPackageError where pandas is not installed.
+        """
+        pandas = optional_package("pandas", "a data frame", "xarray")
+        columns = self.columns(units)
+        time, *heads = columns.heads
+        return pandas.DataFrame(columns.values, index=pandas.Index(columns.times, name=time), columns=heads)
+
+    def to_xarray(self, units: UnitSystem = UNNAMED) -> Any:
+        """An `xarray.Dataset` over `time`: a variable per channel, with units, axes and place.
+
+        Raises ModelError as `columns`; MissingPackageError where xarray is not installed.
+        """
+        xarray = optional_package("xarray", "a data set", "xarray")
+        columns = self.columns(units)
+        variables = {}
+        described = zip(columns.names, columns.units, columns.channels, columns.values.T, strict=True)
+        for name, unit, channel, column in described:
+            attributes = {"units": unit, "axes": channel.axes, "place": channel.place}
+            variables[name] = ("time", column, {key: word for key, word in attributes.items() if word})
+        time = ("time", columns.times, {"units": units.time} if units.time else {})
+        return xarray.Dataset(variables, coords={"time": time})

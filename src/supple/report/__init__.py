@@ -1,0 +1,5 @@
+"""A run as one page for a browser, which needs no network."""
+
+from supple.report.player import *
+from supple.report.write_report import *
+from supple.report.write_rest_report import *

@@ -1,0 +1,157 @@
+"""Places of a machine that carry a mark: joints, ends of springs, loads. Each moves with a body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import BodyForm
+from supple.integrate import Solution
+from supple.machine import GROUND, At, DeadForce, ForceElement, NodalLoad, Pose, System
+from supple.quantities import node_positions
+from supple.quantities.end_motion import both_ends
+
+__all__ = ["Arrow", "JointMark", "Link", "MarkedPlace", "arrows_of", "joint_marks", "links_of"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class MarkedPlace:
+    """A place over time, and axes there.
+
+    body : "" of the ground;   points : (t, 3) in space;   rest : (3,) in the body, mesh axes
+    axes : (t, 3, 3) in space, as columns
+    """
+
+    body: str
+    points: Array
+    rest: Array
+    axes: Array
+
+
+@dataclass(frozen=True, eq=False)
+class JointMark:
+    """A joint: its name and kind in words, and where each of its ends is."""
+
+    name: str
+    kind: str
+    first: MarkedPlace
+    second: MarkedPlace
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A spring, damper, .. between two places."""
+
+    name: str
+    first: MarkedPlace
+    second: MarkedPlace
+
+
+@dataclass(frozen=True, eq=False)
+class Arrow:
+    """A force or a moment, (t, 3) in space, at a place."""
+
+    name: str
+    kind: str
+    place: MarkedPlace
+    values: Array
+
+
+def joint_marks(system: System, solution: Solution) -> Iterator[JointMark]:
+    """Both ends of every joint, with the joint axes that turn with each."""
+    for joint in system.joints:
+        first, second = both_ends(system, solution, joint, joint.name)
+        kind = "".join(f" {c.lower()}" if c.isupper() else c for c in type(joint).__name__).strip()
+        yield JointMark(
+            joint.name, kind, _place(system, joint.first, first), _place(system, joint.second, second)
+        )
+
+
+def links_of(system: System, solution: Solution) -> Iterator[Link]:
+    """Force elements between two places, those that controllers drive among them."""
+    driven = [element for each in system.controllers for element in each.drives.values()]
+    for load in (*system.loads, *driven):
+        if isinstance(load, ForceElement) and not _acts_alone(load):
+            first, second = both_ends(system, solution, load, load.label)
+            yield Link(load.label, _place(system, load.first, first), _place(system, load.second, second))
+
+
+def arrows_of(system: System, solution: Solution) -> Iterator[Arrow]:
+    """Forces and torques at one interface, or at some nodes, over time."""
+    for load in system.loads:
+        if isinstance(load, NodalLoad):
+            yield _arrow_of_nodes(system, solution, load)
+        elif isinstance(load, ForceElement) and _acts_alone(load):
+            ends = both_ends(system, solution, load, load.label)
+            wrench = np.asarray(_wrenches(type(load), load.law, load.parameters, *ends, solution.times))
+            place = _place(system, load.first, ends[0])
+            for kind, values in (("force", wrench[:, :3]), ("moment", wrench[:, 3:])):
+                if values.any():
+                    yield Arrow(load.label, kind, place, values)
+
+
+def _acts_alone(element: ForceElement) -> bool:
+    """Whether it acts on one interface, and on nothing else."""
+    return element.second == GROUND and element.ground_point is None and element.value_shape == (3,)
+
+
+@partial(jax.jit, static_argnums=0)
+def _wrenches(
+    kind: type[ForceElement], law: Any, parameters: Any, first: Pose, second: Pose, times: Any
+) -> jax.Array:
+    def at(one: Pose, other: Pose, time: jax.Array) -> jax.Array:
+        wrench, _ = kind.wrenches(one, other, None if law is None else law(time), parameters)
+        return jnp.concatenate([wrench.force, wrench.moment])
+
+    return jax.vmap(at)(first, second, jnp.asarray(times))
+
+
+def _place(system: System, end: At, pose: Pose) -> MarkedPlace:
+    points, axes = np.asarray(pose.point), np.asarray(pose.axes)
+    if end == GROUND:
+        return MarkedPlace("", points, points[0], axes)
+    return MarkedPlace(end.body, points, system.placed(end.body).body.interface(end.interface).position, axes)
+
+
+def _arrow_of_nodes(system: System, solution: Solution, load: NodalLoad) -> Arrow:
+    """The sum of its forces, at the interface or at the mean of the nodes."""
+    body: BodyForm = system.placed(load.body).body
+    motion = solution.bodies[load.body]
+    if isinstance(load, DeadForce) and isinstance(load.at, str):
+        places = body.interface_motion(motion, load.at).position[:, None]
+        rest = body.interface(load.at).position
+    else:
+        places, rest = node_positions(body, motion, load.nodes), body.nodes[load.nodes].mean(axis=0)
+    dimensions = len(load.value_shapes[0])
+    values = np.asarray(_sums(type(load), dimensions, load.law, load.facets, places, solution.times))
+    points = places.mean(axis=1)
+    axes = np.broadcast_to(np.eye(3), (len(points), 3, 3))
+    return Arrow(load.label, "force", MarkedPlace(load.body, points, rest, axes), values)
+
+
+@partial(jax.jit, static_argnums=(0, 1))
+def _sums(
+    kind: type[NodalLoad], dimensions: int, law: Any, facets: Any, places: Any, times: Any
+) -> jax.Array:
+    """Sums (t, 3) of the forces on all facets, whose nodes are at places (t, k, 3) in space.
+
+    dimensions : of the law's value for one facet; one more where each facet has its own
+    """
+
+    def at(instant: tuple[jax.Array, jax.Array]) -> jax.Array:
+        corners, time = instant
+        value = jnp.asarray(law(time), dtype=float)
+        of_each = 0 if value.ndim > dimensions else None
+        forces = jax.vmap(kind.facet_forces, (0, None, of_each))(corners[facets], jnp.eye(3), value)
+        return forces.sum(axis=(0, 1))
+
+    return jax.lax.map(at, (jnp.asarray(places), jnp.asarray(times)))

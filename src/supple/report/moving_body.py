@@ -1,0 +1,208 @@
+"""A body as the page draws it: its surface, the axes that it is seen from, and its fields over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import BodyForm, RigidBody
+from supple.integrate import Solution
+from supple.machine import At, System
+from supple.mesh import Mesh
+from supple.mesh.feature_edges import feature_edges
+from supple.quantities import displacement_from_axes, node_positions, observer_of
+from supple.report.nodal_shapes import NodalShapes, nodal_shapes
+from supple.report.visible_surface import VisibleSurface, surface_of
+from supple.results.colouring import Colouring
+
+__all__ = ["FIELD_TOLERANCE", "MovingBody", "moving_body", "rigid_links"]
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+DISPLACEMENT_TOLERANCE = 1e-5
+"""Of displacements, as a share of the largest: what shapes that are left out may change."""
+FIELD_TOLERANCE = 5e-3
+"""Of a field that colours: two of the 256 steps of a screen's colours, half of it for leaving shapes out."""
+_NUMBERS = 2**21
+"""Of displacements that are held at a time (16 MiB)."""
+_FIELD_NUMBERS = 2**24
+"""Of another field (128 MiB)."""
+
+
+@dataclass(frozen=True, eq=False)
+class MovingBody:
+    """Nodes that are drawn, `r(t, n) = position + rotation (nodes + displacement(t, n))`.
+
+    name, kind : of the body;   seen_from : the interface whose axes these are, or what else
+    nodes : (N, 3) undeformed, mesh axes;   node_ids : (N,) as the mesh file has them, or numbers
+    surface : triangles of these nodes, and when each is there;   edges : (e, 2) that show its shape
+    position : (t, 3), rotation : (t, 3, 3)      of the axes that displacements are seen from
+    displacement : along these axes; None of a rigid body
+    fields : what else colours it, by name, (t, N, 1)
+    """
+
+    name: str
+    kind: str
+    seen_from: str
+    nodes: Array
+    node_ids: IntArray
+    surface: VisibleSurface
+    edges: IntArray
+    position: Array
+    rotation: Array
+    displacement: NodalShapes | None = None
+    fields: Mapping[str, NodalShapes] = field(default_factory=dict)
+
+    @property
+    def largest_displacement(self) -> float:
+        """The magnitude, of any node at any instant."""
+        if self.displacement is None:
+            return 0.0
+        rows = _rows(len(self.position), self.nodes.size)
+        amplitudes, shapes = self.displacement.amplitudes, self.displacement.shapes
+        sizes = (np.linalg.norm(np.tensordot(amplitudes[part], shapes, 1), axis=2) for part in rows)
+        return max(float(each.max(initial=0.0)) for each in sizes)
+
+    def positions(self, rows: IntArray) -> Array:
+        """(t', N, 3) in space, as the page draws them."""
+        local = self.nodes[None]
+        if self.displacement is not None:
+            local = local + np.tensordot(self.displacement.amplitudes[rows], self.displacement.shapes, 1)
+        return self.position[rows, None] + np.einsum("tij,tnj->tni", self.rotation[rows], local)
+
+    def local(self, points: Array) -> Array:
+        """Points (t, 3) in space, along its axes, from their origin."""
+        return np.einsum("tji,tj->ti", self.rotation, points - self.position)
+
+
+def moving_body(
+    system: System,
+    solution: Solution,
+    body: BodyForm,
+    mesh: Mesh | None,
+    *,
+    colourings: Mapping[str, Colouring],
+    bases: Mapping[str, At],
+) -> MovingBody:
+    """A deformable body as it moves in a run; without a mesh its nodes are drawn as points.
+
+    Displacements are those from the interface that `deflections` sees them from; of explicit elements, which
+    have no axes of their own, from those that fit the nodes best at each instant.
+
+    colourings : of what it has values of, by name
+    """
+    motion = solution.bodies[body.name]
+    surface = surface_of(body, mesh, motion)
+    chosen = surface.nodes
+    rest = body.nodes[chosen]
+    seen = observer_of(system, solution, body.name, bases)
+    if seen is None:
+        position, rotation = _fitted_axes(body, motion)
+        seen_from = "the axes that fit its nodes best"
+    else:
+        position = seen.origin - seen.axes @ seen.rest
+        rotation = seen.axes
+        seen_from = seen.name or "its frame"
+
+    def displacements() -> Iterator[Array]:
+        for rows in _rows(len(position), 3 * len(body.nodes)):
+            places = node_positions(body, motion.at(rows), chosen)
+            yield displacement_from_axes(places, position[rows, None], rotation[rows], rest)
+
+    def values(colouring: Colouring) -> Iterator[Array]:
+        # Many instants at a time: what a colouring prepares of the body, it prepares each time.
+        for rows in _rows(len(position), len(body.nodes), _FIELD_NUMBERS):
+            found = colouring.values(body, motion.at(rows), None)
+            assert found is not None
+            if found.ndim == 3:  # of faces, and of each beam's end: where there are faces, theirs are seen
+                found = found[:, :, 0] if len(surface.triangles) else found.max(axis=2)
+            for some in _rows(len(found), len(body.nodes)):
+                yield found[some][:, chosen, None]
+
+    return MovingBody(
+        body.name,
+        body.kind,
+        seen_from,
+        rest,
+        chosen if mesh is None else mesh.node_ids[chosen],
+        surface,
+        np.concatenate([surface.lines, feature_edges(rest, surface.triangles)]),
+        position,
+        rotation,
+        nodal_shapes(displacements(), tolerance=DISPLACEMENT_TOLERANCE),
+        {
+            name: nodal_shapes(values(each), tolerance=0.5 * FIELD_TOLERANCE)
+            for name, each in colourings.items()
+        },
+    )
+
+
+def rigid_links(body: RigidBody, motion: Any, thickness: float) -> MovingBody:
+    """A rigid body: bars from its centre of mass to its interfaces, and a ball there without any."""
+    centre = body.centre[None]
+    nodes, triangles = _bars(np.broadcast_to(centre, body.nodes.shape), body.nodes, 0.5 * thickness)
+    ball, ball_triangles = _bars(centre - thickness / 2, centre + thickness / 2, thickness)
+    triangles = np.concatenate([triangles, len(nodes) + ball_triangles])
+    nodes = np.concatenate([nodes, ball])
+    surface = VisibleSurface(np.arange(len(nodes)), triangles)
+    edges = feature_edges(nodes, triangles)
+    return MovingBody(
+        body.name,
+        body.kind,
+        "its frame",
+        nodes,
+        np.empty(0, dtype=np.int64),
+        surface,
+        edges,
+        motion.position,
+        motion.rotation,
+    )
+
+
+def _bars(starts: Array, ends: Array, thickness: float) -> tuple[Array, IntArray]:
+    """Square bars between points (k, 3), as (8 k, 3) nodes and (12 k, 3) triangles."""
+    along = ends - starts
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    along = np.where(length > 0, along, [[1.0, 0.0, 0.0]]) / np.where(length > 0, length, 1.0)
+    hint = np.eye(3)[np.argmin(np.abs(along), axis=1)]
+    first = np.cross(along, hint)
+    first *= 0.5 * thickness / np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(along, first)
+    around = np.stack([first + second, first - second, -first - second, second - first], axis=1)
+    nodes = np.concatenate([starts[:, None] + around, ends[:, None] + around], axis=1)
+    corner = np.arange(4)
+    after = (corner + 1) % 4
+    sides = np.concatenate(
+        [np.column_stack([corner, after, after + 4]), np.column_stack([corner, after + 4, corner + 4])]
+    )
+    one = np.concatenate([sides, [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)]])
+    return nodes.reshape(-1, 3), (8 * np.arange(len(starts))[:, None, None] + one).reshape(-1, 3)
+
+
+def _fitted_axes(body: BodyForm, motion: Any) -> tuple[Array, Array]:
+    """Origin (t, 3) and axes (t, 3, 3) of the rigid motion of the rest that is nearest to the nodes.
+
+    Source: [Kabsch1976]
+    """
+    centre = body.nodes.mean(axis=0)
+    middles, products = [], []
+    for rows in _rows(len(motion.arrays()["nodes"]), 3 * len(body.nodes)):
+        places = node_positions(body, motion.at(rows))
+        middles.append(places.mean(axis=1))
+        products.append(np.einsum("tni,nj->tij", places - middles[-1][:, None], body.nodes - centre))
+    left, _, right = np.linalg.svd(np.concatenate(products))
+    # The nearest rotation, and not a reflection: flat bodies leave the third direction open.
+    left[:, :, 2] *= np.sign(np.linalg.det(left @ right))[:, None]
+    rotation = left @ right
+    return np.concatenate(middles) - rotation @ centre, rotation
+
+
+def _rows(n_times: int, numbers: int, held: int = _NUMBERS) -> list[slice]:
+    """Some instants after the others, so many that at most some numbers are held; eight at least."""
+    size = max(8, held // max(1, numbers))
+    return [slice(start, min(start + size, n_times)) for start in range(0, n_times, size)]

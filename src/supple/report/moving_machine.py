@@ -1,0 +1,176 @@
+"""A machine as the page draws it: bodies, joints, force elements, loads and obstacles over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import BodyForm, RigidBody
+from supple.fem import FiniteElementModel, has_stress
+from supple.integrate import Solution
+from supple.machine import At, System
+from supple.mesh import Mesh
+from supple.methods.explicit import OBSTACLES
+from supple.report.marked_place import Arrow, JointMark, Link, arrows_of, joint_marks, links_of
+from supple.report.moving_body import FIELD_TOLERANCE, MovingBody, moving_body, rigid_links
+from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, Colouring, stress_colouring
+from supple.results.obstacle_shape import obstacle_shape
+from supple.units import UNNAMED, UnitSystem
+
+__all__ = ["FieldScale", "MovingMachine", "MovingObstacle", "moving_machine"]
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_SAMPLED = 60
+"""Instants at which the extent of the motion is looked at."""
+_LINK_THICKNESS = 0.012
+"""Of the machine's extent: of the bars that a rigid body is drawn with."""
+
+
+@dataclass(frozen=True, eq=False)
+class MovingObstacle:
+    """A rigid obstacle: points (n, 3) and triangles (m, 3), moved by offsets (t, 3)."""
+
+    points: Array
+    triangles: IntArray
+    offsets: Array
+
+
+@dataclass(frozen=True)
+class FieldScale:
+    """The one range of a field's colours, over all bodies and instants, in the unit that it is shown in.
+
+    label : with the unit;   factor : that values of the model are multiplied by
+    error : that values of the page may have; zero where it is not to be seen
+    """
+
+    label: str
+    factor: float
+    low: float
+    high: float
+    error: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class MovingMachine:
+    """What of a run is drawn.
+
+    times : (t,);   scales : of the fields that colour it, by name, "deflection" among them
+    low, high : (3,) corners of all that is seen at any instant;   up : (3,) against gravity, or z
+    """
+
+    times: Array
+    bodies: Sequence[MovingBody]
+    joints: Sequence[JointMark]
+    links: Sequence[Link]
+    arrows: Sequence[Arrow]
+    obstacles: Sequence[MovingObstacle]
+    scales: Mapping[str, FieldScale]
+    low: Array
+    high: Array
+    up: Array
+
+
+def moving_machine(
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Mesh] = MappingProxyType({}),
+    *,
+    elements: Mapping[str, FiniteElementModel] | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
+    units: UnitSystem = UNNAMED,
+) -> MovingMachine:
+    """A machine in a run; parameters as for `write_report`."""
+    colourings = {} if elements is None else {"von Mises stress": stress_colouring(elements)}
+    colourings["plastic strain"] = PLASTIC_STRAIN
+    elastic = [
+        moving_body(
+            system,
+            solution,
+            placed.body,
+            meshes.get(placed.body.name),
+            colourings=_possible(placed.body, solution, colourings, elements or {}),
+            bases=bases,
+        )
+        for placed in system.bodies
+        if placed.body.n_coordinates or not placed.body.has_frame
+    ]
+    joints = list(joint_marks(system, solution))
+    links, arrows = list(links_of(system, solution)), list(arrows_of(system, solution))
+    rows = np.unique(np.linspace(0, len(solution.times) - 1, _SAMPLED).astype(int))
+    rigid = system.bodies_of(RigidBody)
+    places = [place for each in (*joints, *links) for place in (each.first, each.second)]
+    seen = [body.positions(rows).reshape(-1, 3) for body in elastic]
+    seen += [place.points[rows] for place in (*places, *(arrow.place for arrow in arrows))]
+    seen += [body.positions(solution.bodies[name].at(rows)).reshape(-1, 3) for name, body in rigid.items()]
+    seen += [solution.bodies[name].position[rows] for name in rigid]
+    points = np.concatenate(seen)
+    low, high = points.min(axis=0), points.max(axis=0)
+    extent = float(np.linalg.norm(high - low)) or 1.0
+    bodies = [
+        *elastic,
+        *(rigid_links(body, solution.bodies[name], _LINK_THICKNESS * extent) for name, body in rigid.items()),
+    ]
+    up = (
+        -system.gravity / np.linalg.norm(system.gravity)
+        if system.gravity.any()
+        else np.array([0.0, 0.0, 1.0])
+    )
+    return MovingMachine(
+        solution.times,
+        bodies,
+        joints,
+        links,
+        arrows,
+        list(_obstacles(system, solution, points)),
+        _scales(elastic, colourings, units),
+        low,
+        high,
+        up,
+    )
+
+
+def _possible(
+    body: BodyForm,
+    solution: Solution,
+    colourings: Mapping[str, Colouring],
+    elements: Mapping[str, FiniteElementModel],
+) -> dict[str, Colouring]:
+    """Those that a body has values of: stress needs its elements, plastic strain elements that yield."""
+    start = solution.bodies[body.name].at(slice(0, 1))
+    return {
+        name: each
+        for name, each in colourings.items()
+        if (each is PLASTIC_STRAIN or (body.name in elements and has_stress(elements[body.name])))
+        and each.values(body, start, None) is not None
+    }
+
+
+def _scales(
+    bodies: Sequence[MovingBody], colourings: Mapping[str, Colouring], units: UnitSystem
+) -> dict[str, FieldScale]:
+    """Of the fields that there are: stress, which is there only where it is asked for, comes first."""
+    largest = {"deflection": [body.largest_displacement for body in bodies]}
+    for name in colourings:
+        largest[name] = [body.fields[name].largest for body in bodies if name in body.fields]
+    scales = {}
+    for name, colouring in {**colourings, "deflection": DEFLECTION}.items():
+        if largest[name]:
+            label, factor = colouring.label(units)
+            high = factor * max(largest[name])
+            error = 0.0 if name == "deflection" else FIELD_TOLERANCE * high
+            scales[name] = FieldScale(label, factor, 0.0, high, error)
+    return dict(sorted(scales.items(), key=lambda item: item[0] == "plastic strain"))
+
+
+def _obstacles(system: System, solution: Solution, seen: Array) -> Iterator[MovingObstacle]:
+    """Rigid obstacles, which an explicit march moves."""
+    for number, contact in enumerate(system.rigid_contacts):
+        points, triangles = obstacle_shape(contact.obstacle, seen)
+        moved = solution.series[OBSTACLES].reshape(len(solution.times), -1, 6)[:, number, :3]
+        yield MovingObstacle(points, triangles, moved)

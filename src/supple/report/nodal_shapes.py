@@ -1,0 +1,114 @@
+"""A nodal field over time as few shapes times amplitudes: proper orthogonal decomposition to a tolerance.
+
+Every form of a body goes the same way: a reduced body that is seen from an interface that turns against its
+frame, a body with all its freedoms, a line of stations, elements that yield. Shapes are needed once and
+amplitudes by instant, however long the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["NodalShapes", "nodal_shapes"]
+
+Array = NDArray[np.float64]
+
+_SEARCHED = 200
+"""Instants at which the error of leaving shapes out is measured: those where the most is left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class NodalShapes:
+    """field(t, n) = sum_k amplitudes[t, k] shapes[k, n].
+
+    shapes : (k, N, c)          orthonormal, the largest first
+    amplitudes : (t, k)
+    largest : of the field's components, at any node and instant
+    """
+
+    shapes: Array
+    amplitudes: Array
+    largest: float
+
+    @property
+    def field(self) -> Array:
+        """(t, N, c)."""
+        return np.tensordot(self.amplitudes, self.shapes, 1)
+
+
+def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
+    """The shapes and amplitudes of a field whose instants come in blocks.
+
+    A block adds the directions that the shapes so far lack, found by the eigenvectors of the Gram matrix of
+    what is left; at last all are ordered by the singular values of the amplitudes, and the smallest dropped.
+    Each of the two leaves out half of the tolerance at most.
+
+    Parameters
+    ----------
+    blocks : (t', N, c) each, in the order of time
+    tolerance : of any component at any node and instant, as a share of the largest
+    """
+    rows: list[Array] = []
+    shape, basis, largest = (0, 0), np.zeros((0, 0)), 0.0
+    for block in blocks:
+        shape, flat = block.shape[1:], block.reshape(len(block), -1)
+        if not rows:
+            basis = np.zeros((0, flat.shape[1]))
+        largest = max(largest, float(np.abs(flat).max(initial=0.0)))
+        known = flat @ basis.T
+        rest = flat - known @ basis
+        added = np.linalg.qr(_directions(rest, 0.5 * tolerance * largest).T)[0].T
+        # What the first projection left of the basis by round-off, a second one takes.
+        added = np.linalg.qr((added - (added @ basis.T) @ basis).T)[0].T
+        basis = np.vstack([basis, added])
+        rows.append(np.hstack([known, rest @ added.T]))
+    amplitudes = np.zeros((sum(map(len, rows)), len(basis)))
+    start = 0
+    for part in rows:
+        amplitudes[start : start + len(part), : part.shape[1]] = part
+        start += len(part)
+    basis, amplitudes = _truncated(basis, amplitudes, 0.5 * tolerance * largest)
+    return NodalShapes(basis.reshape(-1, *shape), amplitudes, largest)
+
+
+def _directions(rest: Array, allowed: float) -> Array:
+    """The fewest left eigenvectors times rest (k, m) without which no number of rest (b, m) is larger."""
+    values, vectors = np.linalg.eigh(rest @ rest.T)
+    leading = vectors[:, ::-1].T @ rest
+    kept = vectors[:, ::-1]
+
+    def left(number: int) -> float:
+        return float(np.abs(rest - kept[:, :number] @ leading[:number]).max(initial=0.0))
+
+    return leading[: _fewest(left, len(values), allowed)]
+
+
+def _truncated(basis: Array, amplitudes: Array, allowed: float) -> tuple[Array, Array]:
+    """Shapes in the order of their singular values, the smallest dropped."""
+    _, turned = np.linalg.eigh(amplitudes.T @ amplitudes)
+    turned = turned[:, ::-1]
+    ordered, basis = amplitudes @ turned, turned.T @ basis
+
+    def left(number: int) -> float:
+        tail = ordered[:, number:]
+        worst = np.argsort(-np.einsum("tk,tk->t", tail, tail))[:_SEARCHED]
+        return float(np.abs(tail[worst] @ basis[number:]).max(initial=0.0))
+
+    number = _fewest(left, len(basis), allowed)
+    return basis[:number], ordered[:, :number]
+
+
+def _fewest(left: Callable[[int], float], most: int, allowed: float) -> int:
+    """By bisection the smallest number that leaves no more than is allowed; `left` falls with the number."""
+    low, high = 0, 0 if left(0) <= allowed else most
+    while low < high:
+        middle = (low + high) // 2
+        if left(middle) <= allowed:
+            high = middle
+        else:
+            low = middle + 1
+    return low

@@ -1,0 +1,147 @@
+"""The page: one HTML file with its styles, scripts, tables and data, which needs no network."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from supple.report.charts import Chart
+from supple.report.moving_machine import MovingMachine
+from supple.report.packed_arrays import PackedArrays
+from supple.report.scene_data import chart_data, scene_data
+from supple.results.run_tables import TextTable
+from supple.storage.atomic_write import replacing
+from supple.units import UNNAMED, UnitSystem
+
+__all__ = ["Clip", "Page", "Section", "page_text", "write_page"]
+
+_SCRIPTS = ("arrays", "colours", "bodies", "marks", "views", "picking", "curves", "player", "main")
+"""Of the player, in the order in which one needs the other."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with lines of text, tables, and texts as they stand, such as a case file, by name."""
+
+    title: str
+    lines: Sequence[str] = ()
+    tables: Sequence[TextTable] = ()
+    texts: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Clip:
+    """Some instants of a machine's motion that are played on their own, such as one mode.
+
+    first, number : rows of the times;   repeats : whether the last instant leads on to the first
+    """
+
+    name: str
+    first: int
+    number: int
+    note: str = ""
+    repeats: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Page:
+    """What a page shows.
+
+    sections : in their order;   machine : None where there is nothing to draw
+    clips : of its motion; all of it where there are none;   charts : curves
+    """
+
+    title: str
+    sections: Sequence[Section]
+    machine: MovingMachine | None = None
+    clips: Sequence[Clip] = ()
+    charts: Sequence[Chart] = ()
+    units: UnitSystem = UNNAMED
+
+
+def write_page(path: Path | str, page: Page) -> Path:
+    """Write the text of a page; ResultFileError where the file cannot be written."""
+    text = page_text(page)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return Path(path)
+
+
+def page_text(page: Page) -> str:
+    """A page as HTML; its content policy forbids every request, and every script but its own."""
+    arrays = PackedArrays()
+    head: dict[str, Any] = {
+        "time": page.units.time,
+        "length": page.units.length,
+        "secondsPerTime": page.units.in_si(time=1),
+        "scene": None if page.machine is None else scene_data(page.machine, arrays),
+        "clips": [vars(clip) for clip in page.clips],
+        "charts": chart_data(page.charts, arrays),
+    }
+    libraries, player = _source("libraries.js"), _player()
+    styles = _source("libraries.css") + _source("page.css")
+    parts = {
+        "policy": _policy([libraries, player], styles),
+        "title": escape(page.title),
+        "styles": styles,
+        "sections": "\n".join(_section(section) for section in page.sections),
+        # "</script>" in a text would end the data: no "<" is written in it.
+        "head": json.dumps(head, allow_nan=False).replace("<", "\\u003c"),
+        "data": arrays.text(),
+        "libraries": libraries,
+        "player": player,
+    }
+    return re.sub(r"@([a-z]+)@", lambda found: parts[found.group(1)], _source("page.html"))
+
+
+def _source(name: str) -> str:
+    return files("supple.report").joinpath("assets", name).read_text(encoding="utf-8")
+
+
+def _player() -> str:
+    """The scripts of the player as one, whose names are its own."""
+    return '(() => {\n"use strict";\n' + "\n".join(_source(f"{name}.js") for name in _SCRIPTS) + "})();\n"
+
+
+def _policy(scripts: Sequence[str], styles: str) -> str:
+    """Nothing is fetched, and nothing runs but these scripts, whatever a text of a case holds."""
+    allowed = " ".join(_hash(script) for script in scripts)
+    return (
+        f"default-src 'none'; script-src {allowed}; style-src {_hash(styles)}; img-src data: blob:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def _hash(text: str) -> str:
+    digest = hashlib.sha256(text.encode("utf-8")).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
+
+
+def _section(section: Section) -> str:
+    parts = [f"<section><h2>{escape(section.title)}</h2>"]
+    parts += [f"<p>{escape(line)}</p>" for line in section.lines]
+    parts += [_table(table) for table in section.tables if table.rows]
+    parts += [
+        f"<details><summary>{escape(name)}</summary><pre>{escape(text)}</pre></details>"
+        for name, text in section.texts.items()
+    ]
+    return "\n".join([*parts, "</section>"])
+
+
+def _table(table: TextTable) -> str:
+    def row(cells: Sequence[str], tag: str) -> str:
+        return "<tr>" + "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+    body = "\n".join(row(cells, "td") for cells in table.rows)
+    return (
+        f"<div class=table><table><caption>{escape(table.title)}</caption>"
+        f"<thead>{row(table.heads, 'th')}</thead><tbody>\n{body}\n</tbody></table></div>"
+    )

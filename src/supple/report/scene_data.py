@@ -1,0 +1,184 @@
+"""A moving machine as the numbers that the script of the page reads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.report.charts import Chart
+from supple.report.marked_place import MarkedPlace
+from supple.report.moving_body import MovingBody
+from supple.report.moving_machine import MovingMachine
+from supple.report.nodal_shapes import NodalShapes
+from supple.report.packed_arrays import PackedArrays
+
+__all__ = ["chart_data", "scene_data"]
+
+Array = NDArray[np.float64]
+
+_LEVELS = 32767
+_STEP = 1.5e-5
+"""Of a field's largest number: the step that amplitudes times shapes are rounded to, if 16 bits reach it."""
+_STEP_OF_FIELD = 3e-4
+"""The same of fields that colour."""
+_STILL = 1e-12
+"""Of the machine's extent: a mark that moves less within its body does not move in it."""
+
+
+def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
+    """Adds the arrays; returns where they are and all that has words. Lengths are from the middle of all."""
+    middle = 0.5 * (machine.low + machine.high)
+    numbers = {body.name: number for number, body in enumerate(machine.bodies)}
+    marks = _Marks(machine, numbers, middle, arrays)
+    return {
+        "times": arrays.add(machine.times - machine.times[0], "f4").plain(),
+        "start": float(machine.times[0]),
+        "middle": middle.tolist(),
+        "half": (0.5 * (machine.high - machine.low)).tolist(),
+        "up": machine.up.tolist(),
+        "bodies": [_body_data(body, middle, arrays) for body in machine.bodies],
+        "joints": [
+            {
+                "name": joint.name,
+                "kind": joint.kind,
+                "first": marks.of(joint.first),
+                "second": marks.of(joint.second),
+            }
+            for joint in machine.joints
+        ],
+        "links": [
+            {"name": link.name, "first": marks.of(link.first), "second": marks.of(link.second)}
+            for link in machine.links
+        ],
+        "arrows": [
+            {
+                "name": arrow.name,
+                "kind": arrow.kind,
+                "place": marks.of(arrow.place),
+                "largest": float(np.linalg.norm(arrow.values, axis=1).max(initial=0.0)),
+                "values": arrays.add(arrow.values.T, "f4").plain(),
+            }
+            for arrow in machine.arrows
+        ],
+        "obstacles": [
+            {
+                "points": arrays.add(each.points - middle, "f4").plain(),
+                "triangles": arrays.add(each.triangles.T, "i4").plain(),
+                "offsets": arrays.add(each.offsets.T, "f4").plain(),
+            }
+            for each in machine.obstacles
+        ],
+        "scales": {name: vars(each) for name, each in machine.scales.items()},
+    }
+
+
+def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, Any]]:
+    """Adds the arrays; abscissas that are the same are written once."""
+    known: dict[int, dict[str, Any]] = {}
+    found = []
+    for chart in charts:
+        key = id(chart.abscissa)
+        if key not in known:
+            known[key] = arrays.add(chart.abscissa, "f4").plain()
+        found.append(
+            {
+                "title": chart.title,
+                "label": chart.label,
+                "note": chart.note,
+                "over": chart.abscissa_label,
+                "abscissa": known[key],
+                "names": list(chart.curves),
+                "curves": arrays.add(np.stack(list(chart.curves.values())), "f4").plain(),
+            }
+        )
+    return found
+
+
+def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[str, Any]:
+    surface = body.surface
+    return {
+        "name": body.name,
+        "kind": body.kind,
+        "seenFrom": body.seen_from,
+        "nodes": arrays.add(body.nodes, "f4").plain(),
+        "ids": arrays.add(body.node_ids, "i4").plain(),
+        "triangles": arrays.add(surface.triangles.T, "i4").plain(),
+        "edges": arrays.add(body.edges.T, "i4").plain(),
+        "lifetimes": None if surface.lifetimes is None else arrays.add(surface.lifetimes.T, "i4").plain(),
+        "pose": arrays.add(
+            np.vstack([(body.position - middle).T, quaternions(body.rotation).T]), "f4"
+        ).plain(),
+        "displacement": None if body.displacement is None else _shapes_data(body.displacement, _STEP, arrays),
+        "fields": {name: _shapes_data(each, _STEP_OF_FIELD, arrays) for name, each in body.fields.items()},
+    }
+
+
+def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[str, Any]:
+    """Shapes as whole numbers, the more of them the more a shape contributes; amplitudes times their unit."""
+    largest = np.abs(field.shapes).max(axis=(1, 2), initial=0.0)
+    contribution = largest * np.abs(field.amplitudes).max(axis=0, initial=0.0)
+    levels = np.clip(np.ceil(contribution / (step * (field.largest or 1.0))), 1, _LEVELS)
+    unit = np.where(largest > 0, largest, 1.0) / levels
+    whole = np.rint(field.shapes / unit[:, None, None]).transpose(0, 2, 1)
+    return {
+        "shapes": arrays.add(whole, "i2").plain(),
+        "amplitudes": arrays.add((field.amplitudes * unit).T, "f4").plain(),
+    }
+
+
+class _Marks:
+    """Places of marks, each along the axes of the body that carries it."""
+
+    def __init__(
+        self, machine: MovingMachine, numbers: Mapping[str, int], middle: Array, arrays: PackedArrays
+    ) -> None:
+        self._machine, self._numbers, self._middle, self._arrays = machine, numbers, middle, arrays
+        self._still = _STILL * float(np.linalg.norm(machine.high - machine.low))
+
+    def of(self, place: MarkedPlace) -> dict[str, Any]:
+        """Body number (-1: the ground), rest, and what changes within the body; axes as quaternions."""
+        number = self._numbers.get(place.body, -1)
+        if number < 0:
+            points, axes, rest = place.points - self._middle, place.axes, place.rest - self._middle
+        else:
+            body = self._machine.bodies[number]
+            points, rest = body.local(place.points), place.rest
+            axes = body.rotation.transpose(0, 2, 1) @ place.axes
+        moved = points - rest
+        if np.abs(moved).max(initial=0.0) <= self._still:
+            moved = moved[:1]
+        turned = quaternions(axes)
+        if np.abs(turned - turned[0]).max(initial=0.0) <= _STILL:
+            turned = turned[:1]
+        return {
+            "body": number,
+            "rest": rest.tolist(),
+            "moved": self._arrays.add(moved.T, "f4").plain(),
+            "turned": self._arrays.add(turned.T, "f4").plain(),
+        }
+
+
+def quaternions(rotation: Array) -> Array:
+    """Unit quaternions (t, 4), x y z w, of rotation matrices (t, 3, 3), each on the side of the one before.
+
+    Of the four products 4 q_i q, the row of the largest component divides by no small number.
+    Source: [Shepperd1978]
+    """
+    m = np.moveaxis(np.asarray(rotation), 0, -1)
+    (a, b, c), (d, e, f), (g, h, i) = m
+    products = np.array(
+        [
+            [1 + a - e - i, b + d, c + g, h - f],
+            [b + d, 1 - a + e - i, f + h, c - g],
+            [c + g, f + h, 1 - a - e + i, d - b],
+            [h - f, c - g, d - b, 1 + a + e + i],
+        ]
+    )
+    rows = products[np.argmax(np.einsum("iit->it", products), axis=0), :, np.arange(m.shape[-1])]
+    found = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+    turned = np.where(np.einsum("ti,ti->t", found[1:], found[:-1]) < 0, -1.0, 1.0)
+    found[1:] *= np.cumprod(turned)[:, None]
+    return found

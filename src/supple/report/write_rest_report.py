@@ -1,0 +1,155 @@
+"""The report of an equilibrium, and those of modes about it: shapes that are played, Campbell diagrams."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from supple.arguments import checked_arguments
+from supple.equations.build_model import system_length
+from supple.fem import FiniteElementModel
+from supple.integrate.solution import concatenate
+from supple.linearization import CampbellDiagram, MachineModes, mode_motion
+from supple.linearization.mode_names import mode_names
+from supple.machine import At
+from supple.mesh import Mesh
+from supple.report.charts import Chart
+from supple.report.moving_machine import FieldScale, moving_machine
+from supple.report.page import Clip, Page, Section, write_page
+from supple.report.write_report import inputs_section
+from supple.results.rest_tables import rest_error_table, rest_tables
+from supple.results.run_tables import TextTable
+from supple.simulation import Equilibrium
+from supple.units import UNNAMED, UnitSystem, labelled, measured, plain_number
+
+__all__ = ["write_campbell_report", "write_modes_report", "write_static_report"]
+
+AMPLITUDE = 0.1
+"""Of a mode, as a share of the machine's size."""
+_PERCENT = 100.0
+_ORDERS = (1, 2, 3, 4)
+"""Multiples of the speed in a Campbell diagram."""
+
+
+@checked_arguments
+def write_static_report(
+    path: Path | str,
+    found: Equilibrium,
+    meshes: Mapping[str, Mesh],
+    numbers: Mapping[str, Any],
+    *,
+    title: str = "",
+    elements: Mapping[str, FiniteElementModel] | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
+    inputs: Mapping[str, str] = MappingProxyType({}),
+    units: UnitSystem = UNNAMED,
+) -> Path:
+    """Write an equilibrium as a page; parameters as for `write_report`, numbers as of a static case."""
+    known = [rest_error_table(numbers)] if found.errors else []
+    lines = [] if known else ["The error of the bases was not estimated."]
+    stable = {True: "stable", False: "unstable", None: "of unknown stability"}[found.stable]
+    state = f"The equilibrium is {stable}; found after {found.iterations} iterations."
+    page = Page(
+        title or "Equilibrium",
+        [
+            Section("Error of the bases", lines, known),
+            Section("Results", [state], rest_tables(numbers)),
+            inputs_section(inputs),
+        ],
+        moving_machine(found.system, found.solution, meshes, elements=elements, bases=bases, units=units),
+        units=units,
+    )
+    return write_page(path, page)
+
+
+@checked_arguments
+def write_modes_report(
+    path: Path | str,
+    modes: MachineModes,
+    meshes: Mapping[str, Mesh] = MappingProxyType({}),
+    *,
+    tables: Sequence[TextTable] = (),
+    chosen: Sequence[int] | None = None,
+    title: str = "",
+    bases: Mapping[str, At] = MappingProxyType({}),
+    inputs: Mapping[str, str] = MappingProxyType({}),
+    units: UnitSystem = UNNAMED,
+) -> Path:
+    """Write modes as a page that plays each of them, its decay left out, at a tenth of the machine's size.
+
+    tables : of all modes
+    chosen : numbers from 0 of the modes that are played; all when omitted
+    Others as for `write_report`.
+    """
+    names, seen = mode_names(modes), f"Frequencies are seen in axes {modes.machine.axes}."
+    played = list(range(len(names))) if chosen is None else list(chosen)
+    machine, clips = None, []
+    if played:
+        system = replace(modes.machine.system, loads=())
+        size = AMPLITUDE * system_length(system)
+        motions = [mode_motion(modes, number, amplitude=size) for number in played]
+        whole = moving_machine(system, concatenate(motions), meshes, bases=bases, units=units)
+        # A mode has no size of its own: colours are shares of the largest.
+        scales = {
+            name: FieldScale(f"{name}, share of the largest", 1 / scale.high if scale.high else 1.0, 0.0, 1.0)
+            for name, scale in whole.scales.items()
+        }
+        machine = replace(whole, scales=scales)
+        length = len(motions[0].times)
+        for place, number in enumerate(played):
+            note = f"{_mode_note(modes, number, units)}. {seen}"
+            clips.append(Clip(f"{number + 1}: {names[number]}", place * length, length, note, repeats=True))
+    sections = [Section("Modes", [seen], tables), inputs_section(inputs)]
+    return write_page(path, Page(title or "Modes", sections, machine, clips, units=units))
+
+
+@checked_arguments
+def write_campbell_report(
+    path: Path | str,
+    diagram: CampbellDiagram,
+    *,
+    tables: Sequence[TextTable] = (),
+    title: str = "",
+    inputs: Mapping[str, str] = MappingProxyType({}),
+    units: UnitSystem = UNNAMED,
+) -> Path:
+    """Write frequencies and damping over speed as a page whose curves are named at the pointer.
+
+    tables : of the same
+    Others as for `write_report`.
+    """
+    (speed_unit, by_rate), (unit, factor) = units.rotation_shown, units.frequency_shown
+    speed, over = by_rate * diagram.rates, labelled("speed", speed_unit)
+    note = f"seen in axes {diagram.axes}"
+    shown = factor / (2 * np.pi) * diagram.frequencies
+    # Multiples of the speed that excite modes, as far as there are modes.
+    orders = {f"{order}P": order * factor / (2 * np.pi) * abs(diagram.rates) for order in _ORDERS}
+    top = np.nanmax(shown, initial=0.0)
+    reached = {name: np.where(own <= 1.1 * top, own, np.nan) for name, own in orders.items()}
+    damping = dict(zip(diagram.names, _PERCENT * diagram.damping_ratios.T, strict=True))
+    frequencies = dict(zip(diagram.names, shown.T, strict=True)) | reached
+    charts = [
+        Chart("frequencies", labelled("frequency", unit), speed, frequencies, note, over),
+        Chart("damping", "damping (%)", speed, damping, note, over),
+    ]
+    sections = [Section("Modes over speed", [], tables), inputs_section(inputs)]
+    return write_page(path, Page(title or "Campbell diagram", sections, charts=charts, units=units))
+
+
+def _mode_note(modes: MachineModes, number: int, units: UnitSystem) -> str:
+    """Frequency, damping, error by the bases, stability."""
+    unit, factor = units.frequency_shown
+    words = [
+        measured(plain_number(factor * modes.frequencies[number] / (2 * np.pi), 5), unit),
+        f"damping {_PERCENT * modes.damping_ratios[number]:.3g} %",
+    ]
+    if modes.error is not None and np.isfinite(off := modes.error.relative[number]):
+        words.append(f"error by the bases {_PERCENT * off:.2g} %")
+    if modes.unstable[number]:
+        words.append("unstable")
+    return ", ".join(words)

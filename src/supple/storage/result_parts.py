@@ -1,0 +1,51 @@
+"""A run on disk, read some output times at a time: it need not fit in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.errors import ResultFileError
+from supple.integrate.solution import Solution
+from supple.storage.file_errors import file_errors
+from supple.storage.hdf5_superblock import open_settled
+from supple.storage.result_content import ResultContent
+from supple.storage.result_reader import read_times
+
+__all__ = ["ResultParts"]
+
+_PART_BYTES = 2**26
+"""Of a part."""
+
+
+class ResultParts:
+    """Output times of a result file; iterating yields them as Solutions, some at a time, any number of times.
+
+        for part in ResultParts("blade.h5"): ...
+
+    path : of the result file
+    rows : numbers (k,) of the output times wanted, ascending; all when omitted
+
+    Raises
+    ------
+    ResultFileError     as for `read_solution`; a number of an output time that there is none of
+    """
+
+    def __init__(self, path: Path | str, rows: ArrayLike | None = None) -> None:
+        self.path = Path(path)
+        times = read_times(self.path)
+        self.rows: NDArray[np.int64] = np.arange(len(times)) if rows is None else np.asarray(rows)
+        beyond = self.rows[(self.rows < 0) | (self.rows >= len(times))]
+        if beyond.size:
+            raise ResultFileError(
+                f"{self.path} has {len(times)} output times, numbered from 0; there is no number {beyond[0]}"
+            )
+        self.times: NDArray[np.float64] = times[self.rows]
+
+    def __iter__(self) -> Iterator[Solution]:
+        with file_errors("read", self.path), open_settled(self.path) as file:
+            content = ResultContent(self.path, file, self.path.stat().st_size)
+            yield from content.parts(self.rows, max(1, _PART_BYTES // content.row_bytes))

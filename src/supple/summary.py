@@ -1,0 +1,84 @@
+"""What `print` and a notebook show of an object: a title and a few rows of name and value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+__all__ = ["Row", "Summarized", "Summary", "listed", "point"]
+
+Row = tuple[str, str]
+
+N_LINES = 10
+"""Of a printed object, its title included."""
+N_LISTED = 6
+"""Names of a list in one row."""
+WIDTH = 140
+"""Characters of a line."""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A title, and rows of name and value."""
+
+    title: str
+    rows: Sequence[Row] = ()
+
+    @property
+    def shown(self) -> tuple[Row, ...]:
+        """The rows that fit in `N_LINES`; the last one counts those that do not."""
+        most = N_LINES - 1
+        if len(self.rows) <= most:
+            return tuple(self.rows)
+        return (*self.rows[: most - 1], ("...", f"{len(self.rows) - most + 1} rows more"))
+
+    def __str__(self) -> str:
+        wide = max((len(name) for name, _ in self.shown), default=0)
+        lines = (self.title, *(f"  {name:<{wide}}  {value}" for name, value in self.shown))
+        return "\n".join(line if len(line) <= WIDTH else line[: WIDTH - 3] + "..." for line in lines)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f'<tr><th style="text-align:left">{escape(name)}</th><td style="text-align:left">'
+            f"{escape(value)}</td></tr>"
+            for name, value in self.shown
+        )
+        title = f'<caption style="text-align:left"><b>{escape(self.title)}</b></caption>'
+        return f"<table>{title}{rows}</table>"
+
+
+class Summarized:
+    """What has a `summary`: `print` shows ten lines of it, a notebook a table, a list one line.
+
+    A dataclass of this kind takes `repr=False`.
+    """
+
+    def summary(self) -> Summary:
+        """Title and rows."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        return f"<{self.summary().title}>"
+
+    def __str__(self) -> str:
+        return str(self.summary())
+
+    def _repr_html_(self) -> str:
+        return self.summary()._repr_html_()
+
+
+def listed(names: Iterable[str]) -> str:
+    """Some names in a row; of many the first, and how many there are."""
+    every = list(names)
+    more = f", ... ({len(every)} in all)" if len(every) > N_LISTED else ""
+    return (", ".join(every[:N_LISTED]) or "none") + more
+
+
+def point(position: Sequence[float] | np.ndarray) -> str:
+    """Coordinates of a point in a row; what rounding leaves beside the largest of them is 0."""
+    values = np.asarray(position, dtype=np.float64)
+    values = np.where(abs(values) > 1e-12 * abs(values).max(initial=0.0), values, 0.0)
+    return "(" + ", ".join(f"{value:g}" for value in values) + ")"

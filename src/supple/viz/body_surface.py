@@ -1,0 +1,134 @@
+"""What is seen of a body: faces of its mesh, its beams with their sections, springs, ties and masses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import BodyForm
+from supple.fem import FiniteElementModel, beam_end_ranks
+from supple.mesh import CellType, Mesh
+from supple.mesh.skin import Skin, skin_of
+from supple.quantities.tracked_motion import Observer, displacement_from_axes
+from supple.viz.beam_skin import beam_skin
+from supple.viz.glyphs import MASS_STYLE, Glyphs, Mark
+
+__all__ = ["BodySurface", "Look", "body_surface"]
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Look = Mesh | FiniteElementModel
+"""What a body is drawn by: its mesh, or its elements, which know the sections of beams."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodySurface:
+    """A skin over points that nodes carry: the nodes themselves, and behind them those of beams.
+
+    mesh : of the body
+    skin : over the P points
+    nodes : (P,) node that carries each point;  arms : (P, 3) from it, undeformed, m
+    groups : (P,) of the stress of a node (`von_mises_by_end`): 0 of faces, 1 + end of beams, -1 without
+    links : (S, 2) nodes that springs, ties or masses join;  masses : (M,) nodes with a mass of their own
+    """
+
+    mesh: Mesh
+    skin: Skin
+    nodes: IntArray
+    arms: Array
+    groups: IntArray
+    links: IntArray
+    masses: IntArray
+
+    @property
+    def rest(self) -> Array:
+        """Undeformed places (P, 3)."""
+        return self.mesh.nodes[self.nodes] + self.arms
+
+    def placed(self, nodes: Array, rotations: Array | None = None) -> Array:
+        """Places (..., P, 3) where nodes are at (..., N, 3) and have turned by rotations (..., N, 3, 3)."""
+        n = self.mesh.n_nodes
+        if len(self.nodes) == n:
+            return nodes
+        carriers, arms = self.nodes[n:], self.arms[n:]
+        if rotations is not None:
+            arms = np.einsum("...pij,pj->...pi", rotations[..., carriers, :, :], arms)
+        return np.concatenate([nodes, nodes[..., carriers, :] + arms], axis=-2)
+
+    def shaped(self, shapes: Array, rotations: Array | None) -> Array:
+        """Displacements (..., P, 3) by those of nodes (..., N, 3) and their small rotations (..., N, 3)."""
+        found = shapes[..., self.nodes, :]
+        return found if rotations is None else found + np.cross(rotations[..., self.nodes, :], self.arms)
+
+    def glyphs(self, nodes: Array) -> Glyphs | None:
+        """Links and masses where nodes are at (t, N, 3); None where there are none."""
+        if not (len(self.links) or len(self.masses)):
+            return None
+        marks = (Mark(MASS_STYLE, nodes[:, self.masses]),) if len(self.masses) else ()
+        return Glyphs(np.empty((len(nodes), 0, 2, 3)), marks, nodes[:, self.links])
+
+    def positions(self, body: BodyForm, motion: Any, nodes: Array | None = None) -> Array:
+        """Places (t, P, 3) in space.
+
+        nodes : (t, N, 3) where the nodes are seen; where they are, when omitted
+        """
+        nodes = body.positions(motion) if nodes is None else nodes
+        return self.placed(nodes, body.node_rotations(motion) if len(self.nodes) > nodes.shape[-2] else None)
+
+    def deflections(self, body: BodyForm, motion: Any, seen_from: Observer) -> Array:
+        """Displacements (t, P, 3) as an observer sees them."""
+        origin = seen_from.origin[:, None]
+        places = self.positions(body, motion)
+        return displacement_from_axes(places, origin, seen_from.axes, self.rest - seen_from.rest)
+
+    def at_points(self, values: Array) -> Array:
+        """Nodal values (t, N), or by groups (t, N, g), at the points (t, P); NaN where there is no stress."""
+        if values.ndim == 2:
+            return values[:, self.nodes]
+        return np.where(self.groups >= 0, values[:, self.nodes, self.groups], np.nan)
+
+
+def body_surface(look: Look) -> BodySurface:
+    """The surface of a body; of a mesh without elements its beams are not shown.
+
+    Raises ModelError where nothing is seen.
+    """
+    beams, mass = [], None
+    if isinstance(look, FiniteElementModel):
+        ranks = beam_end_ranks(look)
+        beams = [
+            beam_skin(look, each, ranks.get(number))
+            for number, each in enumerate(look.sections)
+            if each.cell_type is CellType.LINE2
+        ]
+        mass = look.attached.mass
+    mesh = look if isinstance(look, Mesh) else look.mesh
+    n = mesh.n_nodes
+    nodes, arms, groups = [np.arange(n)], [np.zeros((n, 3))], [np.zeros(n, dtype=np.int64)]
+    triangles, lines = [], []
+    if any(kind.dimension > 1 for kind in mesh.cells) or not beams:
+        skin = skin_of(mesh)
+        triangles.append(skin.triangles)
+        lines.append(skin.mesh_lines)
+    for beam in beams:
+        triangles.append(sum(len(own) for own in nodes) + beam.triangles)
+        lines.append(beam.mesh_lines)
+        nodes.append(beam.nodes)
+        arms.append(beam.arms)
+        groups.append(np.where(beam.ends < 0, -1, 1 + beam.ends))
+    masses = np.empty(0, dtype=np.int64)
+    if mass is not None:
+        masses = np.flatnonzero(mass.diagonal().reshape(n, -1)[:, :3].any(axis=1))
+    links = mesh.links[(mesh.links[:, 0] != mesh.links[:, 1])]
+    return BodySurface(
+        mesh,
+        Skin(np.concatenate(triangles), np.concatenate(lines)),
+        np.concatenate(nodes),
+        np.concatenate(arms),
+        np.concatenate(groups),
+        links,
+        masses,
+    )

@@ -1,0 +1,248 @@
+"""The page in a browser: it plays, is picked and scrubbed, shows what the run has, and asks for nothing."""
+
+import io
+import json
+import shutil
+import time
+
+import numpy as np
+import pytest
+from fixtures.moving_machines import MESH, N_TIMES, eroding, two_bodies
+from PIL import Image
+
+import supple as sp
+from supple.quantities import deflections
+from supple.report import write_report
+from supple.units import SI
+
+webdriver = pytest.importorskip("selenium.webdriver")
+BROWSER = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
+DRIVER = shutil.which("chromedriver")
+ARGUMENTS = (
+    "--headless --no-sandbox --disable-gpu --use-angle=swiftshader --enable-unsafe-swiftshader "
+    "--disable-quic --no-first-run --disable-background-networking --disable-component-update --disable-sync "
+    "--window-size=1200,900"
+)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not (BROWSER and DRIVER), reason="needs Chromium and its driver"),
+]
+
+
+class Browser:
+    """A page in a headless browser."""
+
+    def __init__(self, folder, *arguments):
+        options = webdriver.ChromeOptions()
+        options.binary_location = BROWSER
+        for argument in (*ARGUMENTS.split(), f"--user-data-dir={folder}", *arguments):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+
+    def open(self, path):
+        self.clear()
+        self.driver.get(path.as_uri())
+        self.wait("return Boolean(window.report)")
+        return self
+
+    def clear(self):
+        """Forget what the page before asked for."""
+        for log in ("performance", "browser"):
+            self.driver.get_log(log)
+
+    def run(self, script):
+        return self.driver.execute_script(script)
+
+    def wait(self, script, seconds=60.0):
+        end = time.monotonic() + seconds
+        while not self.run(script):
+            assert time.monotonic() < end, script
+            time.sleep(0.05)
+
+    def picture(self):
+        """(rows, columns, 3) of the stage."""
+        png = self.driver.find_element("id", "view").screenshot_as_png
+        return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+
+    def requests(self):
+        """Addresses that the page asked for, but its own file."""
+        events = (json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance"))
+        sent = [
+            each["params"]["request"]["url"]
+            for each in events
+            if each["method"] == "Network.requestWillBeSent"
+        ]
+        return [url for url in sent if not url.startswith(("file:", "data:", "blob:", "chrome:", "about:"))]
+
+    def complaints(self):
+        """What the browser complains of; of software rendering it says that it is slow."""
+        return [
+            e["message"] for e in self.driver.get_log("browser") if "GL Driver Message" not in e["message"]
+        ]
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    found = Browser(tmp_path_factory.mktemp("browser"))
+    yield found
+    found.driver.quit()
+
+
+@pytest.fixture
+def opened(browser, tmp_path, clamped_blade, blade):
+    """The page of two bodies, and their machine and run."""
+    system, solution = two_bodies(clamped_blade)
+    path = write_report(
+        tmp_path / "run.html", system, solution, {"blade": MESH}, elements={"blade": blade.model}, units=SI
+    )
+    return browser.open(path), system, solution
+
+
+def test_a_page_opens_without_complaint_or_request(opened):
+    browser, *_ = opened
+    browser.wait("return !report.player.dirty")
+    assert browser.complaints() == []
+    assert browser.requests() == []
+    assert browser.run("return document.getElementById('message').hidden")
+    assert len(np.unique(browser.picture().reshape(-1, 3), axis=0)) > 50
+
+
+def test_displacement_under_the_pointer(opened):
+    """At every few instants, and for a point of the screen found from the positions of the run."""
+    browser, system, solution = opened
+    body, motion = system.placed("blade").body, solution.bodies["blade"]
+    exact, places = deflections(body, motion), sp.node_positions(body, motion)
+    largest = np.linalg.norm(exact, axis=2).max()
+    picked = 0
+    for row in range(0, N_TIMES, 6):
+        centre = json.dumps(places[row].mean(axis=0).tolist())
+        found = browser.run(f"""
+            const player = report.player, {{ camera, canvas, root }} = player.view;
+            player.seekRow({row}); player.draw();
+            const middle = player.scene.middle, at = player.bodies[0].position.clone();
+            at.set(...{centre}.map((x, i) => x - middle[i]));
+            at.applyMatrix4(root.matrix).project(camera);
+            return player.pick((at.x + 1) / 2 * canvas.clientWidth, (1 - at.y) / 2 * canvas.clientHeight);""")
+        if found is None:  # seen from its edge
+            continue
+        picked += 1
+        node = int(np.flatnonzero(MESH.node_ids == found["node"])[0])
+        assert np.abs(found["displacement"] - exact[row, node]).max() < 1e-4 * largest
+        assert np.abs(found["position"] - places[row, node]).max() < 1e-4 * largest + 1e-6
+        assert found["fields"]["deflection"] == pytest.approx(
+            np.linalg.norm(exact[row, node]), abs=1e-4 * largest
+        )
+    assert picked >= 3
+
+
+def test_the_graphics_unit_puts_nodes_where_the_script_does(opened):
+    """Colours by deflection at a large enlargement: the picture changes as the nodes do, pixel by pixel."""
+    browser, *_ = opened
+    browser.run("report.player.colour(''); report.player.seekRow(20); report.player.draw()")
+    still = browser.picture()
+    browser.run("report.player.gain = 30; report.player.draw()")
+    assert (browser.picture() != still).any(axis=2).mean() > 2e-3
+    browser.run("report.player.gain = 1; report.player.draw()")
+    assert np.array_equal(browser.picture(), still)
+
+
+def test_play_scrub_and_loop(opened):
+    browser, *_ = opened
+    browser.run("report.player.rate = 1; document.getElementById('play').click()")
+    browser.wait("return report.player.time > 0.1")
+    browser.run("document.getElementById('play').click()")
+    at = browser.run("return report.player.time")
+    time.sleep(0.2)
+    assert browser.run("return report.player.time") == at
+    browser.run(
+        "const t = document.getElementById('time'); t.value = 0.5; t.dispatchEvent(new Event('input'))"
+    )
+    assert browser.run("return report.player.time") == pytest.approx(0.5, abs=1e-6)
+    assert browser.run("return document.getElementById('now').textContent") == "t = 2.5 s"
+    browser.run("report.player.seekRow(1e9)")
+    assert browser.run("return report.player.frame.before") == N_TIMES - 1
+    browser.run("report.player.looping = false; report.player.play(true); report.player.seek(0.999)")
+    browser.wait("return !report.player.playing")
+    assert browser.run("return report.player.time") == 1.0
+
+
+def test_a_click_on_a_curve_sets_the_time(opened):
+    browser, *_ = opened
+    browser.wait("return report.curves.charts[0].line")
+    over = browser.run("const { over } = report.curves.charts[0].graph; over.scrollIntoView(); return over")
+    width = over.size["width"]
+    webdriver.ActionChains(browser.driver).move_to_element_with_offset(
+        over, -0.25 * width, 0
+    ).click().perform()
+    assert browser.run("return report.player.time") == pytest.approx(0.25, abs=0.02)
+
+
+def test_keys_cameras_and_themes(opened):
+    browser, *_ = opened
+    keys = "document.dispatchEvent(new KeyboardEvent('keydown', { key: '%s' }))"
+    assert browser.run("return document.documentElement.dataset.theme") == "light"
+    light = browser.picture()
+    browser.run(keys % "d")
+    browser.wait("return !report.player.dirty")
+    assert browser.run("return document.documentElement.dataset.theme") == "dark"
+    assert browser.picture().mean() < light.mean() - 50
+    browser.run(keys % "d")
+    for key, place in (("x", 0), ("Y", 1), ("z", 2)):
+        browser.run(keys % key)
+        seen = np.array(browser.run("return report.player.view.camera.position.toArray()"))
+        assert abs(seen[place]) > 0.99 * np.linalg.norm(seen)
+        assert (seen[place] < 0) == key.isupper()
+    browser.run(keys % "ArrowRight")
+    assert browser.run("return report.player.row") == 1
+
+
+def test_a_followed_body_stands_still(opened):
+    browser, *_ = opened
+    browser.run("report.player.follow(1); report.player.draw()")
+    place = """
+        const { bodies, view, frame } = report.player; report.player.draw();
+        return bodies[1].position.clone().applyMatrix4(view.root.matrix).toArray()"""
+    before = browser.run(place)
+    browser.run("report.player.seekRow(30)")
+    assert browser.run(place) == pytest.approx(before, abs=1e-4)
+
+
+def test_deleted_elements_vanish_from_what_can_be_picked(browser, tmp_path):
+    system, solution = eroding([[1, 1, 1, 1], [1, 0, 1, 1], [1, 0, 0, 1]])
+    mesh = system.placed("bar").body.mesh
+    browser.open(write_report(tmp_path / "run.html", system, solution, {"bar": mesh}))
+    seen = [
+        browser.run(f"report.player.seekRow({row}); return report.player.bodies[0].alive / 3")
+        for row in range(3)
+    ]
+    assert seen == [36, 32, 24]
+
+
+def test_a_notebook_plays_it_in_a_frame(browser, tmp_path, clamped_blade):
+    """Without a complaint: the policy of the page holds in its frame."""
+    path = tmp_path / "notebook.html"
+    shown = sp.player(*two_bodies(clamped_blade), {"blade": MESH})
+    path.write_text(f"<!doctype html><p>cell</p>{shown._repr_html_()}", encoding="utf-8")
+    browser.clear()
+    browser.driver.get(path.as_uri())
+    browser.wait("return frames.length == 1")
+    browser.driver.switch_to.frame(0)
+    browser.wait("return Boolean(window.report)")
+    browser.run("report.player.seekRow(7)")
+    assert browser.run("return report.player.row") == 7
+    assert browser.complaints() == []
+    assert browser.requests() == []
+
+
+def test_without_graphics_the_rest_is_there(tmp_path, clamped_blade):
+    system, solution = two_bodies(clamped_blade)
+    path = write_report(tmp_path / "run.html", system, solution, {"blade": MESH})
+    browser = Browser(tmp_path / "profile", "--disable-3d-apis")
+    try:
+        browser.open(path)
+        assert "WebGL" in browser.run("return document.getElementById('message').textContent")
+        assert browser.run("return report.curves.charts.length") == 2
+        assert browser.run("return document.querySelectorAll('article table').length") >= 2
+    finally:
+        browser.driver.quit()
