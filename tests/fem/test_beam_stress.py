@@ -369,3 +369,22 @@ def test_beams_without_points_have_no_stress():
     assert recovery.layers_at(np.arange(3)).any(axis=1).tolist() == [True, True, False]
     with pytest.raises(ModelError, match="node number 2"):
         recovery.around(np.array([1, 2]))
+
+
+def test_a_mirrored_section_has_the_mirrored_stress():
+    """An L with z the other way under the mirrored load: the same axial stress and torsion at every point."""
+    s = SHAPES["L"].values(0.04, 0.05, 0.006, 0.004)
+    neutral = (-s.shear_centre[0], -s.shear_centre[1])
+    geometry = s.geometry.moved(*neutral)
+    given = BeamSection(
+        STEEL, s.area, s.I1, s.I2, s.J, I12=s.I12, neutral=neutral, orientation=(0, 1, 0), geometry=geometry
+    )
+    other = replace(given, I12=-s.I12, neutral=(neutral[0], -neutral[1]), geometry=geometry.mirrored())
+    model, mirrored = shell_model(straight(1), given), shell_model(straight(1), other)
+    wrench = np.array([1.0, 0.2, -0.3, 0.1, 0.7, -0.4])
+    signs = np.array([1, 1, -1, -1, -1, 1])  # z of forces, x and y of moments
+    one, two = (
+        stress_recovery(each).linearized().at_nodes(clamped(each, at_tip(each, load)))
+        for each, load in ((model, wrench), (mirrored, signs * wrench))
+    )
+    np.testing.assert_allclose(two, one * [1, 1, 1, -1, -1, 1], atol=1e-8 * np.abs(one).max())

@@ -169,4 +169,5 @@ def mirrored_order(kind: CellType) -> IntArray:
 def _mirrored_beam(given: BeamValues) -> BeamValues:
     """Its z, normal to plane 1, is the opposite of the mirrored one."""
     (y, z), (own_y, own_z) = given.neutral, given.mass_centre
-    return replace(given, I12=-given.I12, neutral=(y, -z), mass_centre=(own_y, -own_z))
+    geometry = None if given.geometry is None else given.geometry.mirrored()
+    return replace(given, I12=-given.I12, neutral=(y, -z), mass_centre=(own_y, -own_z), geometry=geometry)

@@ -68,6 +68,19 @@ class SectionGeometry:
             hole=all_of(self.hole),
         )
 
+    def mirrored(self) -> SectionGeometry:
+        """The same with z the other way; torsion about the axis that is not mirrored turns z alone."""
+
+        def all_of(loop: Loop) -> Loop:
+            return tuple((y, -z) for y, z in loop)
+
+        return SectionGeometry(
+            all_of(self.points),
+            tuple((-y, z) for y, z in self.torsion_shear),
+            tuple(all_of(loop) for loop in self.loops),
+            all_of(self.hole),
+        )
+
     def turned(self) -> SectionGeometry:
         """The same, turned by a right angle about the origin: y to -z, z to y."""
 
