@@ -201,6 +201,11 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
                     f"{case.path}: beside a body with all its freedoms no reduction corrects itself "
                     f"for modes: give body '{next(iter(fulls))}' a basis of fixed size, or none too"
                 )
+            if linear.is_in_space:
+                raise CaseError(
+                    f"{case.path}: the machine is seen in axes that stand, where the error of a basis is not "
+                    f"known: give body '{next(iter(fulls))}' a basis of fixed size (remove accuracy)"
+                )
             error = machine_modes(linear, n_modes).error
             if error is None or linear.full is None:
                 worst = dict.fromkeys(fulls, np.inf)
