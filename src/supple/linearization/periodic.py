@@ -129,7 +129,7 @@ def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
     state[size:, :size], state[size:, size:] = -solved[:, :size] / unit, -solved[:, size:]
     values: Any
     vectors: Any
-    values, vectors = linalg.eig(state)  # pyright: ignore[reportAssignmentType]
+    values, vectors = linalg.eig(state)
     harmonics = vectors[:size].reshape(len(orders), k, -1)
     weights = np.einsum("hkm,kl,hlm->hm", harmonics.conj(), middle, harmonics).real
     mean = orders @ weights / weights.sum(axis=0)
