@@ -151,7 +151,9 @@ def test_the_pendulum_example_pulls_at_its_joint_as_a_rigid_bar_does(tmp_path):
     """Let go level, a bar of weight W pulls at its lowest point with 2.5 W; the rod bends little."""
     text = (ROOT / "examples" / "pendulum.toml").read_text(encoding="utf-8")
     (tmp_path / "rod.inp").write_bytes((ROOT / "examples" / "rod.inp").read_bytes())
-    (tmp_path / "pendulum.toml").write_text(text + "pictures = false\nanimation = false\n", encoding="utf-8")
+    (tmp_path / "pendulum.toml").write_text(
+        text + "pictures = false\nanimation = false\nreport = false\n", encoding="utf-8"
+    )
     run_case(read_case(tmp_path / "pendulum.toml"), tmp_path)
     numbers = json.loads((tmp_path / "pendulum.json").read_text(encoding="utf-8"))
     assert "10 eigenvalues, each within 0.1 %, none missed" in numbers["bodies"]["rod"]["eigenvalues"]

@@ -60,6 +60,7 @@ step = 0.005
 track = ["arm.tip"]
 pictures = false
 animation = false
+report = false
 """
 
 

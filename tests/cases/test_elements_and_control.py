@@ -42,6 +42,7 @@ step = 0.01
 [output]
 pictures = false
 animation = false
+report = false
 """
 
 CONTROLLER = '''\

@@ -81,6 +81,7 @@ kinematic = true
 track = ["slider.wrist"]
 pictures = false
 animation = false
+report = false
 """
 
 

@@ -58,6 +58,7 @@ step = 0.02
 track = ["wing.end", "wing.engine"]
 pictures = false
 animation = false
+report = false
 """
 
 

@@ -52,6 +52,7 @@ step = 0.01
 track = ["blade.end", "blade.middle"]
 pictures = false
 animation = false
+report = false
 """
 
 

@@ -93,6 +93,7 @@ step = 0.002
 [output]
 pictures = false
 animation = false
+report = false
 """
 
 

@@ -59,7 +59,7 @@ output_step = 2e-5
 [output]
 track = ["nose.JOINT"]
 """
-PLAIN = ("[output]", "[output]\npictures = false\nanimation = false")
+PLAIN = ("[output]", "[output]\npictures = false\nanimation = false\nreport = false")
 
 
 def solid_text(mesh, sets):

@@ -173,7 +173,7 @@ def test_pictures_and_animation_are_drawn(case_folder, monkeypatch):
     monkeypatch.setattr("supple.viz.run_pictures.N_FRAMES", 4)
     case = case_folder / "strip.toml"
     case.write_text(
-        re.sub(r"(pictures|animation) = false", r"\1 = true", case.read_text()).replace("0.4", "0.04")
+        re.sub(r"(pictures|animation|report) = false", r"\1 = true", case.read_text()).replace("0.4", "0.04")
     )
     call("run", case, "-o", case_folder / "out")
     drawn = {path.name for path in (case_folder / "out").iterdir()}

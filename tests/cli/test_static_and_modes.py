@@ -111,6 +111,10 @@ def test_mistakes_are_named(run, arguments, spin, message):
     assert message in " ".join(result.output.split())
 
 
+PLAIN = """\
+pictures = false
+report = false"""
+
 STRIP = """
 title = "a strip that turns"
 units = { length = "m", mass = "kg", time = "s", force = "N" }
@@ -159,7 +163,7 @@ def strip_run(tmp_path):
     def of(command, reduction="", frame=AT_ROOT, pictures=False):
         (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
         case = tmp_path / "strip.toml"
-        drawn = f"pictures = {str(pictures).lower()}"
+        drawn = PLAIN.replace("false", str(pictures).lower())
         case.write_text(
             STRIP.replace("REDUCTION", reduction)
             .replace("PICTURES", drawn)
@@ -199,7 +203,7 @@ def test_a_run_of_a_body_that_corrects_itself_starts_in_its_equilibrium(tmp_path
     """Stretched by its spin, turning, with all its coordinates: what the bases of its rounds are to hold."""
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
     path = tmp_path / "strip.toml"
-    text = STRIP.replace("REDUCTION", "").replace("PICTURES", "pictures = false").replace("FRAME", AT_ROOT)
+    text = STRIP.replace("REDUCTION", "").replace("PICTURES", PLAIN).replace("FRAME", AT_ROOT)
     text = text.replace("RATE", repr(float(RATE)))
     path.write_text(text.replace("step = 0.01\n", 'step = 0.01\nstart = "equilibrium"\n'))
     case = read_case(path)
@@ -235,7 +239,7 @@ def test_what_is_no_mode_is_listed_so_and_not_drawn(strip_run):
 def test_a_diagram_over_speed_keeps_to_the_accuracy_and_names_its_axes(tmp_path):
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 8, 2)))
     case = tmp_path / "strip.toml"
-    text = STRIP.replace("REDUCTION", "").replace("PICTURES", "pictures = false").replace("FRAME", AT_ROOT)
+    text = STRIP.replace("REDUCTION", "").replace("PICTURES", PLAIN).replace("FRAME", AT_ROOT)
     case.write_text(text.replace("RATE", repr(float(RATE))))
     command = ["modes", str(case), "-o", str(tmp_path), "-n", "2", "--rates", f"0:{RATE}:2"]
     result = CliRunner().invoke(app, command)
@@ -249,7 +253,7 @@ def test_a_diagram_over_speed_keeps_to_the_accuracy_and_names_its_axes(tmp_path)
 
 def test_modes_beside_a_body_in_full_ask_for_a_size(tmp_path):
     (tmp_path / "strip.inp").write_text(abaqus_text(strip(1.0, 0.1, 4, 2)))
-    text = STRIP.replace("REDUCTION", "").replace("PICTURES", "pictures = false").replace("FRAME", AT_ROOT)
+    text = STRIP.replace("REDUCTION", "").replace("PICTURES", PLAIN).replace("FRAME", AT_ROOT)
     head, body, rest = text.partition("[[body]]")
     strip_table, joint, end = rest.partition("[[joint]]")
     whole = strip_table.replace('"strip"', '"whole"').replace(

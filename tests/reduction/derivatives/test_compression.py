@@ -87,12 +87,9 @@ def test_a_reduced_body_says_why_it_has_fewer_than_were_asked():
     )
     count = len(reduced.report.derivatives)
     assert count < 10
-    assert repr(reduced).startswith(
-        f"<ReducedBody 'arm' in NodalFixedFrame(interface='root'): {4 + count} coord"
-    )
-    assert f"compressed derivatives {count + 1} to 10 (all derivatives lie in {count} directions" in repr(
-        reduced
-    )
+    assert repr(reduced).startswith(f"<ReducedBody 'arm', {4 + count} coordinates")
+    why = f"compressed derivatives {count + 1} to 10 (all derivatives lie in {count} directions"
+    assert why in str(reduced.report)
 
 
 def test_more_columns_than_pairs_are_refused(case):
