@@ -22,7 +22,7 @@ ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
-	@echo "make test      set up, then check style, types, layers and run the tests: about five minutes on two cores, the first time six"
+	@echo "make test      set up, then check style, types, layers and run the tests: five and a half minutes on two cores, the first time seven"
 	@echo "make test-all  the same with the slow tests: half an hour; before every release"
 	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
 	@echo "make lint      style, types and layers only"
