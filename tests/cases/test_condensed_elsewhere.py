@@ -117,6 +117,7 @@ def write(folder, beam, text=CASE):
     return folder / "arm.toml"
 
 
+@pytest.mark.slow
 def test_a_case_runs_is_checked_and_has_modes(tmp_path, beam, ours):
     path = write(tmp_path, beam)
     run = run_case(read_case(path), tmp_path / "out", errors=False)

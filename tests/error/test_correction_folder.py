@@ -95,6 +95,7 @@ def test_a_finished_correction_is_read_and_not_run(system, kept, simulated, monk
         assert new.body.report.corrections == old.body.report.corrections
 
 
+@pytest.mark.slow
 def test_a_correction_that_was_killed_goes_on_with_the_run_that_was_cut_off(
     system, kept, simulated, tmp_path
 ):

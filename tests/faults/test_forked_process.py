@@ -37,6 +37,7 @@ def printed(tmp_path, when):
     return done.stdout.strip()
 
 
+@pytest.mark.slow
 def test_a_child_forked_after_a_run_refuses(tmp_path):
     assert printed(tmp_path, "after").startswith("ForkedProcessError: this process was forked")
 

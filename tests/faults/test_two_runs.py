@@ -33,6 +33,7 @@ print(motion.bodies["bar"].rotation[-1, 0, 0].hex(), flush=True)
 """
 
 
+@pytest.mark.slow
 def test_the_second_run_is_refused_and_the_first_reports_its_own_motion(tmp_path):
     path, other = tmp_path / "run.h5", pendulum(mass=2.0)
     with started(WAITING, path) as first:

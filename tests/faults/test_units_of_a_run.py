@@ -141,6 +141,7 @@ def test_pictures_speak_the_units_of_the_case(machine, monkeypatch):
     assert not [line for line in plain if re.search(r"\((m|mm|s|N|N m|MPa|Hz)\)|\d (m|s|Hz)\b", line)]
 
 
+@pytest.mark.slow
 def test_without_units_no_unit_is_written(machine):
     path = machine("none", {}, steps=4)
     result = run_case(read_case(path), path.parent / "out")

@@ -45,6 +45,7 @@ def test_points_of_nested_systems(read):
     np.testing.assert_allclose(np.linalg.det(grids.axes), 1)
 
 
+@pytest.mark.slow
 def test_the_same_grids_as_another_program(tmp_path):
     """Positions and displacement axes of pyyeti, on random systems."""
     bulk = pytest.importorskip("pyyeti.nastran.bulk")
