@@ -10,11 +10,13 @@ from fixtures.moving_machines import MESH, N_TIMES, eroding, two_bodies
 from fixtures.report_page import ReadPage
 
 import supple as sp
+from supple.errors import ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import GROUND, At, DeadForce, FollowerPressure
 from supple.mesh import CellType, Mesh
 from supple.quantities import deflections, joint_loads, tracked_motion, von_mises_history
 from supple.report import write_report
+from supple.simulation.recorded_columns import measured_columns
 from supple.units import SI
 
 
@@ -54,6 +56,19 @@ def test_nodes_are_where_node_positions_has_them(page, machine):
     found = page.field(page.body("blade")["displacement"])
     assert np.abs(found - deflections(body, motion)[:, nodes]).max() < 5e-5 * largest
     assert page.head["scene"]["scales"]["deflection"]["high"] == pytest.approx(largest, rel=1e-3)
+
+
+def test_motions_on_other_columns_are_refused(tmp_path, machine):
+    """As after reading a result and reducing again, where a column may have the other sign."""
+    system, solution = machine
+    known = replace(solution, columns=measured_columns(system))
+    write_report(tmp_path / "run.html", system, known, {"blade": MESH})
+    blade = system.placed("blade")
+    basis = blade.body.nodal_basis * np.where(np.arange(blade.body.r) == 1, -1.0, 1.0)
+    other = replace(blade, body=replace(blade.body, nodal_basis=basis))
+    bodies = [other if placed is blade else placed for placed in system.bodies]
+    with pytest.raises(ModelError, match=r"body 'blade' is of other columns.*read_reduced_body"):
+        write_report(tmp_path / "other.html", replace(system, bodies=bodies), known, {"blade": MESH})
 
 
 def test_stress_is_that_of_its_history(page, machine, blade):

@@ -19,6 +19,7 @@ from supple.report.marked_place import Arrow, JointMark, Link, arrows_of, joint_
 from supple.report.moving_body import FIELD_TOLERANCE, MovingBody, moving_body, rigid_links
 from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, Colouring, stress_colouring
 from supple.results.obstacle_shape import obstacle_shape
+from supple.simulation.recorded_columns import check_motions
 from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["FieldScale", "MovingMachine", "MovingObstacle", "moving_machine"]
@@ -85,7 +86,11 @@ def moving_machine(
     bases: Mapping[str, At] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> MovingMachine:
-    """A machine in a run; parameters as for `write_report`."""
+    """A machine in a run; parameters as for `write_report`.
+
+    Raises ModelError for a solution that states other columns than the bodies have.
+    """
+    check_motions(system, solution)
     colourings = {} if elements is None else {"von Mises stress": stress_colouring(elements)}
     colourings["plastic strain"] = PLASTIC_STRAIN
     elastic = [

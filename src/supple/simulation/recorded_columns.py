@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from supple.body import FullBody
-from supple.errors import ResultFileError
+from supple.errors import ModelError, ResultFileError
+from supple.integrate import Solution
 from supple.machine import Placed, System
 from supple.methods.explicit import ModalSubdomain
 from supple.methods.intrinsic import IntrinsicBody
@@ -52,6 +53,19 @@ def are_same_columns(then: Mapping[str, Any], placed: Placed) -> bool:
     now = dict(_measures(placed))
     of_columns = [name for name in _OF_COORDINATES if name in now]
     return all(name in then and same_measures(then[name], now[name]) for name in of_columns)
+
+
+def check_motions(system: System, solution: Solution) -> None:
+    """ModelError where a solution states the columns of its coordinates and a body has others."""
+    for placed in system.bodies:
+        name = placed.body.name
+        then = solution.columns.get(name)
+        if then is not None and placed.body.n_coordinates and not are_same_columns(then, placed):
+            raise ModelError(
+                f"the motion of body '{name}' is of other columns than the body given has: those of a body "
+                "that is reduced again may have other signs. Give the body that moved (read_reduced_body of "
+                "NAME-reduced.h5 beside the result)"
+            )
 
 
 def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:

@@ -26,6 +26,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
+from supple.simulation.recorded_columns import check_motions
 from supple.storage import ResultParts
 from supple.storage.atomic_write import replacing
 from supple.storage.disk_space import reserve_space
@@ -78,6 +79,8 @@ def write_vtkhdf(
         raise ModelError(f"cannot write {path}: ParaView knows such files by their suffix; end it in .vtkhdf")
     if not len(run.times):
         raise ModelError(f"cannot write {path}: no instant is chosen")
+    if isinstance(run, Solution):  # parts of a file were compared with the bodies when it was opened
+        check_motions(system, run)
     pieces = pieces_of(system, meshes, bodies)
     fields = fields_of(system, pieces, elements, bases, units)
     with replacing(path) as temporary:

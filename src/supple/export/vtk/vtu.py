@@ -23,6 +23,7 @@ from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
 from supple.mesh import Mesh
+from supple.simulation.recorded_columns import check_motions
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem
 
@@ -59,6 +60,7 @@ def write_vtu(
             f"cannot write {path}: a .vtu file holds one instant and {len(instant.times)} are given; choose "
             "one, such as solution.at(np.array([-1])), or write .vtkhdf"
         )
+    check_motions(system, instant)
     pieces = pieces_of(system, meshes, bodies)
     positions = [piece.positions(instant) for piece in pieces]
     arrays = {

@@ -1,5 +1,11 @@
 // Curves: a chart is drawn when it is opened. Those over time show the time of the player, and set it by a click.
 
+// A curve that stays at one value stands in the middle of its axis.
+function valueRange(_, low, high) {
+  const around = low === high ? Math.abs(low) || 1 : 0;
+  return uPlot.rangeNum(low - around, high + around, 0.1, true);
+}
+
 class Curves {
   constructor(list, seek) {
     this.list = list;
@@ -66,7 +72,7 @@ class Curves {
       {
         width: Math.max(260, plot.clientWidth || this.list.clientWidth - 8),
         height: document.body.classList.contains("played") ? 190 : 420,
-        scales: { x: { time: false } },
+        scales: { x: { time: false }, y: { range: valueRange } },
         axes: [
           { ...axis(data.over || timeLabel()), size: 34, values: ticks },
           { ...axis(data.label), size: 64, values: ticks },
