@@ -115,7 +115,7 @@ class _Bar:
                 self._bars.stop()
 
     def _appear(self) -> None:
-        # Imported here: work that is done by then, and scripts that nobody watches, do without.
+        # Imported here: short work, and scripts without a terminal, do not import it.
         from rich.console import Console
         from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 

@@ -45,6 +45,7 @@ class _Shares:
     d: int
 
     def of(self, given: Attached, part: int) -> Attached:
+        """What is attached to a part, in its numbers."""
         springs = (self.springs(each, part) for each in given.springs)
         return Attached(
             springs=tuple(each for each in springs if len(each.dofs)),
@@ -77,10 +78,12 @@ class _Shares:
         return np.searchsorted(self.parts[part], given // self.d) * self.d + given % self.d
 
     def holder_of_piece(self, piece: RigidPiece) -> int:
+        """The part that has all nodes of a rigid tie."""
         group = np.zeros(len(piece.nodes), dtype=np.int64)
         return int(self.holders(group, piece.nodes, 1, lambda _: f"rigid tie {piece.name}")[0])
 
     def springs(self, given: QuadraticStrain, part: int) -> QuadraticStrain:
+        """The springs of a part."""
         E, n = given.dofs.shape
         group, nodes = np.repeat(np.arange(E), n), given.dofs.ravel() // self.d
         own = np.flatnonzero(self.holders(group, nodes, E, lambda _: "a spring") == part)
@@ -88,6 +91,7 @@ class _Shares:
         return replace(made, dofs=self.freedoms(made.dofs, part))
 
     def matrix(self, given: csc_array | None, part: int, what: str) -> csc_array | None:
+        """The block of a part in a matrix of the nodal freedoms; None where it is empty."""
         if given is None:
             return None
         entries = coo_array(given)
@@ -106,6 +110,7 @@ class _Shares:
         return csc_array(coo_array((entries.data[mine], places), shape=(size, size)))
 
     def constraints(self, given: Constraints | None, part: int) -> Constraints | None:
+        """The constraints of a part; None where it has none."""
         if given is None:
             return None
         entries = coo_array(given.matrix)

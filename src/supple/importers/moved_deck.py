@@ -72,6 +72,7 @@ class _Turn:
 
     @property
     def mirrors(self) -> bool:
+        """Whether the axes are mirrored."""
         return bool(np.linalg.det(self.Q) < 0)
 
     @property
@@ -90,6 +91,7 @@ class _Turn:
         return sparse.csr_array(sparse.coo_array((factors[row, component], places), shape=(len(freedoms), n)))
 
     def terms(self, given: ScalarTerms) -> ScalarTerms:
+        """Terms in the new axes."""
         shape = (len(given.lines), len(given.freedoms))
         order = np.arange(len(given.freedoms))
         sums = sparse.coo_array((given.factors, (given.rows, order)), shape=shape)
@@ -113,12 +115,14 @@ class _Turn:
         return np.where(same, new, np.where(given >= self.n_freedoms, given, -1))
 
     def matrix(self, given: NodalMatrix) -> NodalMatrix:
+        """A matrix in the new axes."""
         whole = self.expansion(given.freedoms)
         used = np.unique(whole.indices).astype(np.int64)
         own = whole[:, used].toarray()
         return NodalMatrix(used, own.T @ given.values @ own)
 
     def elements(self, given: DeckElements) -> DeckElements:
+        """Cells, their directions and offsets in the new axes."""
         directions, offsets = given.directions, given.offsets
         if directions is not None:
             directions = self.Q @ directions if directions.ndim == 3 else directions @ self.Q.T
@@ -130,6 +134,7 @@ class _Turn:
         )
 
     def property(self, given: Property) -> Property:
+        """A property; of mirrored axes the terms odd in the second axis change sign."""
         if not self.mirrors:
             return given
         if isinstance(given, WallProperty):
@@ -151,6 +156,7 @@ class _Turn:
         )
 
     def components(self, mean: WeightedMean) -> tuple[bool, ...]:
+        """Components of a weighted mean in the new axes."""
         given = np.array(mean.components)
         if all(len(set(half)) == 1 for half in (mean.components[:3], mean.components[3:])):
             return mean.components

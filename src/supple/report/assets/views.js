@@ -78,7 +78,7 @@ class View {
     if (this.camera.aspect === width / height) return;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    // A view that nobody has turned keeps all in the picture.
+    // Until the user turns the view, all stays in the picture.
     if (this.looksBy) this.look(this.looksBy);
   }
 
