@@ -6,6 +6,7 @@ import inspect
 import time
 
 import pytest
+from rich.console import Console
 
 import supple as sp
 from supple import progress
@@ -16,7 +17,8 @@ from supple.progress import by_fraction, by_step, progress_bar, with_progress_ba
 def watched(monkeypatch):
     monkeypatch.setattr(progress, "_is_watched", lambda: True)
     monkeypatch.setattr(progress, "PATIENCE", 0.05)
-    monkeypatch.setenv("FORCE_COLOR", "1")  # to a file as to a terminal
+    as_a_terminal = Console(stderr=True, force_terminal=True)
+    monkeypatch.setattr("supple.terminal.error_console", as_a_terminal)
 
 
 @with_progress_bar("marching", by_fraction)

@@ -116,18 +116,12 @@ class _Bar:
 
     def _appear(self) -> None:
         # Imported here: short work, and scripts without a terminal, do not import it.
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+        from supple.terminal import error_console, progress_bars
 
         with self._lock:
             if self._over:
                 return
-            columns = (TextColumn("{task.description}", markup=False), BarColumn(bar_width=30))
-            self._bars = Progress(
-                *(SpinnerColumn(), *columns, TimeElapsedColumn()),
-                console=Console(stderr=True),
-                transient=True,
-            )
+            self._bars = progress_bars(error_console, transient=True)
             self._task = self._bars.add_task(self._title, total=None)
             self._bars.start()
             self._update()

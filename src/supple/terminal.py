@@ -47,15 +47,19 @@ console = _console()
 error_console = _console(stderr=True)
 
 
-def progress_bars() -> Progress:
-    """Bars with the time taken; a step of unknown length spins."""
+def progress_bars(on: Console | None = None, *, transient: bool = False) -> Progress:
+    """Bars with the time taken, on standard output unless said; a step of unknown length spins.
+
+    transient : they go when all is done
+    """
     return Progress(
         SpinnerColumn(finished_text="[green]*[/green]"),
         TextColumn("{task.description}", markup=False),
         BarColumn(bar_width=30),
         TaskProgressColumn(show_speed=False),
         TimeElapsedColumn(),
-        console=console,
+        console=on or console,
+        transient=transient,
     )
 
 

@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from supple.integrate import JOINT_COMPONENTS
 from supple.reduction import ReductionReport
 from supple.storage import column_measures, read_header, read_solution
@@ -62,7 +60,3 @@ def _described(motion: Any) -> str:
         return f"{motion.coordinates.shape[1]} coordinates"
     first, values = next(iter(motion.arrays().items()))
     return f"{first} {' x '.join(str(n) for n in values.shape[1:])}"
-
-
-def _listed(values: np.ndarray) -> str:
-    return ", ".join(f"{value:.4g}" for value in values)
