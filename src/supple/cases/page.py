@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from supple.cases.case import Case
+from supple.cases.case_inputs import FILE
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import System
@@ -66,5 +67,5 @@ def write_run_page(
 
 def case_texts(case: Case, inputs: Inputs) -> dict[str, str]:
     """The case file as it stands, and digests of the files it names, as they were when it was read."""
-    listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith("the file ")]
+    listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith(FILE)]
     return {case.path.name: case.text} | ({"files that it names": "\n".join(listed)} if listed else {})
