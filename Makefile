@@ -18,13 +18,14 @@ INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network 
 # One thread per process: the test workers share the cores between them. Bytecode is kept for those they start.
 ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
-.PHONY: help demo test test-all soak lint format clean
+.PHONY: help demo test test-all soak package lint format clean
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
 	@echo "make test      set up, then check style, types, layers and run the tests: five and a half minutes on two cores, the first time seven"
 	@echo "make test-all  the same with the slow tests: half an hour; before every release"
 	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
+	@echo "make package   build wheel and sdist, install each in an empty environment and run an example there"
 	@echo "make lint      style, types and layers only"
 	@echo "make format    rewrite the sources in the project's style"
 	@echo "make clean     remove the environment and the results"
@@ -45,6 +46,15 @@ test-all: lint
 soak: $(VENV)/.ready-dev
 	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED) -m soak
 	$(BIN)/python tools/fuzz -n 100000
+
+# From a folder of its own, so that what is installed runs and not what stands here.
+package: $(VENV)/bin/python
+	@$(PIP) build
+	@rm -rf dist build/tried && $(BIN)/python -m build --outdir dist . >/dev/null
+	@for file in dist/*; do echo "Trying $$file"; tried=build/tried/$$(basename $$file); \
+	  "$(PYTHON)" -m venv $$tried && $$tried/bin/python -m pip install --quiet --disable-pip-version-check "$$file[plot]" && \
+	  ( cd $$tried && bin/supple run $(CURDIR)/examples/pendulum.toml -o pendulum >/dev/null && bin/supple --version ) || exit 1; done
+	@ls -l dist
 
 lint: $(VENV)/.ready-dev
 	$(BIN)/ruff check .

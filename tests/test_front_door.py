@@ -101,3 +101,8 @@ def test_misspelt_names_are_corrected():
         _ = sp.reduc
     with pytest.raises(AttributeError, match=r"module 'supple' has no attribute 'xyzzy'$"):
         _ = sp.xyzzy
+
+
+def test_the_version_is_that_of_the_citation():
+    citation = (Path(__file__).parents[1] / "CITATION.cff").read_text("utf-8")
+    assert f"\nversion: {sp.__version__}\n" in citation
