@@ -18,13 +18,14 @@ INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network 
 # One thread per process: the test workers share the cores between them. Bytecode is kept for those they start.
 ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
-.PHONY: help demo test test-all soak package lint format clean
+.PHONY: help demo test test-all soak docs site package lint format clean
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
 	@echo "make test      set up, then check style, types, layers and run the tests: five and a half minutes on two cores, the first time seven"
 	@echo "make test-all  the same with the slow tests: half an hour; before every release"
 	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
+	@echo "make docs      run the examples and build the site of the documentation in build/html (make site: without running them)"
 	@echo "make package   build wheel and sdist, install each in an empty environment and run an example there"
 	@echo "make lint      style, types and layers only"
 	@echo "make format    rewrite the sources in the project's style"
@@ -47,6 +48,14 @@ soak: $(VENV)/.ready-dev
 	$(ONE_THREAD) $(BIN)/python -m pytest $(SHARED) -m soak
 	$(BIN)/python tools/fuzz -n 100000
 
+docs: $(VENV)/.ready-dev
+	$(ONE_THREAD) $(BIN)/python tools/site/gallery.py build/gallery
+	@$(MAKE) site
+
+site: $(VENV)/.ready-dev
+	$(BIN)/python tools/site/assemble.py build/site build/gallery
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+
 # From a folder of its own, so that what is installed runs and not what stands here.
 package: $(VENV)/bin/python
 	@$(PIP) build
@@ -67,7 +76,7 @@ format: $(VENV)/.ready-dev
 	$(BIN)/ruff format .
 
 clean:
-	rm -rf $(VENV) $(RESULTS)
+	rm -rf $(VENV) $(RESULTS) build dist
 
 $(VENV)/bin/python:
 	@test -n "$(PYTHON)" || { echo "supple needs Python 3.11 or newer; found: $$(python3 --version 2>&1 || true)"; \

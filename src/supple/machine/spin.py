@@ -29,7 +29,9 @@ class Spin:
     point : (3,)    p, any point on the axis
     bodies : names of the bodies that turn; all of them unless given
 
-    Raises ModelError for a rate that is not finite, or an axis without a direction.
+    Raises
+    ------
+    ModelError      a rate that is not finite, or an axis without a direction
     """
 
     rate: float

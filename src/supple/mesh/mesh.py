@@ -35,6 +35,8 @@ def no_ids() -> IntArray:
 class Mesh(Summarized):
     """Nodes, cells by type and named sets; connected, free of unused nodes and of inverted or flat cells.
 
+    All arrays are copied and read-only.
+
     Parameters
     ----------
     nodes : float array (N, 3)          positions, m
@@ -47,8 +49,6 @@ class Mesh(Summarized):
                                         as the two triangles of a quadrilateral do
     links : int array (L, 2)            pairs of nodes that springs, masses or ties connect: such nodes may
                                         be in no cell
-
-    All arrays are copied and read-only.
 
     Raises
     ------
