@@ -78,8 +78,9 @@ def write_pages(gallery: Path, folder: Path) -> None:
             else ""
         )
         rows.append(f"| {first} | [{title}]({page}) |")
-    front = "# Gallery\n\nOne idea each. Every example states what it expects, and fails where that is not met.\n\n"
-    (folder / "index.md").write_text(front + "| | |\n| --- | --- |\n" + "\n".join(rows) + "\n", "utf-8")
+    front = "One idea each. Every example states what it expects, and fails where that is not met."
+    table = "\n".join(["| | |", "| --- | --- |", *rows])
+    (folder / "index.md").write_text(f"# Gallery\n\n{front}\n\n{table}\n", "utf-8")
 
 
 def _command(example: Path) -> list[str]:
