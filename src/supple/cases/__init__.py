@@ -1,7 +1,9 @@
 """The case file: one file per section, its tables and their build; the case they describe, and its run."""
 
 from supple.cases.case import *
+from supple.cases.examples import *
 from supple.cases.modes_case import *
+from supple.cases.new_case import *
 from supple.cases.read_case import *
 from supple.cases.run_case import *
 from supple.cases.static_case import *

@@ -264,3 +264,38 @@ def check(
 
     with reported_errors(debug=debug), reported_warnings():
         print_check(path, n_frequencies=modes)
+
+
+@app.command()
+def example(
+    name: Annotated[str | None, typer.Argument(help="Which; left out: all are listed.")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder to write it to; default: this one.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """List the examples, or write one with its mesh into a folder."""
+    from supple.cli.example import list_examples, write_example
+
+    with reported_errors(debug=debug), reported_warnings():
+        if name is None:
+            list_examples()
+        else:
+            write_example(name, output or Path())
+
+
+@app.command()
+def new(
+    mesh: Annotated[
+        Path, typer.Argument(help="Mesh or deck (.msh, .inp, .bdf ..); asked for if left out.")
+    ] = Path(),
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Case file to write; default: MESH.toml.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Write a commented case file for a mesh: a start that runs, its guesses marked."""
+    from supple.cli.new_case import new_case
+
+    with reported_errors(debug=debug), reported_warnings():
+        new_case(mesh if mesh != Path() else Path(typer.prompt("Mesh or deck")), output)

@@ -1,0 +1,80 @@
+"""The examples that come with the package: what each is about, and its files."""
+
+from __future__ import annotations
+
+import ast
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from supple.errors import ArgumentError
+from supple.importers.toml import did_you_mean
+from supple.storage.file_errors import file_errors
+
+__all__ = ["example_titles", "write_example"]
+
+_PACKAGE = Path(__file__).parents[1]
+_RUN = (".toml", ".py")
+
+
+def example_titles() -> Mapping[str, str]:
+    """What each example is about, by its file name."""
+    return {path.name: _title(path) for path in sorted(_folder().iterdir()) if path.suffix in _RUN}
+
+
+def write_example(name: str, folder: Path) -> tuple[Path, ...]:
+    """Write an example and the files that it names into `folder`; return their paths, the example first.
+
+    name : as `example_titles` has it, or without its ending
+
+    Raises
+    ------
+    ArgumentError       a name that no example has; a file that is there already
+    ResultFileError     a folder that cannot be written
+    """
+    titles = example_titles()
+    found = [each for each in titles if name in {each, Path(each).stem}]
+    if not found:
+        raise ArgumentError(
+            f"there is no example {name!r}{did_you_mean(name, titles)}; `supple example` lists them"
+        )
+    files = _needed([_folder() / each for each in found])
+    targets = tuple(folder / path.name for path in files)
+    for target in targets:
+        if target.exists():
+            raise ArgumentError(f"{target} is there already: give another folder (-o)")
+    with file_errors("write the example into", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, target in zip(files, targets, strict=True):
+            shutil.copyfile(path, target)
+    return targets
+
+
+def _folder() -> Path:
+    """Beside the package where it is installed, beside its sources in a checkout."""
+    installed = _PACKAGE / "examples"
+    return installed if installed.is_dir() else _PACKAGE.parents[1] / "examples"
+
+
+def _title(path: Path) -> str:
+    """The first sentence of what a program or a case says of itself."""
+    text = path.read_text("utf-8")
+    if path.suffix == ".py":
+        words = ast.get_docstring(ast.parse(text)) or ""
+    else:
+        words = "\n".join(line.removeprefix("#") for line in text.splitlines())
+    paragraph = " ".join(words.split("\n\n")[0].split())
+    return re.split(r"(?<=[.?!])\s", paragraph)[0]
+
+
+def _needed(files: list[Path]) -> list[Path]:
+    """The files, those that their texts name, those that these name, and the origins of meshes."""
+    known = {path.name: path for path in _folder().iterdir() if path.is_file()}
+    needed = list(files)
+    for path in needed:  # grows on the way
+        text = path.read_text("utf-8") if path.suffix in _RUN else ""
+        named = [other for name, other in known.items() if name in text]
+        origin = known.get(f"{path.stem}.README.md")
+        needed += [each for each in [*named, *([origin] if origin else [])] if each not in needed]
+    return needed

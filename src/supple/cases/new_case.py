@@ -1,0 +1,144 @@
+"""A commented case file for a mesh: a start that runs, with every guess marked."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from supple.errors import ArgumentError
+from supple.importers import DECK_SUFFIXES, read_deck, read_mesh
+from supple.storage.file_errors import file_errors
+
+__all__ = ["write_new_case"]
+
+
+def write_new_case(mesh_file: Path, path: Path) -> None:
+    """Write a case of one body to `path`: held at the first node set of its mesh, bent by gravity.
+
+    Material, thickness and units are guesses, each marked; of a deck with properties they are the deck's.
+
+    Raises
+    ------
+    ArgumentError       a file that is there already
+    ImportFormatError, MeshError    a mesh that cannot be read
+    ResultFileError     a file that cannot be written
+    """
+    if path.exists():
+        raise ArgumentError(f"{path} is there already: give another name (-o), or remove it")
+    model = _read(mesh_file)
+    text = _case(re.sub(r"[^\w-]", "_", mesh_file.stem), _named_from(mesh_file, path), model)
+    with file_errors("write", path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, "utf-8")
+
+
+@dataclass(frozen=True)
+class _Model:
+    """What is known of a body from its file."""
+
+    size: float
+    sets: Sequence[str]
+    kind: str
+    """`solid` or `shell`; `nastran` or `abaqus` where the file has properties"""
+
+
+def _read(file: Path) -> _Model:
+    if file.suffix.lower() in DECK_SUFFIXES:
+        deck = read_deck(file)
+        if deck.properties:
+            kind = "abaqus" if file.suffix.lower() == ".inp" else "nastran"
+            return _Model(_size(deck.nodes), _places(deck.node_sets, len(deck.nodes)), kind)
+    mesh = read_mesh(file)
+    solid = any(kind.dimension == 3 for kind in mesh.cells)
+    places = _places(mesh.node_sets, len(mesh.nodes))
+    return _Model(_size(mesh.nodes), places, "solid" if solid else "shell")
+
+
+def _places(sets: Mapping[str, np.ndarray], n_nodes: int) -> list[str]:
+    """Names of the sets that may be held or watched: of less than half of the nodes."""
+    return [name for name, nodes in sets.items() if 0 < len(nodes) < n_nodes / 2]
+
+
+def _size(nodes: np.ndarray) -> float:
+    return float(np.max(np.ptp(nodes, axis=0)))
+
+
+def _named_from(mesh_file: Path, path: Path) -> str:
+    """The mesh file as the case names it: relative to the case where it lies at or below it."""
+    whole, folder = mesh_file.resolve(), path.resolve().parent
+    return whole.relative_to(folder).as_posix() if whole.is_relative_to(folder) else whole.as_posix()
+
+
+def _case(name: str, named: str, model: _Model) -> str:
+    basis = "craig-bampton" if model.sets else "normal-modes"
+    return f"""\
+# {name} under its weight. Lines marked GUESS are yours to set; `supple info {named}` lists sets and sizes.
+
+title = "{name} under its weight"
+# GUESS: the mesh is {model.size:.4g} long; nothing is converted, so mesh and numbers need the same units.
+units = {{ length = "m", mass = "kg", time = "s", force = "N", stress = "Pa" }}
+gravity = [0.0, 0.0, -9.81]   # GUESS
+
+[[body]]
+name = "{name}"
+mesh = "{named}"
+{_material(model)}
+frame = {{ kind = "mean-axis" }}
+# The basis grows until the error of the run is a thousandth of the largest displacement.
+reduction = {{ basis = "{basis}", accuracy = {{ relative = 1e-3 }} }}
+
+{_support(name, model.sets)}
+[simulation]
+duration = 1.0       # GUESS
+output_step = 0.01   # GUESS: ten or more to a period of what you look for
+step = 0.01          # GUESS: the error of the step is stated
+start = "equilibrium"
+
+# A load instead of weight alone, at a node set or an interface:
+# [[load]]
+# kind = "force"
+# at = "{name}.SET"
+# vector = [0.0, 0.0, 1000.0]
+# law = {{ kind = "ramp", value = 1.0, duration = 0.5 }}
+{_output(name, model.sets)}"""
+
+
+def _material(model: _Model) -> str:
+    steel = "youngs_modulus = 210.0e9, poissons_ratio = 0.3, density = 7850.0"
+    if model.kind == "solid":
+        return f"solid = {{ {steel} }}   # GUESS: steel"
+    if model.kind == "shell":
+        wall = f"thickness = {model.size / 100:.3g}"
+        return f"# GUESS: steel, a hundredth of its length thick\nshell = {{ {wall}, {steel} }}"
+    return f"{model.kind} = {{}}   # materials, sections and connections are those of the file"
+
+
+def _support(name: str, sets: Sequence[str]) -> str:
+    known = ", ".join(sets[:20]) or "none: name the nodes in the mesher, or give node_indices = [..] here"
+    held = f"""\
+# Node sets of the mesh: {known}
+[[body.interface]]
+name = "root"
+nodes = "{sets[0] if sets else "SET"}"   # GUESS: where it is held
+
+[[joint]]
+name = "support"
+kind = "fixed"
+first = "ground"
+second = "{name}.root"
+"""
+    if sets:
+        return held
+    return (
+        "\n".join(f"# {line}".rstrip() if not line.startswith("#") else line for line in held.splitlines())
+        + "\n"
+    )
+
+
+def _output(name: str, sets: Sequence[str]) -> str:
+    """The last set is tracked; the first is held."""
+    return f'\n[output]\ntrack = ["{name}.{sets[-1]}"]\n' if len(sets) > 1 else ""

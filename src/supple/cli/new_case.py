@@ -1,0 +1,15 @@
+"""A case file for a mesh, written and explained."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple import cases
+from supple.terminal import say
+
+
+def new_case(mesh: Path, path: Path | None) -> None:
+    """Write a commented case for the mesh, and print what comes next."""
+    written = path or Path(f"{mesh.stem}.toml")
+    cases.write_new_case(mesh, written)
+    say(f"wrote {written}: set what is marked GUESS, then run: supple run {written}")

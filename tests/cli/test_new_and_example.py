@@ -1,0 +1,93 @@
+"""`supple example` writes what its examples need; `supple new` writes a case that can be read and built."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from supple import cases
+from supple.cases.read_case import read_case
+from supple.errors import ArgumentError
+from supple.importers import read_mesh
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_every_example_is_listed_with_a_title():
+    titles = cases.example_titles()
+    assert set(titles) == {path.name for path in EXAMPLES.iterdir() if path.suffix in {".toml", ".py"}}
+    assert all(len(title) > 15 for title in titles.values())
+
+
+@pytest.mark.parametrize("name", [path.stem for path in EXAMPLES.glob("*.toml")])
+def test_a_written_example_has_every_file_that_it_names(name, tmp_path):
+    files = cases.write_example(name, tmp_path)
+    for path in files:
+        assert path.read_bytes() == (EXAMPLES / path.name).read_bytes()
+    if (tmp_path / f"{name}.toml").exists() and not name.startswith("sweep"):
+        case = read_case(tmp_path / f"{name}.toml")
+        assert all((tmp_path / named).exists() for named in case.files)
+
+
+def test_a_program_brings_its_table(tmp_path):
+    names = {path.name for path in cases.write_example("reference_blade", tmp_path)}
+    assert names == {"reference_blade.py", "iea22_blade.csv", "iea22_blade.README.md"}
+
+
+def test_what_is_there_is_not_replaced(tmp_path):
+    cases.write_example("pendulum", tmp_path)
+    with pytest.raises(ArgumentError, match="is there already"):
+        cases.write_example("pendulum", tmp_path)
+
+
+def test_an_unknown_example_is_named(tmp_path):
+    with pytest.raises(ArgumentError, match=r"no example 'pendulun', did you mean 'pendulum.toml'"):
+        cases.write_example("pendulun", tmp_path)
+
+
+@pytest.mark.parametrize(("mesh", "kind"), [("wing.inp", "shell"), ("rod.inp", "solid")])
+def test_a_new_case_is_read_and_built(mesh, kind, tmp_path):
+    path = tmp_path / "made.toml"
+    cases.write_new_case(EXAMPLES / mesh, path)
+    case = read_case(path)
+    (body,) = case.tables.body
+    assert body.kind == kind
+    assert case.tables.joint[0].first == "ground"
+    held = read_mesh(EXAMPLES / mesh).node_sets[body.interface[0].nodes]
+    assert len(held) < len(case.flexible[body.name].nodes) / 2
+    assert case.flexible[body.name].n > 0
+    assert case.run.times[-1] == 1.0
+
+
+def test_a_mesh_beside_the_case_is_named_relative_to_it(tmp_path):
+    mesh = tmp_path / "rod.inp"
+    mesh.write_bytes((EXAMPLES / "rod.inp").read_bytes())
+    cases.write_new_case(mesh, tmp_path / "rod.toml")
+    assert 'mesh = "rod.inp"' in (tmp_path / "rod.toml").read_text()
+    with pytest.raises(ArgumentError, match="is there already"):
+        cases.write_new_case(mesh, tmp_path / "rod.toml")
+
+
+DECK = """\
+CEND
+BEGIN BULK
+GRID,1,,0.,0.,0.
+GRID,2,,1.,0.,0.
+GRID,3,,1.,1.,0.
+GRID,4,,0.,1.,0.
+CQUAD4,1,1,1,2,3,4
+PSHELL,1,1,0.01,1
+MAT1,1,7.+10,,0.3,2700.
+ENDDATA
+"""
+
+
+def test_a_deck_brings_its_properties_and_a_body_without_sets_is_free(tmp_path):
+    deck = tmp_path / "plate.bdf"
+    deck.write_text(DECK)
+    cases.write_new_case(deck, tmp_path / "plate.toml")
+    case = read_case(tmp_path / "plate.toml")
+    assert case.tables.body[0].kind == "nastran"
+    assert not case.tables.joint
+    assert '# nodes = "SET"' in (tmp_path / "plate.toml").read_text()
