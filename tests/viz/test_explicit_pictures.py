@@ -24,10 +24,10 @@ from supple.methods.explicit import (
     modal_subdomain,
 )
 from supple.reduction import NormalModes
+from supple.results.camera import Camera
 from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, stress_colouring
 from supple.simulation import simulate
 from supple.viz import run_pictures
-from supple.viz.camera import Camera
 from supple.viz.contact_clearance import CLEARANCE, clear_of_contact
 from supple.viz.depth_buffer import visible_triangles
 from supple.viz.scene import Actor, obstacle_actor, scene_of

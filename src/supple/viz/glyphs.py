@@ -17,7 +17,7 @@ from supple.body import RigidBody, in_space
 from supple.integrate import Solution
 from supple.machine import GROUND, At, Joint, System
 from supple.quantities import tracked_motion
-from supple.viz.camera import Camera
+from supple.results.camera import Camera
 from supple.viz.style import COLOURS, INK, PALE_INK
 
 __all__ = ["Glyphs", "glyphs_of"]

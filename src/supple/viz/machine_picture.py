@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
+from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem
-from supple.viz.camera import Camera
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import N_COLUMNS, draw_cross, draw_length_bar
 from supple.viz.shaded_surface import page_around, render, show

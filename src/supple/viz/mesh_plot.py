@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from supple.errors import ModelError
 from supple.mesh.feature_edges import feature_edges
 from supple.mesh.skin import Skin
+from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, labelled, measured
-from supple.viz.camera import Camera
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.shaded_surface import Page, page_around, render, show
 from supple.viz.style import (

@@ -24,6 +24,7 @@ from supple.quantities import (
 )
 from supple.reduction import BodyModes, ReducedBody
 from supple.results import without_noise
+from supple.results.camera import Camera
 from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
@@ -36,7 +37,6 @@ from supple.viz.body_pictures import (
     instants_of,
 )
 from supple.viz.body_surface import BodySurface, Look, body_surface
-from supple.viz.camera import Camera
 from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
 from supple.viz.machine_picture import plot_machine
