@@ -71,6 +71,10 @@ class Film:
             )
 
 
+WHOLE_RUN = Film()
+"""Sixty frames from end to end."""
+
+
 def film_rows(film: Film, times: Array, rate: float, angles: Array | None = None) -> IntArray:
     """Numbers of the output times that the frames of a film show, a number again where it is shown again.
 

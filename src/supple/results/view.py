@@ -31,6 +31,10 @@ class View:
             raise ModelError(f"an enlargement of {self.enlargement} shows nothing: give a positive one")
 
 
+AS_IT_IS = View()
+"""The side that suits the machine, true to scale."""
+
+
 def enlarged_words(factor: float) -> str:
     """Such as "deflection enlarged 75.1 times"."""
     return "deflection true to scale" if factor == 1.0 else f"deflection enlarged {factor:.3g} times"

@@ -19,7 +19,9 @@ from supple.viz.machine_picture import *
 from supple.viz.mesh_plot import *
 from supple.viz.mode_shapes import *
 from supple.viz.response_errors import *
+from supple.viz.rest_and_mode_pictures import *
 from supple.viz.rms_error import *
+from supple.viz.run_animation import *
 from supple.viz.run_pictures import *
 from supple.viz.scene import *
 from supple.viz.self_correction import *

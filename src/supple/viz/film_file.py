@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import suppress
 from pathlib import Path
+from subprocess import DEVNULL, PIPE, Popen
+from tempfile import TemporaryFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,27 +55,21 @@ def write_film(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
     """H.264 in the colours that every player knows, which has frames of even sides."""
-    ffmpeg = optional_package("imageio_ffmpeg", "an MP4 film", "film")
+    ffmpeg = optional_package("imageio_ffmpeg", "an MP4 film", "film").get_ffmpeg_exe()
     rows, columns, _ = _even(frames(0)).shape
-    with replacing(path) as temporary:
-        film = ffmpeg.write_frames(
-            str(temporary),
-            (columns, rows),
-            fps=rate,
-            codec="libx264",
-            quality=None,
-            macro_block_size=2,
-            ffmpeg_log_level="error",
-            # The name of a temporary file says no format.
-            output_params=["-crf", "18", "-movflags", "+faststart", "-f", "mp4"],
-        )
-        try:
-            with closing(film):
-                film.send(None)
-                for i in range(number):
-                    film.send(np.ascontiguousarray(_even(frames(i))))
-        except OSError as error:
-            raise ResultFileError(f"cannot write {path}: ffmpeg ended early ({error})") from error
+    pixels = f"-f rawvideo -pix_fmt rgb24 -s {columns}x{rows} -r {rate:.9g} -i -"
+    # The name of a temporary file says no format.
+    film = "-an -c:v libx264 -pix_fmt yuv420p -crf 18 -movflags +faststart -f mp4"
+    with replacing(path) as temporary, TemporaryFile() as said:
+        command = [ffmpeg, "-y", "-loglevel", "error", *pixels.split(), *film.split(), str(temporary)]
+        with suppress(BrokenPipeError), Popen(command, stdin=PIPE, stdout=DEVNULL, stderr=said) as process:
+            assert process.stdin is not None
+            for i in range(number):
+                process.stdin.write(_even(frames(i)).tobytes())
+        if process.returncode:
+            said.seek(0)
+            words = said.read().decode(errors="replace").strip()
+            raise ResultFileError(f"cannot write {path}: ffmpeg ended early: {words}")
 
 
 def _even(frame: Array8) -> Array8:
