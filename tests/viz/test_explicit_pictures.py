@@ -24,10 +24,10 @@ from supple.methods.explicit import (
     modal_subdomain,
 )
 from supple.reduction import NormalModes
+from supple.results.camera import Camera
 from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, stress_colouring
 from supple.simulation import simulate
-from supple.viz import run_pictures
-from supple.viz.camera import Camera
+from supple.viz import animate_run, run_curves, run_pictures
 from supple.viz.contact_clearance import CLEARANCE, clear_of_contact
 from supple.viz.depth_buffer import visible_triangles
 from supple.viz.scene import Actor, obstacle_actor, scene_of
@@ -107,7 +107,7 @@ def test_stress_of_round_off_has_no_colour():
 
 def test_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):
     panels = []
-    monkeypatch.setattr(run_pictures, "plot_time_history", lambda path, own, **_: panels.append(own) or path)
+    monkeypatch.setattr(run_curves, "plot_time_history", lambda path, own, **_: panels.append(own) or path)
     times = np.linspace(0.0, 1.0, 5)
     energies = np.zeros((5, 8))
     energies[:, 0], energies[:, 6] = 1.0, 1e-14 * times
@@ -136,7 +136,7 @@ def test_a_film_shows_frames_elements_and_rigid_bodies_together(tmp_path):
     meshes = {name: system.mesh_of(name) for name in ("arm", "bar")}
     elements = {name: bar(CellType.HEXA8) for name in meshes}
     for colouring in (stress_colouring(elements), PLASTIC_STRAIN, DEFLECTION):
-        path = run_pictures.animate_run(tmp_path / "film.gif", system, solution, meshes, colouring=colouring)
+        path = animate_run(tmp_path / "film.gif", system, solution, meshes, colouring=colouring)
         assert path.stat().st_size > 0
     drawn = {path.name for path in run_pictures.draw_run(tmp_path, system, solution, meshes)}
     assert {"arm-deformed.png", "bar-mesh.png", "machine.png", "energies.png", "joint-forces.png"} <= drawn

@@ -17,6 +17,8 @@ from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
+from supple.results.film import WHOLE_RUN, Film
+from supple.results.view import AS_IT_IS, View
 from supple.units import UnitSystem
 
 __all__ = ["Drawing", "check_drawing", "drawing_of"]
@@ -28,6 +30,7 @@ class Drawing:
 
     pictures, animation : whether they are asked for
     colour : of the animation
+    format : of its file
     """
 
     folder: Path
@@ -42,6 +45,9 @@ class Drawing:
     pictures: bool
     animation: bool
     colour: str = "deflection"
+    view: View = AS_IT_IS
+    film: Film = WHOLE_RUN
+    format: str = "gif"
 
     def draw(self, progress: StepProgress = silent) -> None:
         """Draw them into the folder."""
@@ -59,16 +65,19 @@ class Drawing:
                 modes=self.modes,
                 elements=self.elements,
                 bases=self.bases,
+                view=self.view,
                 units=self.units,
             )
             progress("drawing pictures", 1.0)
         if self.animation:
             animate_run(
-                self.folder / "motion.gif",
+                self.folder / f"motion.{self.format}",
                 *run,
                 elements=self.elements,
                 colouring=PLASTIC_STRAIN if self.colour == "plastic-strain" else None,
                 bases=self.bases,
+                film=self.film,
+                view=self.view,
                 units=self.units,
                 progress=lambda share: progress("drawing the animation", share),
             )
@@ -84,6 +93,11 @@ def check_drawing(case: Case) -> None:
         raise CaseError(
             f"{case.path}: pictures need {' and '.join(missing)}, not installed here: "
             "pip install 'supple[plot]', or give pictures = false and animation = false in [output]"
+        )
+    if output.animation and output.film.format == "mp4" and find_spec("imageio_ffmpeg") is None:
+        raise CaseError(
+            f"{case.path}: an MP4 film needs imageio-ffmpeg, not installed here: pip install 'supple[film]', "
+            'or give format = "gif" in film of [output]'
         )
 
 
@@ -111,4 +125,7 @@ def drawing_of(
         pictures=output.pictures,
         animation=output.animation,
         colour=output.colour,
+        view=output.view,
+        film=output.film.build(),
+        format=output.film.format,
     )

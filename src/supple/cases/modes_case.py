@@ -35,6 +35,7 @@ from supple.linearization import (
 from supple.machine import Spin, System
 from supple.results.mode_tables import SENSES, mode_table, speed_tables
 from supple.results.run_summary import unit_names
+from supple.results.view import View
 from supple.simulation.equilibrium import LARGEST_ERROR
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
@@ -289,18 +290,19 @@ def _drawn(modes: MachineModes) -> list[int]:
 
 
 def _draw(case: Case, modes: MachineModes, folder: Path, progress: StepProgress) -> None:
-    from supple.viz import animate_run, draw_machine, mode_titles
+    from supple.viz import animate_mode, draw_mode, mode_titles
 
     titles = mode_titles(modes.frequencies / (2 * np.pi), case.units)
-    system = replace(modes.machine.system, loads=())
-    size = system_length(system)
+    output, system = case.tables.output, replace(modes.machine.system, loads=())
+    nothing = np.zeros((1, modes.shapes.shape[0]))
+    rest = modes.machine.motion_near(nothing, nothing)
+    camera = View(output.view.camera)
     for number in _drawn(modes):
-        motion = mode_motion(modes, number, amplitude=AMPLITUDE * size)
-        stem = f"{case.path.stem}-mode-{number + 1}"
-        if case.tables.output.pictures:
-            draw_machine(
-                folder / f"{stem}.png", system, motion, case.drawn, title=titles[number], units=case.units
-            )
-        if case.tables.output.animation:
-            animate_run(folder / f"{stem}.gif", system, motion, case.drawn, units=case.units)
+        motion = mode_motion(modes, number, amplitude=AMPLITUDE * system_length(system))
+        stem, given = f"{case.path.stem}-mode-{number + 1}", (system, motion, rest, case.drawn)
+        look: dict[str, Any] = {"title": titles[number], "view": camera, "units": case.units}
+        if output.pictures:
+            draw_mode(folder / f"{stem}.png", *given, **look)
+        if output.animation:
+            animate_mode(folder / f"{stem}.{output.film.format}", *given, **look)
         progress("drawing modes", (number + 1) / len(modes.eigenvalues))

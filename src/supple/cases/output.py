@@ -7,8 +7,43 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from supple.cases.body_kinds import kinds_that
-from supple.cases.shared_rules import PlaceOf
-from supple.importers.toml import CheckedTable, Mistakes, Raw, table, tables
+from supple.cases.shared_rules import PlaceOf, joint_names
+from supple.cases.table import Key, part, table_of
+from supple.errors import ModelError
+from supple.importers.toml import CheckedTable, Mistakes, Positive, Raw, Vector, table, tables
+from supple.results.camera import Camera
+from supple.results.film import Film, RotorAngle
+from supple.results.view import View
+
+
+class FilmTable(
+    table_of(
+        Film,
+        at=part(
+            RotorAngle,
+            joint=Key(
+                str | None,
+                "name of a joint: frames are taken whenever it stands at angle: a rotor seems to stand",
+                default=None,
+            ),
+            angle=Key(float, "rad, about the z axis of the joint; zero where the machine is put together"),
+        ),
+    )
+):
+    """Which output times an animation shows, how fast, and in which format."""
+
+    format: Literal["gif", "mp4"] = Field("gif", description="mp4 needs pip install 'supple[film]'")
+
+
+class CameraTable(CheckedTable):
+    """The direction from which pictures and animation are seen."""
+
+    along: Vector = Field(description="direction of view, global")
+    up: Vector = Field(description="direction that is upright in the picture, global")
+
+    def build(self) -> Camera:
+        """The camera."""
+        return Camera.looking(along=self.along, up=self.up)
 
 
 class Output(CheckedTable):
@@ -18,13 +53,68 @@ class Output(CheckedTable):
         (), description="BODY.INTERFACE or BODY.NODE_SET whose motion is printed and drawn"
     )
     pictures: bool = Field(True, description="draw mesh, modes, motion and deformed bodies (PNG)")
-    animation: bool = Field(True, description="draw the motion (GIF)")
+    animation: bool = Field(True, description="draw the motion (GIF or MP4)")
+    film: FilmTable = Field(
+        default_factory=lambda: FilmTable.model_validate({}),
+        description="output times, speed and format of the animation",
+    )
+    camera: CameraTable | None = Field(
+        None, description="from where pictures and animation are seen; as suits the machine if left out"
+    )
+    enlargement: Positive | None = Field(
+        None,
+        description="of deflections in pictures and animation; if left out, 1 in the animation and as large "
+        "as it takes to be seen in pictures of single bodies",
+    )
     report: bool = Field(True, description="write the report for a browser (HTML): motion, curves, tables")
     colour: Literal["deflection", "von-mises", "plastic-strain"] = Field(
         "deflection",
         description="what colours animation and report; von-mises also draws contours of the largest stress; "
         "plastic-strain is of bodies in explicit elements",
     )
+
+    @property
+    def view(self) -> View:
+        """From where, and with what enlargement, machines are drawn."""
+        return View(None if self.camera is None else self.camera.build(), self.enlargement)
+
+
+def _the_film_can_be_made(raw: Raw) -> Mistakes:
+    given = table(table(raw, "output"), "film")
+    joint, joints = given.get("joint"), joint_names(raw)
+    if isinstance(joint, str) and joint not in joints:
+        there = ", ".join(joints) or "none"
+        yield ("output", "film", "joint"), f"there is no joint '{joint}'; there are: {there}"
+    if "angle" in given and joint is None:
+        yield ("output", "film", "angle"), "the angle of which joint? add joint, or remove the key"
+    numbers = {
+        key: each
+        for key, each in given.items()
+        if key in ("frames_per_second", "speed", "start", "end") and isinstance(each, int | float)
+    }
+    at = RotorAngle(joint) if isinstance(joint, str) else None
+    if all(numbers.get(key, 1.0) > 0 for key in ("frames_per_second", "speed")):
+        try:
+            Film(**numbers, at=at)
+        except ModelError as error:
+            yield ("output", "film"), str(error)
+
+
+def _the_camera_looks_somewhere(raw: Raw) -> Mistakes:
+    given = table(table(raw, "output"), "camera")
+    try:
+        CameraTable.model_validate(given).build()
+    except ModelError as error:
+        yield ("output", "camera"), str(error)
+    except ValueError:
+        return  # the schema says why
+
+
+def _what_is_enlarged_has_a_frame(raw: Raw) -> Mistakes:
+    marched = any("explicit" in body for _, body in tables(raw, "body"))
+    if marched and table(raw, "output").get("enlargement", 1) != 1:
+        message = "the motion of explicit elements is not told from their deformation; remove the key"
+        yield ("output", "enlargement"), message
 
 
 def _stress_has_elements(raw: Raw) -> Mistakes:
@@ -41,4 +131,10 @@ def _plastic_strain_has_elements(raw: Raw) -> Mistakes:
         yield ("output", "colour"), "no body is in explicit elements, which alone yield; remove the key"
 
 
-RULES = (_stress_has_elements, _plastic_strain_has_elements)
+RULES = (
+    _stress_has_elements,
+    _plastic_strain_has_elements,
+    _the_film_can_be_made,
+    _the_camera_looks_somewhere,
+    _what_is_enlarged_has_a_frame,
+)

@@ -193,8 +193,16 @@ def static_case(
             units=case.units,
         )
     if case.tables.output.pictures:
-        from supple.viz import draw_machine
+        from supple.viz import draw_rest
 
-        picture = folder / f"{case.path.stem}-static.png"
-        draw_machine(picture, found.system, found.solution, case.drawn, units=case.units)
+        draw_rest(
+            folder / f"{case.path.stem}-static.png",
+            found.system,
+            found.solution,
+            case.drawn,
+            elements=coloured_elements(case, found.system),
+            bases=case.bases,
+            view=case.tables.output.view,
+            units=case.units,
+        )
     return StaticResult(found, tracked, numbers)

@@ -1,6 +1,8 @@
-"""The edges that tell a shape: where a surface ends and where it folds."""
+"""The edges that tell a shape: where a surface ends, where it folds, and where it turns out of sight."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,13 +17,50 @@ def feature_edges(
 
     Where more than two meet, an inner wall joins the skin, and its edge is none of the outer shape.
     """
-    pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    edges, inverse, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
-    corners = nodes[triangles]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    owner = np.repeat(np.arange(len(triangles)), 3)
-    total = np.stack([np.bincount(inverse, normal[owner, i], len(edges)) for i in range(3)])
+    sides = _sides(triangles)
+    normal = _normals(nodes, triangles)
+    total = np.stack([np.bincount(sides.edge, normal[sides.owner, i], len(sides.edges)) for i in range(3)])
     # Two unit normals at an angle phi add up to the length 2 cos(phi / 2).
     folded = np.linalg.norm(total, axis=0) < 2.0 * np.cos(0.5 * fold_angle)
-    return edges[(count == 1) | ((count == 2) & folded)]
+    return sides.edges[(sides.count == 1) | ((sides.count == 2) & folded)]
+
+
+def silhouette_edges(
+    nodes: NDArray[np.float64], triangles: IntArray, towards: NDArray[np.float64]
+) -> IntArray:
+    """Edges (k, 2) between two triangles of which a viewer sees one from the front and one from behind.
+
+    towards : (3,) the viewer, who is far away. Triangles may be turned about in any way.
+    """
+    sides = _sides(triangles)
+    facing = np.sign(_normals(nodes, triangles) @ towards)
+    # Triangles that are turned alike run along their edge in opposite senses.
+    seen = np.bincount(sides.edge, sides.sense * facing[sides.owner], len(sides.edges))
+    return sides.edges[(sides.count == 2) & (np.abs(seen) == 2)]
+
+
+class _Sides(NamedTuple):
+    """The edges of triangles, and their sides: three of each.
+
+    edges : (e, 2);  count : (e,) triangles there
+    edge, owner : (3 T,) the edge and the triangle of a side;  sense : 1 from its lower node to the higher one
+    """
+
+    edges: IntArray
+    count: IntArray
+    edge: IntArray
+    owner: IntArray
+    sense: IntArray
+
+
+def _sides(triangles: IntArray) -> _Sides:
+    pairs = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges, edge, count = np.unique(np.sort(pairs, axis=1), axis=0, return_inverse=True, return_counts=True)
+    sense = np.where(pairs[:, 0] < pairs[:, 1], 1, -1)
+    return _Sides(edges, count, edge, np.repeat(np.arange(len(triangles)), 3), sense)
+
+
+def _normals(nodes: NDArray[np.float64], triangles: IntArray) -> NDArray[np.float64]:
+    corners = nodes[triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)

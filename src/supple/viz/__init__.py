@@ -5,9 +5,12 @@ from importlib.util import find_spec
 if not (find_spec("matplotlib") and find_spec("PIL")):
     raise ImportError("matplotlib and pillow draw the pictures; pip install 'supple[plot]'")
 
+from supple.results.camera import *
+from supple.results.film import Film as Film
+from supple.results.film import RotorAngle as RotorAngle
+from supple.results.view import View as View
 from supple.viz.animation import *
 from supple.viz.body_surface import *
-from supple.viz.camera import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *
 from supple.viz.eigenvalue_error import *
@@ -16,7 +19,9 @@ from supple.viz.machine_picture import *
 from supple.viz.mesh_plot import *
 from supple.viz.mode_shapes import *
 from supple.viz.response_errors import *
+from supple.viz.rest_and_mode_pictures import *
 from supple.viz.rms_error import *
+from supple.viz.run_animation import *
 from supple.viz.run_pictures import *
 from supple.viz.scene import *
 from supple.viz.self_correction import *

@@ -3,42 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from PIL import Image
 
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
-from supple.storage.atomic_write import replacing
+from supple.results.camera import Camera
+from supple.results.film import speed_words
 from supple.units import UNNAMED, UnitSystem, measured
-from supple.viz.camera import Camera
-from supple.viz.glyphs import DrawnGlyphs, Glyphs
-from supple.viz.mesh_plot import check_nodes, draw_cross, draw_length_bar
+from supple.viz.film_file import check_film, played_rate, write_film
+from supple.viz.film_stage import Array8, Moving, Stage
+from supple.viz.glyphs import Glyphs
+from supple.viz.mesh_plot import check_nodes
 from supple.viz.picture import Picture
-from supple.viz.shaded_surface import Page, carry, page_around, render
-from supple.viz.style import COLOUR_MAP, COLOURS, SURFACE_COLOUR, textbook_style
+from supple.viz.shaded_surface import Page, page_around
+from supple.viz.style import textbook_style
 
 __all__ = ["Traces", "animate"]
 
 Array = NDArray[np.float64]
-Array8 = NDArray[np.uint8]
-
-_PIXELS_PER_INCH = 100
-# Height of the strip with the colour bar, its numbers and its label.
-_BAR_PIXELS = 72
-# Place of white in an animation's palette.
-_WHITE = 255
+IntArray = NDArray[np.int64]
 
 
 class Traces(NamedTuple):
@@ -52,6 +40,9 @@ class Traces(NamedTuple):
     points: Array
 
 
+_NO_TRACES = Traces(np.zeros(0), np.zeros((0, 0, 3)))
+
+
 def animate(
     path: Path | str,
     times: Array,
@@ -63,16 +54,22 @@ def animate(
     values_label: str = "",
     traces: Traces | None = None,
     camera: Camera | None = None,
+    undeformed: Array | None = None,
+    caption: str = "",
+    shown: IntArray | None = None,
     frames_per_second: float = 20.0,
     n_columns: int = 640,
     units: UnitSystem = UNNAMED,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Animate a body in space as a GIF that repeats, one frame per given time.
+    """Animate a body in space, a frame for each given time: a GIF, which repeats, or an MP4.
+
+    Time and speed (time shown per second of the film, as a share of real time) are written in it.
 
     Parameters
     ----------
-    times : array (t,)              shown in the picture
+    path : ends in .gif or .mp4; an MP4 needs ffmpeg (`pip install 'supple[film]'`)
+    times : array (t,)
     positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
     skin : Skin                     what is seen of the mesh; None with positions (t, 0, 3)
     glyphs : Glyphs                 of what has no mesh, at the same times
@@ -80,148 +77,77 @@ def animate(
     values_label : str              what they are, with their unit, under a colour bar; no bar without
     traces : Traces                 of points whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
-    frames_per_second : float       up to 50, which is as fast as viewers play
+    undeformed : array (N, 3)       its outline is drawn pale, behind
+    caption : str                   written in the upper left corner
+    shown : int array (f,)          numbers of the times that the frames show, if not each once
+    frames_per_second : float       up to 50; a GIF plays the nearest 100 / k, k whole
     n_columns : int                 pixels across
     units : UnitSystem              what the length bar and the clock are in
     progress : callable             called with the share of frames done, ending at 1
 
     Raises
     ------
-    ModelError          no frames, arrays of other shapes or not finite, a rate out of range
-    ResultFileError     the file cannot be written
+    ModelError              no frames, arrays of other shapes or not finite, a rate out of range
+    MissingPackageError     an MP4 without imageio-ffmpeg
+    ResultFileError         the file cannot be written
     """
-    _check(path, times, positions, skin, values, frames_per_second)
+    check_film(path, frames_per_second)
+    _check(times, positions, skin, values)
     _check_glyphs(glyphs, skin, len(times))
-    traces = traces or Traces(np.zeros(0), np.zeros((0, 0, 3)))
+    traces = traces or _NO_TRACES
     _check_traces(traces)
     if values_label and values is None:
         raise ModelError(f"cannot draw a colour bar of '{values_label}': give the values, too")
-    seen = positions if glyphs is None else np.concatenate([positions, glyphs.points], axis=1)
-    camera = camera or Camera.three_quarter(seen.reshape(-1, 3))
-    margin = 0.04 if glyphs is None else 0.08  # marks reach beyond their places
-    gone = camera.project(traces.points)[0]
-    corners = np.concatenate([camera.project(seen)[0].reshape(-1, 2), gone.reshape(-1, 2)])
-    page = page_around(corners, n_columns, margin=margin, least_aspect=0.25)
-    scale = ScalarMappable(cmap=colormaps[COLOUR_MAP].with_extremes(bad=SURFACE_COLOUR))
-    if values is not None:
-        scale.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))
-
-    def colouring(value: Array) -> Array:
-        return scale.to_rgba(value)[:, :3]
-
+    rate = played_rate(path, frames_per_second)
+    shown = np.arange(len(times)) if shown is None else shown
+    seen = [positions] if glyphs is None else [positions, glyphs.points]
+    camera = camera or Camera.three_quarter(np.concatenate(seen, axis=1).reshape(-1, 3))
+    reached = np.searchsorted(traces.times, times, side="right")
+    clock = partial(_clock_words, times, speed_words(times[shown], rate, units), units)
+    moving = Moving(positions, skin, glyphs, values, traces.points, reached, clock)
+    rest = [] if undeformed is None else [undeformed]
+    page = _page(camera, [*seen, traces.points, *rest], n_columns, is_marked=glyphs is not None)
     with textbook_style():
-        figure, axes = _stage(page, scale, values_label)
-        canvas = FigureCanvasAgg(figure)
-        carry(axes, page)
-        image = _Pixels(figure.bbox.height - page.n_rows)
-        axes.add_artist(image)
-        drawn = None if glyphs is None else DrawnGlyphs(axes, glyphs, camera)
-        draw_cross(axes, camera)
-        draw_length_bar(axes, page, units)
-        clock = axes.text(0.98, 0.97, "", transform=axes.transAxes, ha="right", va="top")
-        paths = [
-            axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0] for _ in range(gone.shape[1])
-        ]
-        reached = np.searchsorted(traces.times, times, side="right")
-        frames, digits = [], _digits(times)
-        # What does not move, the bar and its numbers, is drawn once.
-        axes.set_visible(False)
-        canvas.draw()
-        axes.set_visible(True)
-        still = canvas.copy_from_bbox(figure.bbox)
-        for i, time in enumerate(times):
-            frame_values = None if values is None else values[i]
-            if skin is not None:
-                picture = render(positions[i], skin, camera, page, values=frame_values, colouring=colouring)
-                image.rows = (255.0 * picture + 0.5).astype(np.uint8)
-            if drawn is not None:
-                drawn.show(i)
-            clock.set_text(measured(f"t = {time:.{digits}f}", units.time))
-            for k, line in enumerate(paths):
-                line.set_data(*gone[: reached[i], k].T)
-            canvas.restore_region(still)
-            axes.draw(canvas.get_renderer())
-            frames.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-            if progress is not None:
-                progress((i + 1) / len(times))
-    _save_gif(Path(path), frames, frames_per_second)
+        stage = Stage(
+            page, camera, moving, label=values_label, caption=caption, undeformed=undeformed, units=units
+        )
+        write_film(Path(path), _drawn_once(stage, shown, progress), len(shown), rate)
     return Picture(path)
 
 
-class _Pixels(Artist):
-    """A picture with the pixels of the animation: matplotlib's own images are resampled for every frame."""
+def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: bool) -> Page:
+    """The page that shows all points; marks reach beyond their places."""
+    corners = np.concatenate([camera.project(each)[0].reshape(-1, 2) for each in points])
+    return page_around(corners, n_columns, margin=0.08 if is_marked else 0.04, least_aspect=0.25)
 
-    zorder = 2.0
 
-    def __init__(self, bottom: float) -> None:
-        super().__init__()
-        self._bottom = round(bottom)
-        self.rows: Array8 | None = None
-        """(rows, columns, 4), from the bottom row"""
+def _drawn_once(
+    stage: Stage, shown: IntArray, progress: Callable[[float], None] | None
+) -> Callable[[int], Array8]:
+    """Frames by their number, one that is shown again taken from before; progress as they are asked for."""
+    last, done = (-1, np.zeros((0, 0, 3), dtype=np.uint8)), set()
 
-    def draw(self, renderer: RendererBase) -> None:
-        """Lay it over what lies behind."""
-        if self.rows is None:
-            return
-        context = renderer.new_gc()
-        renderer.draw_image(context, 0, self._bottom, self.rows)
-        context.restore()
+    def frame(number: int) -> Array8:
+        nonlocal last
+        if last[0] != shown[number]:
+            last = int(shown[number]), stage.frame(int(shown[number]))
+        if progress is not None and number not in done:
+            done.add(number)
+            progress(len(done) / len(shown))
+        return last[1]
+
+    return frame
+
+
+def _clock_words(times: Array, speed: str, units: UnitSystem, number: int) -> str:
+    """The time of a frame and, below, the speed of the film."""
+    return measured(f"t = {times[number]:.{_digits(times)}f}", units.time) + (f"\n{speed}" if speed else "")
 
 
 def _digits(times: Array) -> int:
     """Decimals by which one frame's time differs from the next one's, two at least."""
     step = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     return max(2, int(np.ceil(-np.log10(step)))) if step > 0.0 else 2
-
-
-def _stage(page: Page, scale: ScalarMappable, label: str) -> tuple[Figure, Axes]:
-    """Axes as large as the page, pixel for pixel, over a bar of the colours where they have a label."""
-    bar = _BAR_PIXELS if label else 0
-    n_rows = page.n_rows + bar
-    figure = Figure(
-        figsize=(page.n_columns / _PIXELS_PER_INCH, n_rows / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH
-    )
-    axes = figure.add_axes((0.0, bar / n_rows, 1.0, page.n_rows / n_rows))
-    if label:
-        rim = figure.add_axes((0.25, 0.72 * bar / n_rows, 0.5, 0.16 * bar / n_rows))
-        figure.colorbar(scale, cax=rim, orientation="horizontal", label=label)
-    return figure, axes
-
-
-def _save_gif(path: Path, frames: list[Array8], frames_per_second: float) -> None:
-    palette = _common_palette(frames)
-    indexed = [_indexed(frame, palette) for frame in frames]
-    with replacing(path) as temporary:
-        indexed[0].save(
-            temporary,
-            format="GIF",
-            save_all=True,
-            append_images=indexed[1:],
-            duration=round(1000.0 / frames_per_second),
-            loop=0,
-            # A third smaller otherwise, for half of the time that all of the animation takes.
-            optimize=False,
-        )
-
-
-def _common_palette(frames: list[Array8]) -> Image.Image:
-    """255 colours from frames all over the animation, so that they do not flicker, and white as the last."""
-    sample = np.concatenate([frames[i] for i in np.unique(np.linspace(0, len(frames) - 1, 9).astype(int))])
-    palette = Image.fromarray(sample).quantize(_WHITE, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    colours = np.full((256, 3), 255)
-    found = np.array(palette.getpalette()).reshape(-1, 3)[:_WHITE]
-    colours[: len(found)] = found
-    palette.putpalette(colours.reshape(-1).tolist())
-    return palette
-
-
-def _indexed(frame: Array8, palette: Image.Image) -> Image.Image:
-    """The frame in colours of the palette; Pillow's approximate search would tint the white page."""
-    places = np.array(Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE))
-    places[(frame[..., 0] & frame[..., 1] & frame[..., 2]) == 255] = _WHITE
-    indexed = Image.fromarray(places)
-    indexed.putpalette(palette.getpalette() or [])
-    return indexed
 
 
 def _check_traces(traces: Traces) -> None:
@@ -242,16 +168,7 @@ def _check_glyphs(glyphs: Glyphs | None, skin: Skin | None, n_times: int) -> Non
         raise ModelError(f"cannot animate glyphs at {len(glyphs.lines)} times beside {n_times} frames")
 
 
-def _check(
-    path: Path | str,
-    times: Array,
-    positions: Array,
-    skin: Skin | None,
-    values: Array | None,
-    frames_per_second: float,
-) -> None:
-    if Path(path).suffix.lower() != ".gif":
-        raise ModelError(f"cannot animate {path}: animations are GIF files; end the path in .gif")
+def _check(times: Array, positions: Array, skin: Skin | None, values: Array | None) -> None:
     if positions.ndim != 3 or len(positions) != len(times) or not len(times):
         raise ModelError(
             f"cannot animate positions of shape {np.shape(positions)} at {len(times)} times: "
@@ -266,8 +183,4 @@ def _check(
         raise ModelError(
             f"cannot colour by values of shape {values.shape}: "
             f"give finite ones of shape {positions.shape[:2]}, NaN where a body has none"
-        )
-    if not 0.0 < frames_per_second <= 50.0:
-        raise ModelError(
-            f"cannot animate at {frames_per_second} frames per second: give more than 0, at most 50"
         )

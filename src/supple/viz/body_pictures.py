@@ -1,8 +1,9 @@
-"""Pictures of one elastic body of a run: its modes, its largest deflection, its largest stress."""
+"""Pictures of one elastic body of a run: its mesh, its modes, its largest deflection, its largest stress."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,11 @@ from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import deflections, largest_stress, observer, observer_of, von_mises_by_end
 from supple.reduction import BodyModes, ReducedBody, clamped_modes
 from supple.results.run_summary import N_DRAWN_MODES
+from supple.results.view import View, enlarged_words
 from supple.units import UnitSystem, measured
 from supple.viz.body_surface import BodySurface
 from supple.viz.contour import plot_contour, stress_field
+from supple.viz.glyphs import GROUND_STYLE, Glyphs, Mark
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.style import as_written
@@ -28,20 +31,59 @@ N_INSTANTS = 200
 VISIBLE = 0.08
 
 
-def draw_modes(
-    path: Path, body: ReducedBody, modes: BodyModes | None, surface: BodySurface, units: UnitSystem
-) -> Path:
+@dataclass(frozen=True, eq=False)
+class DrawnBody:
+    """A body, its surface, and how it is looked at in its mesh axes."""
+
+    body: BodyForm
+    surface: BodySurface
+    view: View
+    units: UnitSystem
+
+    @property
+    def title(self) -> str:
+        """Its name."""
+        return as_written(self.body.name)
+
+
+def draw_mesh(path: Path, drawn: DrawnBody) -> Path:
+    """The body undeformed."""
+    surface = drawn.surface
+    return plot_mesh(
+        path,
+        surface.rest,
+        surface.skin,
+        glyphs=surface.glyphs(surface.mesh.nodes[None]),
+        camera=drawn.view.camera,
+        title=drawn.title,
+        units=drawn.units,
+    )
+
+
+def draw_modes(path: Path, drawn: DrawnBody, body: ReducedBody, modes: BodyModes | None) -> Path:
     """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
+    clamped_at = body.interfaces[0] if body.interfaces else None
+    held = "fixed in its floating frame" if clamped_at is None else f"clamped at {clamped_at.name}"
+    place = None if clamped_at is None else clamped_at.position
+    if modes is None and clamped_at is not None:
+        held += ", of its basis"
+        modes = clamped_modes(body, clamped_at.name, n_modes=N_DRAWN_MODES)
     if modes is not None:
-        titles = mode_titles(modes.frequencies / (2 * np.pi), units)
-        return _plot_modes(path, surface, modes.shapes, modes.rotations, titles)
-    if body.interfaces:
-        modes = clamped_modes(body, body.interfaces[0].name, n_modes=N_DRAWN_MODES)
-        titles = _of_basis(mode_titles(modes.frequencies / (2 * np.pi), units))
-        return _plot_modes(path, surface, modes.shapes, modes.rotations, titles)
+        return _plot_modes(path, drawn, modes, held, place)
     values, vectors = np.linalg.eigh(body.stiffness)
-    titles = _of_basis(mode_titles(np.sqrt(values[:N_DRAWN_MODES]) / (2 * np.pi), units))
-    return _plot_modes(path, surface, *_linear_shapes(body, vectors[:, :N_DRAWN_MODES].T), titles)
+    shapes, rotations = _linear_shapes(body, vectors[:, :N_DRAWN_MODES].T)
+    modes = BodyModes(np.sqrt(values[:N_DRAWN_MODES]), shapes, rotations=rotations)
+    return _plot_modes(path, drawn, modes, f"{held}, of its basis", None)
+
+
+def draw_intrinsic_modes(path: Path, drawn: DrawnBody, body: IntrinsicBody) -> Path:
+    """Its lowest elastic modes on the support of its root."""
+    number, n_free = min(N_DRAWN_MODES, body.n_coordinates), body.support.free.shape[1]
+    shapes, rotations = _linear_shapes(body, np.eye(body.n_coordinates)[:number])
+    omega = body.modes.omega[body.modes.n_rigid :][:number]
+    held = {0: "clamped at its root", 6: "free"}.get(n_free, f"its root free in {n_free} of 6 directions")
+    place = None if n_free == 6 else body.interfaces[0].position
+    return _plot_modes(path, drawn, BodyModes(omega, shapes, rotations=rotations), held, place)
 
 
 def _linear_shapes(body: BodyForm, amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
@@ -52,21 +94,27 @@ def _linear_shapes(body: BodyForm, amplitudes: np.ndarray) -> tuple[np.ndarray, 
     return shapes, body.nodal_fields(amplitudes)[0].T.reshape(len(amplitudes), -1, 6)[..., 3:]
 
 
-def _plot_modes(
-    path: Path, surface: BodySurface, shapes: np.ndarray, rotations: np.ndarray | None, titles: list[str]
-) -> Path:
+def _plot_modes(path: Path, drawn: DrawnBody, modes: BodyModes, held: str, place: np.ndarray | None) -> Path:
+    """The shapes of modes, and the place at which the body is held, if there is one."""
+    surface = drawn.surface
+
+    def glyphs(places: np.ndarray) -> Glyphs | None:
+        own = surface.glyphs(places[:, : surface.mesh.n_nodes])
+        if place is None:
+            return own
+        ground = Mark(GROUND_STYLE, np.tile(place, (len(places), 1)))
+        return Glyphs(np.empty((len(places), 0, 2, 3)), (ground,)).beside([] if own is None else [own])
+
     return plot_mode_shapes(
         path,
         surface.rest,
         surface.skin,
-        _of_one_sign(surface.shaped(shapes, rotations)),
-        titles,
-        glyphs=lambda places: surface.glyphs(places[:, : surface.mesh.n_nodes]),
+        _of_one_sign(surface.shaped(modes.shapes, modes.rotations)),
+        mode_titles(modes.frequencies / (2 * np.pi), drawn.units),
+        title=f"{drawn.title}, {as_written(held)}",
+        glyphs=glyphs,
+        camera=drawn.view.camera,
     )
-
-
-def _of_basis(titles: list[str]) -> list[str]:
-    return [f"basis, {title}" for title in titles]
 
 
 def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
@@ -81,81 +129,64 @@ def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
     return shapes * signs[:, None, None]
 
 
-def draw_intrinsic_modes(path: Path, body: IntrinsicBody, surface: BodySurface, units: UnitSystem) -> Path:
-    """Its lowest elastic modes on the support of its root."""
-    number = min(N_DRAWN_MODES, body.n_coordinates)
-    titles = mode_titles(body.modes.omega[body.modes.n_rigid :][:number] / (2 * np.pi), units)
-    return _plot_modes(path, surface, *_linear_shapes(body, np.eye(body.n_coordinates)[:number]), titles)
-
-
 def draw_deformed(
-    path: Path,
-    body: BodyForm,
-    run: tuple[System, Solution],
-    bases: Mapping[str, At],
-    surface: BodySurface,
-    units: UnitSystem,
+    path: Path, drawn: DrawnBody, system: System, solution: Solution, bases: Mapping[str, At]
 ) -> Path:
     """The body when it is bent most, enlarged if that were too little to see."""
-    system, solution = run
+    body, surface = drawn.body, drawn.surface
     instants, motion = _sampled(body, solution)
     displaced = deflections(body, motion, observer_of(system, solution, body.name, bases, instants))
     worst = int(np.argmax(np.linalg.norm(displaced, axis=2).max(axis=1)))
     then = instants[[worst]]
     moved = solution.bodies[body.name].at(then)
     seen_from = observer_of(system, solution, body.name, bases, then) or observer(body, moved)
-    scale, enlarged = _enlargement(body, displaced[worst])
+    scale = drawn.view.enlargement or visible_enlargement(body, displaced[worst])
     points = surface.deflections(body, moved, seen_from)[0]
     return plot_mesh(
         path,
         surface.rest + scale * points,
         surface.skin,
-        colour_by=displacement_magnitude(points, units),
+        colour_by=displacement_magnitude(points, drawn.units),
         undeformed=surface.rest,
         glyphs=surface.glyphs((body.nodes + scale * displaced[worst])[None]),
-        title=_title(body, float(solution.times[then[0]]), enlarged, units),
-        units=units,
+        camera=drawn.view.camera,
+        title=_title(drawn, float(solution.times[then[0]]), scale),
+        units=drawn.units,
     )
 
 
-def _enlargement(body: BodyForm, displaced: np.ndarray) -> tuple[float, str]:
-    """Factor that makes displacements (N, 3) large enough to see, and what to say of it."""
+def visible_enlargement(body: BodyForm, displaced: np.ndarray) -> float:
+    """The factor, one at least, that makes displacements (N, 3) large enough to see."""
     size = float(np.linalg.norm(displaced, axis=1).max())
     diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
-    scale = max(1.0, VISIBLE * diagonal / size) if size > 0 else 1.0
-    return scale, "true to scale" if scale == 1.0 else f"enlarged {scale:.3g} times"
+    return max(1.0, VISIBLE * diagonal / size) if size > 0 else 1.0
 
 
-def _title(body: BodyForm, time: float, enlarged: str, units: UnitSystem) -> str:
-    return f"{as_written(body.name)} at {measured(f't = {time:.4g}', units.time)}, deflection {enlarged}"
+def _title(drawn: DrawnBody, time: float, scale: float) -> str:
+    return f"{drawn.title} at {measured(f't = {time:.4g}', drawn.units.time)}, {enlarged_words(scale)}"
 
 
-def draw_stress(
-    path: Path,
-    body: BodyForm,
-    model: FiniteElementModel,
-    surface: BodySurface,
-    solution: Solution,
-    units: UnitSystem,
-) -> Path:
+def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solution: Solution) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
+    body, surface = drawn.body, drawn.surface
     motion = solution.bodies[body.name]
     worst = largest_stress(body, model, motion.coordinates).instant
     then = motion.at(np.array([worst]))
     stress = von_mises_by_end(body, model, then.coordinates)[0]
     displaced = deflections(body, then)[0]
-    scale, enlarged = _enlargement(body, displaced)
+    scale = drawn.view.enlargement or visible_enlargement(body, displaced)
     points = surface.deflections(body, then, observer(body, then))[0]
     return plot_contour(
         path,
         surface.rest + scale * points,
         surface.skin,
-        stress_field(surface.at_points(stress[None])[0], units),
+        stress_field(surface.at_points(stress[None])[0], drawn.units),
         node_ids=surface.mesh.node_ids[surface.nodes],
         undeformed=surface.rest,
         glyphs=surface.glyphs((body.nodes + scale * displaced)[None]),
-        title=_title(body, float(solution.times[worst]), enlarged, units),
-        units=units,
+        camera=drawn.view.camera,
+        title=_title(drawn, float(solution.times[worst]), scale),
+        units=drawn.units,
     )
 
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
+from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, labelled
-from supple.viz.camera import Camera
 from supple.viz.glyphs import Glyphs
 from supple.viz.mesh_plot import N_COLUMNS, NodalField, check_nodes, checked_values, draw_surface
 from supple.viz.shaded_surface import Page, is_seen

@@ -17,7 +17,7 @@ from supple.body import RigidBody, in_space
 from supple.integrate import Solution
 from supple.machine import GROUND, At, Joint, System
 from supple.quantities import tracked_motion
-from supple.viz.camera import Camera
+from supple.results.camera import Camera
 from supple.viz.style import COLOURS, INK, PALE_INK
 
 __all__ = ["Glyphs", "glyphs_of"]
@@ -154,8 +154,10 @@ class DrawnGlyphs:
         for drawn, places in zip(self._marks, self._places, strict=True):
             drawn.set_offsets(places[instant])
 
-    def legend(self, axes: Axes) -> Legend:
-        """What each mark means, once a kind, under the axes."""
+    def legend(self, axes: Axes) -> Legend | None:
+        """What each mark means, once a kind, under the axes; none without marks."""
+        if not self._marks:
+            return None
         first = {style.name: drawn for style, drawn in zip(self._styles, self._marks, strict=True)}
         return axes.legend(
             list(first.values()),

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
+from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem
-from supple.viz.camera import Camera
-from supple.viz.glyphs import DrawnGlyphs, Glyphs
-from supple.viz.mesh_plot import N_COLUMNS, draw_cross, draw_length_bar
-from supple.viz.shaded_surface import page_around, render, show
-from supple.viz.style import TEXT_WIDTH, new_figure, save_figure, textbook_style
+from supple.viz.glyphs import Glyphs
+from supple.viz.mesh_plot import NodalField, draw_surface
+from supple.viz.style import save_figure, textbook_style
 
 __all__ = ["plot_machine"]
 
@@ -27,6 +26,8 @@ def plot_machine(
     skin: Skin | None,
     glyphs: Glyphs,
     *,
+    colour_by: NodalField | None = None,
+    undeformed: Array | None = None,
     camera: Camera | None = None,
     title: str = "",
     units: UnitSystem = UNNAMED,
@@ -35,10 +36,12 @@ def plot_machine(
 
     Parameters
     ----------
-    nodes : array (N, 3)        of the skin, at one instant; (0, 3) without one
-    glyphs : Glyphs             of that instant
-    camera : Camera             a three-quarter view by default
-    units : UnitSystem          what the length bar is in
+    nodes : array (N, 3)            of the skin, at one instant; (0, 3) without one
+    glyphs : Glyphs                 of that instant
+    colour_by : NodalField          colours and colour bar; one plain colour without
+    undeformed : array (N, 3)       its outline is drawn pale, behind
+    camera : Camera                 a three-quarter view by default
+    units : UnitSystem              what the length bar is in
 
     Raises
     ------
@@ -47,17 +50,15 @@ def plot_machine(
     """
     if skin is None and glyphs.is_empty:
         raise ModelError(f"cannot draw {path}: give a skin, or glyphs")
-    everything = np.concatenate([nodes, glyphs.points[0]])
-    camera = camera or Camera.three_quarter(everything)
-    page = page_around(camera.project(everything)[0], N_COLUMNS, margin=0.08)
     with textbook_style():
-        figure = new_figure(TEXT_WIDTH * page.n_rows / page.n_columns + 0.5 + 0.3 * bool(title))
-        axes = figure.subplots()
-        empty = np.zeros((page.n_rows, page.n_columns, 4))
-        show(axes, empty if skin is None else render(nodes, skin, camera, page), page)
-        drawn = DrawnGlyphs(axes, glyphs, camera)
-        drawn.legend(axes)
-        draw_cross(axes, camera)
-        draw_length_bar(axes, page, units)
-        axes.set_title(title)
+        figure, _, _ = draw_surface(
+            nodes,
+            skin,
+            colour_by=colour_by,
+            undeformed=undeformed,
+            glyphs=glyphs,
+            camera=camera,
+            title=title,
+            units=units,
+        )
         return save_figure(figure, path)

@@ -16,10 +16,10 @@ from matplotlib.transforms import Affine2D, Affine2DBase, ScaledTranslation, Tra
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.mesh.feature_edges import feature_edges
+from supple.mesh.feature_edges import feature_edges, silhouette_edges
 from supple.mesh.skin import Skin
+from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, labelled, measured
-from supple.viz.camera import Camera
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.shaded_surface import Page, page_around, render, show
 from supple.viz.style import (
@@ -106,7 +106,7 @@ def plot_mesh(
 
 def draw_surface(
     nodes: Array,
-    skin: Skin,
+    skin: Skin | None,
     *,
     colour_by: NodalField | None,
     undeformed: Array | None,
@@ -118,16 +118,20 @@ def draw_surface(
 ) -> tuple[Figure, Axes, Camera]:
     """The picture of plot_mesh before it is saved, to be drawn inside textbook_style.
 
+    skin : None with nodes (0, 3), where there are glyphs alone
     scale : ScalarMappable      from values to colours; the whole range of the field when omitted
     """
-    check_nodes(nodes, skin)
-    if undeformed is not None:
-        check_nodes(undeformed, skin)
+    for each in (nodes, undeformed):
+        if skin is not None and each is not None:
+            check_nodes(each, skin)
     rest = nodes if undeformed is None else undeformed
-    camera = camera or Camera.three_quarter(rest)
-    page = page_around(camera.project(np.concatenate([nodes, rest]))[0], N_COLUMNS)
+    seen = [nodes, rest] if glyphs is None else [nodes, rest, glyphs.points[0]]
+    camera = camera or Camera.three_quarter(np.concatenate(seen[1:]))
+    margin = 0.04 if glyphs is None else 0.08  # marks reach beyond their places
+    page = page_around(camera.project(np.concatenate(seen))[0], N_COLUMNS, margin=margin)
     height = TEXT_WIDTH * page.n_rows / page.n_columns
-    figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title))
+    marked = glyphs is not None and bool(glyphs.marks)
+    figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title) + 0.3 * marked)
     axes = figure.subplots()
     values, colours = None, scale or ScalarMappable(cmap=COLOUR_MAP)
     colours.set_cmap(colours.get_cmap().with_extremes(bad=SURFACE_COLOUR))
@@ -136,14 +140,16 @@ def draw_surface(
         if scale is None:
             colours.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))
         figure.colorbar(colours, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30)
-    picture = render(
-        nodes, skin, camera, page, values=values, colouring=lambda value: colours.to_rgba(value)[:, :3]
-    )
-    if undeformed is not None:
-        draw_outline(axes, undeformed, skin, camera)
+    picture = np.zeros((page.n_rows, page.n_columns, 4))
+    if skin is not None:
+        picture = render(
+            nodes, skin, camera, page, values=values, colouring=lambda value: colours.to_rgba(value)[:, :3]
+        )
+        if undeformed is not None:
+            draw_outline(axes, undeformed, skin, camera)
     show(axes, picture, page)
     if glyphs is not None:
-        DrawnGlyphs(axes, glyphs, camera)
+        DrawnGlyphs(axes, glyphs, camera).legend(axes)
     draw_cross(axes, camera)
     draw_length_bar(axes, page, units)
     axes.set_title(title)
@@ -165,9 +171,12 @@ def check_nodes(nodes: Array, skin: Skin) -> None:
 
 
 def draw_outline(axes: Axes, nodes: Array, skin: Skin, camera: Camera) -> None:
-    """The rims and folds of a surface as pale lines."""
+    """The rims and folds of a surface as pale lines, and where it turns out of sight, as round ones do."""
     plane, _ = camera.project(nodes)
-    edges = feature_edges(nodes, skin.triangles)
+    towards = camera.axes[2]
+    edges = np.concatenate(
+        [feature_edges(nodes, skin.triangles), silhouette_edges(nodes, skin.triangles, towards)]
+    )
     axes.add_collection(
         LineCollection(list(plane[edges]), colors=PALE_INK, linewidths=0.5, zorder=1.0), autolim=False
     )

@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
 from supple.mesh.skin import Skin
+from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, measured, plain_number
-from supple.viz.camera import Camera
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import check_nodes, draw_cross, draw_outline
 from supple.viz.shaded_surface import page_around, render, show
@@ -41,6 +42,7 @@ def plot_mode_shapes(
     modes: Array,
     titles: Sequence[str],
     *,
+    title: str = "",
     n_columns: int = 2,
     amplitude: float = 0.1,
     glyphs: Callable[[Array], Glyphs | None] = lambda _: None,
@@ -48,11 +50,14 @@ def plot_mode_shapes(
 ) -> Path:
     """Draw modes in rows of n_columns, each coloured by its amplitude over the outline of the body at rest.
 
+    How large the amplitude is drawn is written above them.
+
     Parameters
     ----------
     nodes : array (N, 3)            at rest
     modes : array (m, N, 3)         displacements; their scale is free
     titles : str, one per mode      such as those of `mode_titles`
+    title : str                     of all, such as how the body is held
     amplitude : float               largest displacement drawn, as a share of the body's diagonal
     glyphs : callable               of positions (m, N, 3), drawn with each mode
     camera : Camera                 a three-quarter view by default
@@ -63,6 +68,55 @@ def plot_mode_shapes(
     ResultFileError     the file cannot be written
     """
     check_nodes(nodes, skin)
+    length = _checked_lengths(nodes, modes, titles, n_columns)
+    largest = length.max(axis=1)
+    camera = camera or Camera.three_quarter(nodes)
+    reach = amplitude * np.linalg.norm(np.ptp(nodes, axis=0))
+    shapes = nodes + modes * (reach / largest)[:, None, None]
+
+    beside = glyphs(shapes)
+    n_columns = min(n_columns, len(modes))
+    n_rows = -(-len(modes) // n_columns)
+    cell = TEXT_WIDTH / n_columns
+    margin = 0.04 if beside is None else 0.08  # marks reach beyond their places
+    everything = camera.project(np.concatenate([nodes[None], shapes]))[0]
+    page = page_around(everything, round(cell * _PIXELS_PER_INCH), margin=margin, least_aspect=0.2)
+    colours = ScalarMappable(Normalize(0.0, 1.0), COLOUR_MAP)
+    with textbook_style():
+        figure = new_figure(n_rows * (cell * page.n_rows / page.n_columns + 0.22) + 0.9)
+        grid = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
+        for i, (axes, shape, name) in enumerate(zip(grid, shapes, titles, strict=False)):
+            picture = render(
+                shape,
+                skin,
+                camera,
+                page,
+                values=length[i] / largest[i],
+                colouring=lambda v: colours.to_rgba(v)[:, :3],
+            )
+            draw_outline(axes, nodes, skin, camera)
+            show(axes, picture, page)
+            if beside is not None:
+                DrawnGlyphs(axes, beside, camera).show(i)
+            axes.set_title(name, fontsize=8.5, pad=2.0)
+        for axes in grid[len(modes) :]:
+            axes.set_axis_off()
+        draw_cross(grid[0], camera)
+        figure.colorbar(
+            colours,
+            ax=list(grid),
+            location="bottom",
+            label="displacement, share of the largest",
+            shrink=0.4,
+            aspect=30,
+        )
+        drawn = f"largest displacement drawn as {100 * amplitude:.3g} % of the size"
+        figure.suptitle(f"{title}; {drawn}" if title else drawn, fontsize=9.0)
+        return save_figure(figure, path)
+
+
+def _checked_lengths(nodes: Array, modes: Array, titles: Sequence[str], n_columns: int) -> Array:
+    """The lengths (m, N) of the displacements of modes that can be drawn."""
     if modes.ndim != 3 or not len(modes) or modes.shape[1:] != nodes.shape or len(titles) != len(modes):
         raise ModelError(
             f"cannot draw modes of shape {modes.shape} with {len(titles)} titles over nodes "
@@ -75,35 +129,4 @@ def plot_mode_shapes(
     drawable = np.isfinite(largest) & (largest > 0.0)
     if not drawable.all():
         raise ModelError(f"mode {int(np.argmin(drawable)) + 1} has no finite displacement to draw")
-    camera = camera or Camera.three_quarter(nodes)
-    reach = amplitude * np.linalg.norm(np.ptp(nodes, axis=0))
-    shapes = nodes + modes * (reach / largest)[:, None, None]
-
-    beside = glyphs(shapes)
-    n_columns = min(n_columns, len(modes))
-    n_rows = -(-len(modes) // n_columns)
-    cell = TEXT_WIDTH / n_columns
-    everything = camera.project(np.concatenate([nodes[None], shapes]))[0]
-    page = page_around(everything, round(cell * _PIXELS_PER_INCH), least_aspect=0.2)
-    colours = colormaps[COLOUR_MAP]
-    with textbook_style():
-        figure = new_figure(n_rows * (cell * page.n_rows / page.n_columns + 0.22) + 0.1)
-        grid = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
-        for i, (axes, shape, title) in enumerate(zip(grid, shapes, titles, strict=False)):
-            picture = render(
-                shape,
-                skin,
-                camera,
-                page,
-                values=length[i] / largest[i],
-                colouring=lambda v: colours(v)[:, :3],
-            )
-            draw_outline(axes, nodes, skin, camera)
-            show(axes, picture, page)
-            if beside is not None:
-                DrawnGlyphs(axes, beside, camera).show(i)
-            axes.set_title(title, fontsize=8.5, pad=2.0)
-        for axes in grid[len(modes) :]:
-            axes.set_axis_off()
-        draw_cross(grid[0], camera)
-        return save_figure(figure, path)
+    return length

@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from supple.mesh.skin import Skin
-from supple.viz.camera import Camera
+from supple.results.camera import Camera
 from supple.viz.depth_buffer import visible_triangles
 from supple.viz.style import SURFACE_COLOUR
 

@@ -30,6 +30,10 @@ __all__ = ["Panel", "Series", "plot_time_history"]
 
 _LARGE = 1e4
 """Values from here on are written with k, M, G."""
+NOISE = 1e-6
+"""Of the largest value of its like: what is smaller is drawn as zero."""
+_LEAST_SPAN = 10 * NOISE
+"""Of an axis, so that noise on a constant does not fill it."""
 
 
 @dataclass(frozen=True)
@@ -59,17 +63,30 @@ class Series:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes: what is measured (with its unit) and the curves."""
+    """One set of axes: what is measured (with its unit) and the curves.
+
+    like : the largest magnitude of the same quantity, in other panels too; of these curves when left out.
+        What is below 1e-6 of it is drawn as zero, and no noise on a constant fills the axes
+    """
 
     quantity: str
     series: Sequence[Series]
+    like: float | None = None
+
+    @property
+    def largest(self) -> float:
+        """The magnitude that its values are held against."""
+        if self.like is not None:
+            return self.like
+        return max(float(np.abs(each.values[np.isfinite(each.values)]).max()) for each in self.series)
 
 
 def plot_time_history(
-    path: Path | str, panels: Sequence[Panel], *, n_columns: int = 1, units: UnitSystem = UNNAMED
+    path: Path | str, panels: Sequence[Panel | None], *, n_columns: int = 1, units: UnitSystem = UNNAMED
 ) -> Path:
     """Draw panels of curves over a common time axis, with one legend where all panels share their labels.
 
+    panels : row by row; None leaves a place empty
     n_columns : panels beside each other, in rows; with several, a label has one colour in all of them
 
     Raises
@@ -77,39 +94,53 @@ def plot_time_history(
     ModelError          no panel, or a panel without curves
     ResultFileError     the file cannot be written
     """
-    if not panels or not all(panel.series for panel in panels):
+    drawn = [panel for panel in panels if panel is not None]
+    if not drawn or not all(panel.series for panel in drawn):
         raise ModelError(f"cannot draw {path}: give at least one panel, and each panel at least one series")
-    labels = [[series.label for series in panel.series] for panel in panels]
+    order = list(dict.fromkeys(series.label for panel in drawn for series in panel.series))
     with textbook_style():
         n_rows = -(-len(panels) // n_columns)
         figure = new_figure(height=0.5 + 2.2 * n_rows)
         table = figure.subplots(n_rows, n_columns, sharex=True, squeeze=False)
         grid = table.ravel()
-        order = list(dict.fromkeys(label for own in labels for label in own))
-        for i, (axes, panel) in enumerate(zip(grid, panels, strict=False)):
-            ranks = (
-                [order.index(label) for label in labels[i]] if n_columns > 1 else _palette_ranks(panel.series)
-            )
-            for series, rank in zip(panel.series, ranks, strict=True):
-                draw_curve(axes, series.times, series.values, series.stroke, rank, series.label)
-            axes.set_ylabel(panel.quantity)
-            if max(abs(limit) for limit in axes.get_ylim()) >= _LARGE:
-                # 0.4 M instead of a power of ten in the corner, where the legend stands.
-                axes.yaxis.set_major_formatter(EngFormatter())
-            else:
-                # 0.006 instead of a power of ten in the corner, where the legend stands.
-                axes.ticklabel_format(axis="y", scilimits=(-4, 4))
-            axes.margins(x=0.0)
-            if n_columns == 1 and (i == 0 or labels[i] != labels[0]) and any(labels[i]):
+        labels: list[str] = []
+        for axes, panel in zip(grid, [*panels, *[None] * (len(grid) - len(panels))], strict=True):
+            if panel is None:
+                axes.set_axis_off()
+                continue
+            own = [series.label for series in panel.series]
+            _draw_panel(axes, panel, [order.index(label) for label in own] if n_columns > 1 else None)
+            if n_columns == 1 and own != labels and any(own):
                 legend_above(axes, len(panel.series))
+            labels = labels or own
         if n_columns > 1:
             _legend_of_all(figure, grid.tolist(), order)
-        for axes in grid[len(panels) :]:
-            axes.set_axis_off()
-        for axes in table[-1]:
-            axes.set_xlabel(labelled("time", units.time))
+        for column in table.T:
+            lowest = next(axes for axes in column[::-1] if axes.axison)
+            lowest.set_xlabel(labelled("time", units.time))
+            lowest.tick_params(labelbottom=True)
         figure.align_ylabels(table)
         return save_figure(figure, path)
+
+
+def _draw_panel(axes: Axes, panel: Panel, ranks: Sequence[int] | None) -> None:
+    """The curves of a panel, in the colours of their ranks or one after another."""
+    largest = panel.largest
+    for series, rank in zip(panel.series, ranks or _palette_ranks(panel.series), strict=True):
+        values = np.where(np.abs(series.values) < NOISE * largest, 0.0, series.values)
+        draw_curve(axes, series.times, values, series.stroke, rank, series.label)
+    axes.set_ylabel(panel.quantity)
+    axes.margins(x=0.0)
+    low, high = axes.get_ylim()
+    if high - low < _LEAST_SPAN * largest:
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - 0.5 * _LEAST_SPAN * largest, middle + 0.5 * _LEAST_SPAN * largest)
+    if max(abs(limit) for limit in axes.get_ylim()) >= _LARGE:
+        # 0.4 M instead of a power of ten in the corner, where the legend stands.
+        axes.yaxis.set_major_formatter(EngFormatter())
+    else:
+        # 0.006 instead of a power of ten in the corner, where the legend stands.
+        axes.ticklabel_format(axis="y", scilimits=(-4, 4))
 
 
 def _legend_of_all(figure: Figure, grid: Sequence[Axes], order: Sequence[str]) -> None:

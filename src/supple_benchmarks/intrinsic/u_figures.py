@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
-from supple.viz.camera import Camera
+from supple.results.camera import Camera
 from supple.viz.mesh_plot import draw_cross
 from supple.viz.style import (
     COLOUR_MAP,

@@ -13,7 +13,7 @@ from supple.integrate import Solution
 from supple.machine import System
 from supple.mesh import Mesh
 from supple.reduction import ReducedBody
-from supple.viz.camera import Camera
+from supple.results.camera import Camera
 
 __all__ = ["FlexibleMachine"]
 

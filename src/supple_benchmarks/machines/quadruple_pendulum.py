@@ -17,7 +17,7 @@ from supple.fem import Isotropic, solid_model
 from supple.machine import GROUND, At, Ball, Placed, System
 from supple.mesh import CellType, Mesh, cylinder
 from supple.reduction import ReducedBody
-from supple.viz.camera import Camera
+from supple.results.camera import Camera
 from supple_benchmarks.han2020_bodies import LENGTH, RADIUS, STEEL_LIKE
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
 

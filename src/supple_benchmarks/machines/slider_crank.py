@@ -27,7 +27,7 @@ from supple.mesh import (
     cylinder,
 )
 from supple.reduction import ReducedBody
-from supple.viz.camera import Camera
+from supple.results.camera import Camera
 from supple_benchmarks.han2020_bodies import ALUMINIUM, ROD
 from supple_benchmarks.machines.flexible_machine import FlexibleMachine
 

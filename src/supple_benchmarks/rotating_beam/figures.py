@@ -9,9 +9,9 @@ import numpy as np
 
 from supple.mesh.skin import skin_of
 from supple.quantities.tracked_motion import node_positions
+from supple.results.camera import Camera
 from supple.units import SI
 from supple.viz.animation import Traces, animate
-from supple.viz.camera import Camera
 from supple.viz.rms_error import plot_error_over_parameter, plot_rms_error
 from supple.viz.style import REFERENCE, SOLID
 from supple.viz.time_history import Panel, Series, plot_time_history

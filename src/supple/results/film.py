@@ -1,0 +1,174 @@
+"""Which output times of a run an animation shows, and how fast they pass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import Positive, check_fields
+from supple.errors import ModelError
+from supple.units import UnitSystem, plain_number
+
+__all__ = ["MOST_FRAMES", "Film", "RotorAngle", "film_rows", "speed_words", "standing_rows"]
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+N_FRAMES = 60
+"""Of a film whose speed is not given."""
+MOST_FRAMES = 2000
+LARGEST_OFF = np.radians(5.0)
+"""From the angle of a rotor that seems to stand."""
+
+
+@dataclass(frozen=True)
+class RotorAngle:
+    """Frames are taken whenever a joint stands at one angle: a rotor seems to stand still.
+
+    joint : its name
+    angle : rad, about its z axis; zero where the machine is put together
+    """
+
+    joint: str
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True)
+class Film:
+    """A time window of a run, and the rate and speed at which it is shown.
+
+    frames_per_second : at most 50; a GIF plays 100 / k of them, k whole
+    speed : time of the run that a second of the film shows (1 is real time, of seconds); 60 frames over the
+        window if left out
+    start : of the time window; that of the run if left out
+    end : of the time window; that of the run if left out
+    at : RotorAngle
+
+    Raises ModelError for more than 50 frames a second, a window that ends before it starts, or a speed
+    beside the angle of a rotor, which gives one frame a turn.
+    """
+
+    frames_per_second: Positive = 12.0
+    speed: Positive | None = None
+    start: float | None = None
+    end: float | None = None
+    at: RotorAngle | None = None
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.frames_per_second > 50.0:
+            raise ModelError(f"a film of {self.frames_per_second:g} frames per second: give at most 50")
+        if self.start is not None and self.end is not None and self.start >= self.end:
+            raise ModelError(f"a film from {self.start:g} to {self.end:g} shows nothing: give a later end")
+        if self.speed is not None and self.at is not None:
+            raise ModelError(
+                "a film shows one frame whenever a rotor stands at its angle: leave out speed, or the rotor"
+            )
+
+
+WHOLE_RUN = Film()
+"""Sixty frames from end to end."""
+
+
+def film_rows(film: Film, times: Array, rate: float, angles: Array | None = None) -> IntArray:
+    """Numbers of the output times that the frames of a film show, a number again where it is shown again.
+
+        t_i = start + i speed / rate,  each frame the output time nearest to it
+
+    Parameters
+    ----------
+    times : (t,) of the run
+    rate : frames per second that are played
+    angles : (t,) rad, of the joint of `film.at`
+
+    Raises
+    ------
+    ModelError  no output time in the window, too many frames, output times too far apart for the rotor
+    """
+    first, last = _window(film, times)
+    if film.at is not None:
+        assert angles is not None
+        rows = first + standing_rows(angles[first : last + 1], film.at)
+        _check_length(len(rows))
+        return rows
+    if film.speed is None:
+        return np.unique(np.linspace(first, last, N_FRAMES).astype(np.int64))
+    number = 1 + int(np.floor((times[last] - times[first]) * rate / film.speed + 1e-9))
+    _check_length(number)
+    wanted = times[first] + np.arange(number) * film.speed / rate
+    after = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
+    before = after - 1
+    after = np.minimum(after, len(times) - 1)
+    return np.where(times[after] - wanted < wanted - times[before], after, before)
+
+
+def _check_length(number: int) -> None:
+    if number > MOST_FRAMES:
+        raise ModelError(
+            f"a film of {number} frames is longer than {MOST_FRAMES}: give a higher speed or a shorter window"
+        )
+
+
+def _window(film: Film, times: Array) -> tuple[int, int]:
+    """First and last output time in the window."""
+    slack = 1e-9 * float(np.abs(times).max())
+    start = times[0] if film.start is None else film.start
+    end = times[-1] if film.end is None else film.end
+    inside = np.flatnonzero((times >= start - slack) & (times <= end + slack))
+    if not len(inside):
+        raise ModelError(
+            f"a film from {start:g} to {end:g} shows no output time: the run goes from {times[0]:g} to "
+            f"{times[-1]:g}"
+        )
+    return int(inside[0]), int(inside[-1])
+
+
+def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
+    """The output times nearest to those at which a joint passes its angle, whole turns apart.
+
+    angles : (t,) rad, counted beyond a turn
+    Raises ModelError where it does not pass it, or output times are more than 5 deg from it.
+    """
+    turns = (angles - at.angle) / (2 * np.pi)
+    whole = np.round(turns)
+    turns = np.where(np.abs(turns - whole) < 1e-9, whole, turns)
+    floors = np.floor(turns)
+    before = np.flatnonzero(np.diff(floors))
+    passed = np.maximum(floors[before], floors[before + 1])
+    nearer = np.abs(turns[before] - passed) <= np.abs(turns[before + 1] - passed)
+    rows = np.unique(np.concatenate([np.where(nearer, before, before + 1), np.flatnonzero(turns == whole)]))
+    if not len(rows):
+        raise ModelError(
+            f"joint '{at.joint}' does not stand at {at.angle:g} rad in the film: it turns from "
+            f"{angles.min():.4g} to {angles.max():.4g} rad"
+        )
+    off = off_angle(angles[rows], at)
+    if off > LARGEST_OFF:
+        raise ModelError(
+            f"joint '{at.joint}' is {np.degrees(off):.3g} deg from {at.angle:g} rad at the nearest output "
+            f"time: give output times at most {np.degrees(2 * LARGEST_OFF):g} deg apart, or another angle"
+        )
+    return rows.astype(np.int64)
+
+
+def off_angle(angles: Array, at: RotorAngle) -> float:
+    """How far angles (t,) are from the one at which a rotor seems to stand, rad."""
+    off = angles - at.angle
+    return float(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max())
+
+
+def speed_words(times: Array, rate: float, units: UnitSystem) -> str:
+    """How fast frames at times (t,) pass, such as "0.05 x real time"; "" of a single frame."""
+    if len(times) < 2 or times[-1] <= times[0]:
+        return ""
+    speed = float(times[-1] - times[0]) / (len(times) - 1) * rate
+    second = units.in_si(time=1)
+    if second is None:
+        return f"{plain_number(speed, 2)} a second"
+    words = plain_number(speed * second, 2)
+    return "real time" if words == "1" else f"{words} × real time"

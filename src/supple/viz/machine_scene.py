@@ -1,0 +1,228 @@
+"""What is seen of a machine at some output times: bodies, obstacles, glyphs, in one scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import BodyForm
+from supple.errors import ModelError
+from supple.integrate import Solution
+from supple.machine import At, RigidPlane, System
+from supple.mesh.skin import Skin
+from supple.methods.explicit import OBSTACLES
+from supple.quantities import deflections, node_positions, observer_of
+from supple.quantities.tracked_motion import Observer
+from supple.results.camera import Camera
+from supple.results.colouring import Colouring
+from supple.results.obstacle_shape import obstacle_shape
+from supple.units import UNNAMED, UnitSystem
+from supple.viz.body_surface import BodySurface, Look, body_surface
+from supple.viz.contact_clearance import clear_of_contact
+from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
+from supple.viz.scene import Actor, obstacle_actor, scene_of
+
+__all__ = ["MachineScene", "drawn_bodies", "machine_scene"]
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+_EDGE_ON = 0.05
+"""Cosine below which a wall is seen from its edge, or from behind."""
+
+
+@dataclass(frozen=True, eq=False)
+class MachineScene:
+    """Bodies and obstacles over one skin, and what has no mesh, at t times.
+
+    skin : None without bodies that have a surface;  positions : (t, P, 3);  values : (t, P), NaN is plain
+    label : of the values with their unit, "" where nothing is coloured
+    glyphs : which may be empty
+    undeformed : (P, 3) at the first of the times
+    farthest : of each body that deforms, the node that is deflected most
+    """
+
+    skin: Skin | None
+    positions: Array
+    values: Array | None
+    label: str
+    glyphs: Glyphs
+    undeformed: Array
+    farthest: Mapping[str, int]
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to draw."""
+        return self.skin is None and self.glyphs.is_empty
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """A body at the times of a scene.
+
+    nodes : (t, N, 3) where they are drawn;  observer : None without a frame
+    """
+
+    body: BodyForm
+    surface: BodySurface | None
+    motion: Any
+    observer: Observer | None
+    nodes: Array
+
+
+def machine_scene(
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Look | None],
+    rows: Rows,
+    camera: Camera,
+    *,
+    enlargement: float = 1.0,
+    colouring: Colouring | None = None,
+    rest: Solution | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
+    units: UnitSystem = UNNAMED,
+) -> MachineScene:
+    """The scene of a machine at output times (t,).
+
+        x = r + e (x(t) - r),   r the undeformed place, as the body's first interface carries it
+
+    enlargement : e;  colouring : None leaves bodies plain
+    rest : a state of rest, whose first instant is what counts as undeformed
+    Other parameters as for `draw_run`.
+    Raises ModelError for an enlargement of bodies that have no frame to deform against.
+    """
+    seen = _seen(system, solution, meshes, rows, bases)
+    offsets = _obstacle_offsets(system, solution, rows)
+    if system.contacts:
+        shown = clear_of_contact(system, {each.body.name: each.nodes for each in seen}, offsets)
+        seen = [_Seen(e.body, e.surface, e.motion, e.observer, shown[e.body.name]) for e in seen]
+    label, factor = ("", 1.0) if colouring is None else colouring.label(units)
+    actors, undeformed, farthest = [], [np.empty((0, 3))], {}
+    glyphs = [glyphs_of(system, solution, rows)]
+    for each in seen:
+        nodes = _enlarged(each.nodes, each, each.body.nodes, enlargement)
+        if each.surface is None:
+            glyphs.append(_points(nodes))
+            continue
+        deflection = None
+        if each.observer is not None:
+            deflection = np.linalg.norm(deflections(each.body, each.motion, each.observer), axis=2)
+            farthest[each.body.name] = int(np.argmax(deflection.max(axis=0)))
+        values = None if colouring is None else colouring.values(each.body, each.motion, deflection)
+        places = each.surface.positions(each.body, each.motion, each.nodes)
+        actors.append(
+            Actor(
+                each.surface.skin,
+                _enlarged(places, each, each.surface.rest, enlargement),
+                None if values is None else factor * each.surface.at_points(values),
+            )
+        )
+        undeformed.append(_undeformed(each, rest))
+        if (own := each.surface.glyphs(nodes)) is not None:
+            glyphs.append(own)
+    walls, outlines = _obstacles(system, offsets, actors, camera)
+    undeformed += [wall.positions[0] for wall in walls]
+    scene = scene_of(actors + walls) if actors else None
+    coloured = any(actor.values is not None for actor in actors)
+    return MachineScene(
+        None if scene is None else scene.skin,
+        np.empty((len(rows), 0, 3)) if scene is None else scene.positions,
+        scene.values if scene is not None and coloured else None,
+        label if coloured else "",
+        glyphs[0].beside(glyphs[1:] + outlines),
+        np.concatenate(undeformed),
+        farthest,
+    )
+
+
+def drawn_bodies(
+    system: System, meshes: Mapping[str, Look | None]
+) -> list[tuple[BodyForm, BodySurface | None]]:
+    """Elastic bodies and their surfaces; without one, those that are drawn by their points."""
+    return [
+        (body, None if (look := meshes[body.name]) is None else body_surface(look))
+        for body in (placed.body for placed in system.bodies)
+        if body.n_coordinates and body.name in meshes
+    ]
+
+
+def _undeformed(seen: _Seen, rest: Solution | None) -> Array:
+    """Places (P, 3) of a surface: in a state of rest, or else undeformed, as its first interface carries it.
+
+    Of bodies without a frame: where they are.
+    """
+    assert seen.surface is not None
+    if rest is not None:
+        return seen.surface.positions(seen.body, rest.bodies[seen.body.name].at(np.array([0])))[0]
+    if seen.observer is None:
+        return seen.surface.positions(seen.body, seen.motion)[0]
+    return _carried(seen.observer, seen.surface.rest)[0]
+
+
+def _seen(
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Look | None],
+    rows: Rows,
+    bases: Mapping[str, At],
+) -> list[_Seen]:
+    found = []
+    for body, surface in drawn_bodies(system, meshes):
+        motion = solution.bodies[body.name].at(rows)
+        observer = observer_of(system, solution, body.name, bases, rows) if body.has_frame else None
+        found.append(_Seen(body, surface, motion, observer, node_positions(body, motion)))
+    return found
+
+
+def _carried(observer: Observer, rest: Array) -> Array:
+    """Undeformed places (P, 3) as an observer carries them, (t, P, 3)."""
+    return observer.origin[:, None] + np.einsum("tij,pj->tpi", observer.axes, rest - observer.rest)
+
+
+def _enlarged(places: Array, seen: _Seen, rest: Array, enlargement: float) -> Array:
+    if enlargement == 1.0:
+        return places
+    if seen.observer is None:
+        raise ModelError(
+            f"body '{seen.body.name}' is in explicit elements, whose motion is not told from their "
+            "deformation: draw it true to scale (leave out the enlargement)"
+        )
+    carried = _carried(seen.observer, rest)
+    return carried + enlargement * (places - carried)
+
+
+def _points(nodes: Array) -> Glyphs:
+    """The nodes of a body that has neither mesh nor elements."""
+    return Glyphs(np.empty((len(nodes), 0, 2, 3)), (Mark(POINT_STYLE, nodes),))
+
+
+def _obstacle_offsets(system: System, solution: Solution, rows: Rows) -> Array:
+    """How far each obstacle has moved, (t, o, 3)."""
+    if not system.rigid_contacts:
+        return np.zeros((len(rows), 0, 3))
+    return solution.series[OBSTACLES][rows].reshape(len(rows), -1, 6)[:, :, :3]
+
+
+def _obstacles(
+    system: System, offsets: Array, actors: list[Actor], camera: Camera
+) -> tuple[list[Actor], list[Glyphs]]:
+    """Obstacles as surfaces, and walls that the viewer sees from behind as outlines: they would hide what
+    touches them."""
+    surfaces, outlines = [], []
+    if not system.rigid_contacts:
+        return surfaces, outlines
+    moved = np.concatenate([actor.positions.reshape(-1, 3) for actor in actors])
+    for number, obstacle in enumerate(contact.obstacle for contact in system.rigid_contacts):
+        own = offsets[:, number]
+        if isinstance(obstacle, RigidPlane) and camera.axes[2] @ np.array(obstacle.normal) < _EDGE_ON:
+            corners, _ = obstacle_shape(obstacle, moved)
+            rim = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+            outlines.append(Glyphs(np.empty((len(own), 0, 2, 3)), (), rim[None] + own[:, None, None]))
+        else:
+            surfaces.append(obstacle_actor(obstacle, own, moved))
+    return surfaces, outlines

@@ -1,0 +1,153 @@
+"""A machine at rest, and its modes about that: still, and in motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.body import BodyForm
+from supple.fem import FiniteElementModel
+from supple.integrate import Solution
+from supple.machine import At, System
+from supple.quantities import deflections, node_positions, observer_of
+from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
+from supple.results.view import AS_IT_IS, View, enlarged_words
+from supple.units import UNNAMED, UnitSystem, measured
+from supple.viz.body_pictures import visible_enlargement
+from supple.viz.body_surface import Look
+from supple.viz.run_animation import animate_run
+from supple.viz.run_pictures import draw_machine
+
+__all__ = ["animate_mode", "draw_mode", "draw_rest"]
+
+Array = NDArray[np.float64]
+
+
+@checked_arguments
+def draw_rest(
+    path: Path,
+    system: System,
+    solution: Solution,
+    meshes: Mapping[str, Look | None],
+    *,
+    elements: Mapping[str, FiniteElementModel] | None = None,
+    bases: Mapping[str, At] = MappingProxyType({}),
+    view: View = AS_IT_IS,
+    units: UnitSystem = UNNAMED,
+) -> Path | None:
+    """Draw an equilibrium coloured by deflection, or by stress where there are `elements`, over the outlines
+    of the undeformed bodies; None where there is nothing to draw.
+
+    The deflection of a machine of one body is enlarged as far as it takes to be seen, unless `view` says
+    how far: of several it would tear their joints. Other parameters as for `draw_run`.
+    """
+    enlargement = view.enlargement or _visible(system, solution, bases)
+    return draw_machine(
+        path,
+        system,
+        solution,
+        meshes,
+        title=f"equilibrium, {enlarged_words(enlargement)}",
+        colouring=DEFLECTION if elements is None else stress_colouring(elements),
+        bases=bases,
+        view=View(view.camera, enlargement),
+        units=units,
+    )
+
+
+def _visible(system: System, solution: Solution, bases: Mapping[str, At]) -> float:
+    """The enlargement of the deflection of a machine of one body; 1 of others."""
+    (first, *others) = (placed.body for placed in system.bodies)
+    if others or not (first.n_coordinates and first.has_frame):
+        return 1.0
+    observer = observer_of(system, solution, first.name, bases)
+    return visible_enlargement(first, deflections(first, solution.bodies[first.name], observer)[0])
+
+
+@checked_arguments
+def draw_mode(
+    path: Path,
+    system: System,
+    motion: Solution,
+    rest: Solution,
+    meshes: Mapping[str, Look | None],
+    *,
+    title: str,
+    view: View = AS_IT_IS,
+    units: UnitSystem = UNNAMED,
+) -> Path | None:
+    """Draw a mode at its first phase, coloured by its displacement, over the outline of the machine at rest.
+
+    motion, rest : as `mode_motion` and `LinearMachine.motion_near` have them
+    title : such as one of `mode_titles`; the largest displacement that is drawn is added
+    None where there is nothing to draw. Other parameters as for `draw_run`.
+    """
+    return draw_machine(
+        path,
+        system,
+        motion,
+        meshes,
+        title=f"{title}, {_drawn_as(system, motion, rest, units)}",
+        colouring=_share_of_largest(system, motion, rest),
+        view=view,
+        rest=rest,
+        units=units,
+    )
+
+
+@checked_arguments
+def animate_mode(
+    path: Path,
+    system: System,
+    motion: Solution,
+    rest: Solution,
+    meshes: Mapping[str, Look | None],
+    *,
+    title: str,
+    view: View = AS_IT_IS,
+    units: UnitSystem = UNNAMED,
+) -> Path | None:
+    """Animate a mode over the outline of the machine at rest; parameters as for `draw_mode`."""
+    return animate_run(
+        path,
+        system,
+        motion,
+        meshes,
+        colouring=_share_of_largest(system, motion, rest),
+        view=view,
+        rest=rest,
+        caption=f"{title}\n{_drawn_as(system, motion, rest, units)}",
+        units=units,
+    )
+
+
+def _drawn_as(system: System, motion: Solution, rest: Solution, units: UnitSystem) -> str:
+    largest = measured(f"{_largest(system, motion, rest):.3g}", units.length)
+    return f"largest displacement drawn as {largest}"
+
+
+def _largest(system: System, motion: Solution, rest: Solution) -> float:
+    """The longest way of any node, or interface of a rigid body, from where it rests."""
+    bodies = (placed.body for placed in system.bodies)
+    return max(float(_displacement(each, motion.bodies[each.name], rest).max(initial=0.0)) for each in bodies)
+
+
+def _displacement(body: BodyForm, motion: Any, rest: Solution) -> Array:
+    """Lengths (t, N) of the way of all nodes from where they rest."""
+    still = rest.bodies[body.name].at(np.array([0]))
+    return np.linalg.norm(node_positions(body, motion) - node_positions(body, still), axis=2)
+
+
+def _share_of_largest(system: System, motion: Solution, rest: Solution) -> Colouring:
+    """By displacement, whose scale is free in a mode."""
+    largest = _largest(system, motion, rest) or 1.0
+    return Colouring(
+        lambda body, own, _: _displacement(body, own, rest) / largest,
+        lambda _: ("displacement, share of the largest", 1.0),
+    )

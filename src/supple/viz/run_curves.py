@@ -1,0 +1,106 @@
+"""Curves of a run over time: energies, tracked places, forces of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.integrate import Solution
+from supple.machine import System
+from supple.methods.explicit import ENERGIES, Energies
+from supple.quantities import TrackedMotion, joint_loads
+from supple.results import without_noise
+from supple.units import UnitSystem, labelled
+from supple.viz.style import as_written
+from supple.viz.time_history import NOISE, Panel, Series, plot_time_history
+
+__all__ = ["draw_energies", "draw_joint_forces", "draw_tracked"]
+
+Array = NDArray[np.float64]
+
+_APART = 5.0
+"""Times the widest way of a place: places farther apart than this have axes of their own."""
+
+
+def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:
+    """Every term of the balance that is not round-off."""
+    energies = without_noise(solution.series[ENERGIES]).T
+    shown = [
+        Series(name, solution.times, values)
+        for name, values in zip(Energies._fields, energies, strict=True)
+        if values.any() or name == "kinetic"
+    ]
+    return plot_time_history(path, [Panel(labelled("energy", units.energy), shown)], units=units)
+
+
+def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array, units: UnitSystem) -> Path:
+    """Motion of every place in global axes, those far apart on axes of their own; beside it the deflection
+    of those of elastic bodies."""
+    elastic = {
+        name: without_noise(place.deflection, like=place.position)
+        for name, place in tracked.items()
+        if place.is_elastic
+    }
+    moved = max((float(np.abs(each).max()) for each in elastic.values()), default=0.0)
+    reach = max(float(np.abs(place.position).max()) for place in tracked.values())
+    panels: list[Panel | None] = []
+    for i, axis in enumerate("xyz"):
+        for names in _near({name: place.position[:, i] for name, place in tracked.items()}, reach):
+            label = labelled(f"{axis}, global", units.length)
+            places = [Series(as_written(name), times, tracked[name].position[:, i]) for name in names]
+            panels.append(Panel(label, places, reach))
+            bent = [Series(as_written(name), times, elastic[name][:, i]) for name in names if name in elastic]
+            label = labelled(f"deflection {axis}", units.length)
+            panels += [Panel(label, bent, moved) if bent else None] if elastic else []
+    return plot_time_history(path, panels, n_columns=2 if elastic else 1, units=units)
+
+
+def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
+    """Groups of places that one axis shows well: together they take not much more of it than the widest.
+
+    ways : (t,) along the axis;  reach : the largest position along any axis
+    """
+    lows, highs = ({name: float(pick(way)) for name, way in ways.items()} for pick in (np.min, np.max))
+    group: list[str] = []
+    for name in sorted(ways, key=lambda each: lows[each]):
+        together = [*group, name]
+        widest = max(highs[each] - lows[each] for each in together)
+        across = max(highs[each] for each in together) - lows[together[0]]
+        # Places that all stand still have no way that another one's distance could hide.
+        if group and widest > NOISE * reach and across > _APART * widest:
+            yield group
+            together = [name]
+        group = together
+    yield group
+
+
+def draw_joint_forces(path: Path, system: System, solution: Solution, units: UnitSystem) -> Path | None:
+    """Signed components on the second ends: rows x, y, z of the joint axes, columns force and moment.
+
+    None where no joint transmits anything.
+    """
+    loads = joint_loads(system, solution)
+    columns = [
+        (what, unit)
+        for what, unit in (("force", units.force), ("moment", units.moment))
+        if any(what in parts for parts in loads.values())
+    ]
+    if not columns:
+        return None
+    largest = {
+        what: max(float(np.abs(parts[what]).max()) for parts in loads.values() if what in parts)
+        for what, _ in columns
+    }
+    panels = []
+    for i, axis in enumerate("xyz"):
+        for what, unit in columns:
+            curves = [
+                Series(as_written(f"{joint.name} on {joint.second}"), solution.times, parts[what][:, i])
+                for joint in system.joints
+                if what in (parts := loads[joint.name])
+            ]
+            panels.append(Panel(labelled(f"{what}, joint {axis}", unit), curves, largest[what]))
+    return plot_time_history(path, panels, n_columns=len(columns), units=units)
