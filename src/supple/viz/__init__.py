@@ -6,7 +6,6 @@ if not (find_spec("matplotlib") and find_spec("PIL")):
     raise ImportError("matplotlib and pillow draw the pictures; pip install 'supple[plot]'")
 
 from supple.viz.animation import *
-from supple.viz.body_surface import *
 from supple.viz.camera import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *

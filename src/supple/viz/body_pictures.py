@@ -14,10 +14,11 @@ from supple.machine import At, System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import deflections, largest_stress, observer, observer_of, von_mises_by_end
 from supple.reduction import BodyModes, ReducedBody, clamped_modes
+from supple.results.body_surface import BodySurface
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.units import UnitSystem, measured
-from supple.viz.body_surface import BodySurface
 from supple.viz.contour import plot_contour, stress_field
+from supple.viz.glyphs import surface_glyphs
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.style import as_written
@@ -61,7 +62,7 @@ def _plot_modes(
         surface.skin,
         _of_one_sign(surface.shaped(shapes, rotations)),
         titles,
-        glyphs=lambda places: surface.glyphs(places[:, : surface.mesh.n_nodes]),
+        glyphs=lambda places: surface_glyphs(surface, places[:, : surface.mesh.n_nodes]),
     )
 
 
@@ -112,7 +113,7 @@ def draw_deformed(
         surface.skin,
         colour_by=displacement_magnitude(points, units),
         undeformed=surface.rest,
-        glyphs=surface.glyphs((body.nodes + scale * displaced[worst])[None]),
+        glyphs=surface_glyphs(surface, (body.nodes + scale * displaced[worst])[None]),
         title=_title(body, float(solution.times[then[0]]), enlarged, units),
         units=units,
     )
@@ -153,7 +154,7 @@ def draw_stress(
         stress_field(surface.at_points(stress[None])[0], units),
         node_ids=surface.mesh.node_ids[surface.nodes],
         undeformed=surface.rest,
-        glyphs=surface.glyphs((body.nodes + scale * displaced)[None]),
+        glyphs=surface_glyphs(surface, (body.nodes + scale * displaced)[None]),
         title=_title(body, float(solution.times[worst]), enlarged, units),
         units=units,
     )

@@ -24,6 +24,7 @@ from supple.quantities import (
 )
 from supple.reduction import BodyModes, ReducedBody
 from supple.results import without_noise
+from supple.results.body_surface import BodySurface, Look, body_surface
 from supple.results.colouring import DEFLECTION, Colouring, stress_colouring
 from supple.storage import file_name
 from supple.units import UNNAMED, UnitSystem, labelled, measured
@@ -35,10 +36,9 @@ from supple.viz.body_pictures import (
     draw_stress,
     instants_of,
 )
-from supple.viz.body_surface import BodySurface, Look, body_surface
 from supple.viz.camera import Camera
 from supple.viz.contact_clearance import clear_of_contact
-from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
+from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of, surface_glyphs
 from supple.viz.machine_picture import plot_machine
 from supple.viz.mesh_plot import plot_mesh
 from supple.viz.scene import Actor, obstacle_actor, scene_of
@@ -96,7 +96,7 @@ def draw_run(
                 path("mesh"),
                 surface.rest,
                 surface.skin,
-                glyphs=surface.glyphs(surface.mesh.nodes[None]),
+                glyphs=surface_glyphs(surface, surface.mesh.nodes[None]),
                 title=as_written(body.name),
                 units=units,
             )
@@ -184,7 +184,7 @@ def animate_run(
         for number, contact in enumerate(system.rigid_contacts)
     ]
     glyphs = glyphs_of(system, solution, chosen).beside(
-        [own for body, surface in drawn if (own := surface.glyphs(positions[body.name])) is not None]
+        [own for body, surface in drawn if (own := surface_glyphs(surface, positions[body.name])) is not None]
         + _points(system, solution, meshes, chosen)
     )
     if not actors and glyphs.is_empty:
@@ -230,7 +230,7 @@ def draw_machine(
     for body, surface in _drawn(system, meshes):
         motion = solution.bodies[body.name].at(start)
         actors.append(Actor(surface.skin, surface.positions(body, motion)))
-        if (own := surface.glyphs(node_positions(body, motion))) is not None:
+        if (own := surface_glyphs(surface, node_positions(body, motion))) is not None:
             beside.append(own)
     glyphs = glyphs.beside(beside)
     scene = scene_of(actors) if actors else None
