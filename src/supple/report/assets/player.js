@@ -28,7 +28,7 @@ class Player {
       time: 0,
       dirty: true,
     });
-    this.shown = { undeformed: true, edges: true, joints: true, triads: false, loads: true };
+    this.shown = { undeformed: true, edges: true, joints: true, triads: false, loads: true, contacts: true };
   }
 
   // Needs WebGL; throws without.
