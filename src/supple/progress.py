@@ -1,13 +1,15 @@
-"""A bar over work that takes over two seconds, where somebody watches: in a terminal or a notebook."""
+"""Long work: a bar after two seconds, where somebody watches a terminal or a notebook, and a line of log."""
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
 from threading import Lock, Timer
+from time import perf_counter
 from typing import Any, ParamSpec, Protocol, TypeVar
 
 __all__ = ["show_progress"]
@@ -15,6 +17,7 @@ __all__ = ["show_progress"]
 P = ParamSpec("P")
 T = TypeVar("T")
 
+LOGGER = logging.getLogger("supple")
 PATIENCE = 2.0
 """s, after which a bar appears."""
 
@@ -50,10 +53,19 @@ def by_step(share: Share) -> Callable[[str, float], None]:
 def with_progress_bar(
     title: str, adapter: Adapter | None = None
 ) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorator of long work; with an adapter the bar is filled by what is given to `progress` else."""
+    """Decorator of long work, which logs its title and its seconds when it is done.
+
+    With an adapter the bar is filled by what is given to `progress` else.
+    """
 
     def decorate(work: Callable[P, T]) -> Callable[P, T]:
         @wraps(work)
+        def logged(*args: P.args, **kwargs: P.kwargs) -> T:
+            began = perf_counter()
+            found = watched(*args, **kwargs)
+            LOGGER.info("%s: %.3g s", title, perf_counter() - began)
+            return found
+
         def watched(*args: P.args, **kwargs: P.kwargs) -> T:
             if kwargs.get("progress") is not None:
                 return work(*args, **kwargs)
@@ -63,7 +75,7 @@ def with_progress_bar(
                 reporting: Callable[..., T] = work
                 return reporting(*args, **{**kwargs, "progress": adapter(share)})
 
-        return watched
+        return logged
 
     return decorate
 

@@ -1,8 +1,13 @@
-"""What programs say on a terminal: progress bars, tables, warnings and errors on one console."""
+"""The terminal of the commands: bars, lines, tables, warnings and errors on one console.
+
+Lines and tables are records of the logger "supple.cli" (INFO), which `shown_log` puts on the console: a
+program that calls a command may send them elsewhere. Library code logs to "supple" and prints nothing.
+"""
 
 from __future__ import annotations
 
 import io
+import logging
 import os
 import sys
 import warnings
@@ -11,7 +16,7 @@ from contextlib import contextmanager
 from typing import TextIO
 
 import typer
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.progress import (
     BarColumn,
     Progress,
@@ -45,6 +50,52 @@ def _console(*, stderr: bool = False) -> Console:
 
 console = _console()
 error_console = _console(stderr=True)
+LOGGER = logging.getLogger("supple.cli")
+
+
+class Shown:
+    """Something to print as the message of a log record; a log file has it as plain text."""
+
+    def __init__(self, content: RenderableType, *, soft_wrap: bool = False) -> None:
+        self._content, self._soft_wrap = content, soft_wrap
+
+    def __str__(self) -> str:
+        text = io.StringIO()
+        self.print_on(Console(file=text, width=WIDTH_OF_FILES))
+        return text.getvalue().rstrip("\n")
+
+    def print_on(self, console: Console) -> None:
+        """Print it in colours."""
+        console.print(self._content, soft_wrap=self._soft_wrap)
+
+
+class ConsoleHandler(logging.Handler):
+    """Puts on the console what commands print, and warnings of the library; bars show its other records."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether a record is shown."""
+        return record.name == LOGGER.name or record.levelno >= logging.WARNING
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print a record."""
+        if isinstance(record.msg, Shown):
+            record.msg.print_on(console)
+        else:
+            console.print(words(record.getMessage()), soft_wrap=True)
+
+
+@contextmanager
+def shown_log() -> Iterator[None]:
+    """Put what is logged on the console."""
+    logger, handler = logging.getLogger("supple"), ConsoleHandler()
+    level = LOGGER.level
+    logger.addHandler(handler)
+    LOGGER.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        LOGGER.setLevel(level)
+        logger.removeHandler(handler)
 
 
 def progress_bars(on: Console | None = None, *, transient: bool = False) -> Progress:
@@ -78,8 +129,8 @@ def words(text: str, style: str = "") -> Text:
 
 
 def say(text: str, style: str = "") -> None:
-    """Print a line as it is."""
-    console.print(words(text, style), soft_wrap=True)
+    """Log a line to be printed as it is."""
+    LOGGER.info(Shown(words(text, style), soft_wrap=True))
 
 
 def show_any_character() -> None:
@@ -130,30 +181,31 @@ def bar(bars: Progress, label: str) -> Callable[[float], None]:
 
 
 def print_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
-    """Print a table of words."""
+    """Log a table of words to be printed."""
     shown = Table(*(Column(words(head)) for head in heads), title=words(title))
     for row in rows:
         shown.add_row(*map(words, row))
-    console.print(shown)
+    LOGGER.info(Shown(shown))
 
 
 def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
-    """Print names, each with what it is, in words."""
+    """Log names, each with what it is, in words, to be printed."""
     shown = Table(title=words(title), show_header=False)
     for row in rows:
         shown.add_row(*map(words, row))
-    console.print(shown)
+    LOGGER.info(Shown(shown))
 
 
 @contextmanager
 def reported_errors(*, debug: bool) -> Iterator[None]:
-    """Print an error as a message and exit; with `debug`, as a traceback.
+    """Show what is logged; print an error as a message and exit; with `debug`, as a traceback.
 
     What supple raises on purpose, and what the system refuses, are mistakes of the input (`MISTAKE`);
     anything else is a fault of supple, and its message says so (`FAULT`).
     """
     try:
-        yield
+        with shown_log():
+            yield
     except (typer.Exit, typer.Abort):
         raise
     except Exception as error:

@@ -7,12 +7,13 @@ import time
 
 import numpy as np
 import pytest
-from fixtures.moving_machines import MESH, N_TIMES, eroding, two_bodies
+from fixtures.moving_machines import MESH, N_TIMES, beam_frame, eroding, two_bodies
 from PIL import Image
 
 import supple as sp
-from supple.quantities import deflections
+from supple.quantities import deflections, observer_of
 from supple.report import write_report
+from supple.results import body_surface
 from supple.units import SI
 
 webdriver = pytest.importorskip("selenium.webdriver")
@@ -108,6 +109,17 @@ def test_a_page_opens_without_complaint_or_request(opened):
     assert len(np.unique(browser.picture().reshape(-1, 3), axis=0)) > 50
 
 
+def picked_at(browser, row, point):
+    """The reading of a click on a point (3,) in space at an instant."""
+    return browser.run(f"""
+        const player = report.player, {{ camera, canvas, root }} = player.view;
+        player.seekRow({row}); player.draw();
+        const middle = player.scene.middle, at = player.bodies[0].position.clone();
+        at.set(...{json.dumps(point.tolist())}.map((x, i) => x - middle[i]));
+        at.applyMatrix4(root.matrix).project(camera);
+        return player.pick((at.x + 1) / 2 * canvas.clientWidth, (1 - at.y) / 2 * canvas.clientHeight);""")
+
+
 def test_displacement_under_the_pointer(opened):
     """At every few instants, and for a point of the screen found from the positions of the run."""
     browser, system, solution = opened
@@ -116,14 +128,7 @@ def test_displacement_under_the_pointer(opened):
     largest = np.linalg.norm(exact, axis=2).max()
     picked = 0
     for row in range(0, N_TIMES, 6):
-        centre = json.dumps(places[row].mean(axis=0).tolist())
-        found = browser.run(f"""
-            const player = report.player, {{ camera, canvas, root }} = player.view;
-            player.seekRow({row}); player.draw();
-            const middle = player.scene.middle, at = player.bodies[0].position.clone();
-            at.set(...{centre}.map((x, i) => x - middle[i]));
-            at.applyMatrix4(root.matrix).project(camera);
-            return player.pick((at.x + 1) / 2 * canvas.clientWidth, (1 - at.y) / 2 * canvas.clientHeight);""")
+        found = picked_at(browser, row, places[row].mean(axis=0))
         if found is None:  # seen from its edge
             continue
         picked += 1
@@ -246,3 +251,27 @@ def test_without_graphics_the_rest_is_there(tmp_path, clamped_blade):
         assert browser.run("return document.querySelectorAll('article table').length") >= 2
     finally:
         browser.driver.quit()
+
+
+def test_a_click_on_a_beam_is_on_the_node_that_carries_it(browser, tmp_path):
+    """The displacement of its node, not of its skin; no stress where it is not known."""
+    system, solution, model = beam_frame()
+    body, motion = system.placed("frame").body, solution.bodies["frame"]
+    path = write_report(tmp_path / "run.html", system, solution, {"frame": model}, elements={"frame": model})
+    browser.open(path)
+    exact = deflections(body, motion, observer_of(system, solution, "frame"))
+    largest = np.linalg.norm(exact, axis=2).max()
+    surface = body_surface(model)
+    seen = surface.positions(body, motion)
+    stressed = set()
+    for row in (0, 13, 31):
+        for triangle in surface.skin.triangles[::7]:
+            found = picked_at(browser, row, seen[row, triangle].mean(axis=0))
+            if found is None:
+                continue
+            node = int(np.flatnonzero(model.mesh.node_ids == found["node"])[0])
+            assert np.abs(found["displacement"] - exact[row, node]).max() < 1e-4 * largest
+            stressed.add((node, "von Mises stress" in found["fields"]))
+    assert (3, False) in stressed
+    assert (0, True) in stressed
+    assert (3, True) not in stressed

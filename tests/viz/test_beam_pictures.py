@@ -29,8 +29,9 @@ from supple.mesh import CellType, Mesh, circular_section, plate, rectangular_sec
 from supple.mesh.section_geometry import ROUND_CORNERS, Wall
 from supple.quantities import von_mises_by_end, von_mises_history
 from supple.reduction import CraigBampton, NoDerivatives, NoLoads, body_modes, reduce
-from supple.viz import animate_run, body_surface, draw_run
-from supple.viz.beam_skin import outlines
+from supple.results import body_surface
+from supple.results.beam_skin import outlines
+from supple.viz import animate_run, draw_run, surface_glyphs
 
 STEEL = Isotropic(2.1e11, 0.3, 7850.0)
 H, W = 0.3, 0.1
@@ -174,10 +175,11 @@ def test_masses_and_ties_are_glyphs():
         (Section(CellType.LINE2, np.arange(2), SHAPED),),
         attached=Attached(mass=csc_array(diags_array(mass))),
     )
-    glyphs = body_surface(model).glyphs(mesh.nodes[None])
+    glyphs = surface_glyphs(body_surface(model), mesh.nodes[None])
     np.testing.assert_array_equal(glyphs.thin_lines, mesh.nodes[[2, 0]][None, None])
     np.testing.assert_array_equal(glyphs.marks[0].places, mesh.nodes[[[2]]])
-    assert body_surface(shell_model(straight(), SHAPED)).glyphs(mesh.nodes[None]) is None
+    plain = body_surface(shell_model(straight(), SHAPED))
+    assert surface_glyphs(plain, mesh.nodes[None]) is None
 
 
 @pytest.mark.parametrize("form", ["full", "reduced"])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from fixtures.explicit_bars import explicit_bar
 from PIL import Image
+from supple.viz.body_surface import body_surface
 
 from supple.body import RigidBody
 from supple.errors import ModelError
@@ -19,7 +20,6 @@ from supple.results.colouring import DEFLECTION
 from supple.results.view import View
 from supple.units import SI
 from supple.viz import Camera, Film, RotorAngle, animate_run, run_animation, run_pictures
-from supple.viz.body_surface import body_surface
 from supple.viz.machine_camera import machine_camera
 from supple.viz.machine_scene import machine_scene
 from supple.viz.rest_and_mode_pictures import animate_mode, draw_mode, draw_rest

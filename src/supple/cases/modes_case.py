@@ -14,7 +14,7 @@ from supple.cases.case import Case
 from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
-from supple.cases.page import case_texts
+from supple.cases.page import case_texts, page_looks
 from supple.cases.reductions import DEFAULT_ACCURACY
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
@@ -87,7 +87,7 @@ def modes_case(
         write_modes_report(
             folder / f"{case.path.stem}-modes.html",
             modes,
-            case.meshes,
+            page_looks(case),
             tables=[mode_table(numbers)],
             chosen=_drawn(modes),
             title=f"{case.title}: modes",

@@ -11,15 +11,21 @@ from supple.cases.case_inputs import FILE
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import System
+from supple.mesh import Mesh
 from supple.quantities import Reading, TrackedMotion
 from supple.storage.run_inputs import Inputs
 
-__all__ = ["case_texts", "coloured_elements", "page_path", "write_run_page"]
+__all__ = ["case_texts", "coloured_elements", "page_looks", "page_path", "write_run_page"]
 
 
 def page_path(folder: Path) -> Path:
     """The file of the page of a run."""
     return folder / "report.html"
+
+
+def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
+    """What a page draws bodies by: as pictures do, and beams of unknown sections as lines."""
+    return case.meshes | {name: look for name, look in case.drawn.items() if look is not None}
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
@@ -51,7 +57,7 @@ def write_run_page(
         page_path(folder),
         system,
         solution,
-        case.meshes,
+        page_looks(case),
         title=case.title,
         tracked=tracked,
         readings=readings,

@@ -11,7 +11,7 @@ from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.errors import CaseError, did_you_mean
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
-from supple.terminal import console, print_rows, worded
+from supple.terminal import console, print_rows, say, worded
 from supple.units import headed, measured
 
 
@@ -70,7 +70,7 @@ def export_case(
             (headed("moment about the mesh's origin", case.units.moment), _numbers(total[3:])),
         ],
     )
-    console.print(f"written to {target} for {program.name}", highlight=False)
+    say(f"written to {target} for {program.name}")
 
 
 def _chosen(case: Case, bodies: Sequence[str] | None) -> str:

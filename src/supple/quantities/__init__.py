@@ -1,6 +1,7 @@
 """What is read off a machine: sensors, tracked places, stress, and the quantities whose error is stated."""
 
 from supple.quantities.beam_force_sensor import *
+from supple.quantities.contact_force import *
 from supple.quantities.force_sensors import *
 from supple.quantities.joint_motion_sensor import *
 from supple.quantities.over_nodes import *

@@ -1,4 +1,4 @@
-"""Curves of a run: sensors, tracked places, joints, energies."""
+"""Curves of a run: sensors, tracked places, joints, contacts, energies."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from supple.integrate import JOINT_AXES, Solution
 from supple.machine import System
 from supple.methods.explicit import ENERGIES, Energies
-from supple.quantities import Reading, TrackedMotion, joint_loads
+from supple.quantities import Reading, TrackedMotion, contact_forces, joint_loads
 from supple.results import without_noise
 from supple.units import UNNAMED, UnitSystem, labelled
 
@@ -43,7 +43,7 @@ def charts_of(
     readings: Sequence[Reading],
     units: UnitSystem = UNNAMED,
 ) -> Iterator[Chart]:
-    """Sensors, deflection and position of tracked places, forces and moments of joints, energies."""
+    """Sensors, deflection and position of tracked places, forces of joints and contacts, energies."""
     times = solution.times
     for reading in readings:
         yield from _charts_of_reading(reading, units)
@@ -62,6 +62,12 @@ def charts_of(
                 values = _xyz(without_noise(loads[joint.name][what], like=like))
                 note = f"on {joint.second}, {JOINT_AXES}"
                 yield Chart(f"{joint.name}, {what}", labelled(what, unit), times, values, note)
+    contacts = contact_forces(system, solution)
+    like = np.concatenate([np.zeros((1, 3)), *(contact.force for contact in contacts)])
+    for contact in contacts:
+        values = _xyz(without_noise(contact.force, like=like))
+        label = labelled("force", units.force)
+        yield Chart(f"{contact.name}, force", label, times, values, "on these nodes, global axes")
     if ENERGIES in solution.series:
         energies = without_noise(solution.series[ENERGIES]).T
         terms = zip(Energies._fields, energies, strict=True)

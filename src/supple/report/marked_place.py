@@ -1,4 +1,4 @@
-"""Places of a machine that carry a mark: joints, ends of springs, loads. Each moves with a body."""
+"""Places of a machine that carry a mark: joints, ends of springs, loads, contacts. Each moves with a body."""
 
 from __future__ import annotations
 
@@ -14,13 +14,28 @@ from numpy.typing import NDArray
 
 from supple.body import BodyForm
 from supple.integrate import Solution
-from supple.machine import GROUND, At, DeadForce, ForceElement, NodalLoad, Pose, System
-from supple.quantities import node_positions
+from supple.machine import (
+    GROUND,
+    At,
+    DeadForce,
+    DeadTorque,
+    FollowerForce,
+    FollowerTorque,
+    ForceElement,
+    NodalLoad,
+    Pose,
+    SphereContact,
+    System,
+    Unbalance,
+)
+from supple.quantities import contact_forces, node_positions
 from supple.quantities.end_motion import both_ends
 
 __all__ = ["Arrow", "JointMark", "Link", "MarkedPlace", "arrows_of", "joint_marks", "links_of"]
 
 Array = NDArray[np.float64]
+_ALONE = (DeadTorque, FollowerForce, FollowerTorque, Unbalance)
+"""Elements that act on one interface, and on nothing else."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +73,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """A force or a moment, (t, 3) in space, at a place."""
+    """A force, a moment or a contact force, (t, 3) in space, at a place."""
 
     name: str
     kind: str
@@ -77,31 +92,40 @@ def joint_marks(system: System, solution: Solution) -> Iterator[JointMark]:
 
 
 def links_of(system: System, solution: Solution) -> Iterator[Link]:
-    """Force elements between two places, those that controllers drive among them."""
+    """Force elements between two places but contacts, those that controllers drive among them."""
     driven = [element for each in system.controllers for element in each.drives.values()]
     for load in (*system.loads, *driven):
-        if isinstance(load, ForceElement) and not _acts_alone(load):
+        if isinstance(load, ForceElement) and not isinstance(load, (*_ALONE, SphereContact)):
             first, second = both_ends(system, solution, load, load.label)
             yield Link(load.label, _place(system, load.first, first), _place(system, load.second, second))
 
 
 def arrows_of(system: System, solution: Solution) -> Iterator[Arrow]:
-    """Forces and torques at one interface, or at some nodes, over time."""
+    """Forces and torques at one interface, or at some nodes, and contact forces, over time."""
     for load in system.loads:
         if isinstance(load, NodalLoad):
             yield _arrow_of_nodes(system, solution, load)
-        elif isinstance(load, ForceElement) and _acts_alone(load):
-            ends = both_ends(system, solution, load, load.label)
-            wrench = np.asarray(_wrenches(type(load), load.law, load.parameters, *ends, solution.times))
-            place = _place(system, load.first, ends[0])
-            for kind, values in (("force", wrench[:, :3]), ("moment", wrench[:, 3:])):
-                if values.any():
-                    yield Arrow(load.label, kind, place, values)
+        elif isinstance(load, (*_ALONE, SphereContact)):
+            yield from _arrows_of_element(system, solution, load)
+    axes = np.broadcast_to(np.eye(3), (len(solution.times), 3, 3))
+    for contact in contact_forces(system, solution):
+        place = MarkedPlace("", contact.place, contact.place[0], axes)
+        yield Arrow(contact.name, "contact", place, contact.force)
 
 
-def _acts_alone(element: ForceElement) -> bool:
-    """Whether it acts on one interface, and on nothing else."""
-    return element.second == GROUND and element.ground_point is None and element.value_shape == (3,)
+def _arrows_of_element(system: System, solution: Solution, load: ForceElement) -> Iterator[Arrow]:
+    """What acts on its first end, or on its second one where the first stands on the ground."""
+    ends = both_ends(system, solution, load, load.label)
+    at = (load.first, load.second)
+    own = 1 if load.first == GROUND else 0
+    wrenches = np.asarray(_wrenches(type(load), load.law, load.parameters, *ends, solution.times))[:, own]
+    place = _place(system, at[own], ends[own])
+    if isinstance(load, SphereContact):
+        yield Arrow(load.label, "contact", place, wrenches[:, :3])
+        return
+    for kind, values in (("force", wrenches[:, :3]), ("moment", wrenches[:, 3:])):
+        if values.any():
+            yield Arrow(load.label, kind, place, values)
 
 
 @partial(jax.jit, static_argnums=0)
@@ -109,8 +133,8 @@ def _wrenches(
     kind: type[ForceElement], law: Any, parameters: Any, first: Pose, second: Pose, times: Any
 ) -> jax.Array:
     def at(one: Pose, other: Pose, time: jax.Array) -> jax.Array:
-        wrench, _ = kind.wrenches(one, other, None if law is None else law(time), parameters)
-        return jnp.concatenate([wrench.force, wrench.moment])
+        wrenches = kind.wrenches(one, other, None if law is None else law(time), parameters)
+        return jnp.stack([jnp.concatenate([each.force, each.moment]) for each in wrenches])
 
     return jax.vmap(at)(first, second, jnp.asarray(times))
 

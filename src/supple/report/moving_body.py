@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm, RigidBody
+from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
-from supple.mesh import Mesh
 from supple.mesh.feature_edges import feature_edges
 from supple.quantities import displacement_from_axes, node_positions, observer_of
 from supple.report.nodal_shapes import NodalShapes, nodal_shapes
 from supple.report.visible_surface import VisibleSurface, surface_of
+from supple.results.body_surface import Look, SurfacePoints
 from supple.results.colouring import Colouring
 
 __all__ = ["FIELD_TOLERANCE", "MovingBody", "moving_body", "rigid_links"]
@@ -36,20 +37,22 @@ _FIELD_NUMBERS = 2**24
 
 @dataclass(frozen=True, eq=False)
 class MovingBody:
-    """Nodes that are drawn, `r(t, n) = position + rotation (nodes + displacement(t, n))`.
+    """Points that are drawn, `r(t, n) = position + rotation (rest + displacement(t, n))`.
 
     name, kind : of the body;   seen_from : the interface whose axes these are, or what else
-    nodes : (N, 3) undeformed, mesh axes;   node_ids : (N,) as the mesh file has them, or numbers
-    surface : triangles of these nodes, and when each is there;   edges : (e, 2) that show its shape
+    rest : (N, 3) undeformed, mesh axes
+    node_ids : (N,) of the nodes that carry them, as the mesh file has them, or numbers
+    surface : triangles of these points, and when each is there;   edges : (e, 2) that show its shape
     position : (t, 3), rotation : (t, 3, 3)      of the axes that displacements are seen from
     displacement : along these axes; None of a rigid body
     fields : what else colours it, by name, (t, N, 1)
+    unknown : (N,) where fields have no value, such as the stress of a section that is not known
     """
 
     name: str
     kind: str
     seen_from: str
-    nodes: Array
+    rest: Array
     node_ids: IntArray
     surface: VisibleSurface
     edges: IntArray
@@ -57,20 +60,21 @@ class MovingBody:
     rotation: Array
     displacement: NodalShapes | None = None
     fields: Mapping[str, NodalShapes] = field(default_factory=dict)
+    unknown: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, dtype=bool))
 
     @property
     def largest_displacement(self) -> float:
         """The magnitude, of any node at any instant."""
         if self.displacement is None:
             return 0.0
-        rows = _rows(len(self.position), self.nodes.size)
+        rows = _rows(len(self.position), self.rest.size)
         amplitudes, shapes = self.displacement.amplitudes, self.displacement.shapes
         sizes = (np.linalg.norm(np.tensordot(amplitudes[part], shapes, 1), axis=2) for part in rows)
         return max(float(each.max(initial=0.0)) for each in sizes)
 
     def positions(self, rows: IntArray) -> Array:
         """(t', N, 3) in space, as the page draws them."""
-        local = self.nodes[None]
+        local = self.rest[None]
         if self.displacement is not None:
             local = local + np.tensordot(self.displacement.amplitudes[rows], self.displacement.shapes, 1)
         return self.position[rows, None] + np.einsum("tij,tnj->tni", self.rotation[rows], local)
@@ -84,12 +88,12 @@ def moving_body(
     system: System,
     solution: Solution,
     body: BodyForm,
-    mesh: Mesh | None,
+    look: Look | None,
     *,
     colourings: Mapping[str, Colouring],
     bases: Mapping[str, At],
 ) -> MovingBody:
-    """A deformable body as it moves in a run; without a mesh its nodes are drawn as points.
+    """A deformable body as it moves in a run; without a look its nodes are drawn as points.
 
     Displacements are those from the interface that `deflections` sees them from; of explicit elements, which
     have no axes of their own, from those that fit the nodes best at each instant.
@@ -97,9 +101,9 @@ def moving_body(
     colourings : of what it has values of, by name
     """
     motion = solution.bodies[body.name]
-    surface = surface_of(body, mesh, motion)
-    chosen = surface.nodes
-    rest = body.nodes[chosen]
+    surface = surface_of(body, look, motion)
+    points = surface.points
+    rest = points.placed(body.nodes)
     seen = observer_of(system, solution, body.name, bases)
     if seen is None:
         position, rotation = _fitted_axes(body, motion)
@@ -110,8 +114,8 @@ def moving_body(
         seen_from = seen.name or "its frame"
 
     def displacements() -> Iterator[Array]:
-        for rows in _rows(len(position), 3 * len(body.nodes)):
-            places = node_positions(body, motion.at(rows), chosen)
+        for rows in _rows(len(position), 3 * max(len(rest), len(body.nodes))):
+            places = points.positions(body, motion.at(rows))
             yield displacement_from_axes(places, position[rows, None], rotation[rows], rest)
 
     def values(colouring: Colouring) -> Iterator[Array]:
@@ -119,17 +123,18 @@ def moving_body(
         for rows in _rows(len(position), len(body.nodes), _FIELD_NUMBERS):
             found = colouring.values(body, motion.at(rows), None)
             assert found is not None
-            if found.ndim == 3:  # of faces, and of each beam's end: where there are faces, theirs are seen
-                found = found[:, :, 0] if len(surface.triangles) else found.max(axis=2)
-            for some in _rows(len(found), len(body.nodes)):
-                yield found[some][:, chosen, None]
+            if found.ndim == 3 and not len(surface.triangles):  # beams as lines
+                found = found.max(axis=2)
+            for some in _rows(len(found), len(rest)):
+                yield np.nan_to_num(points.at_points(found[some]))[..., None]
 
+    mesh = look.mesh if isinstance(look, FiniteElementModel) else look
     return MovingBody(
         body.name,
         body.kind,
         seen_from,
         rest,
-        chosen if mesh is None else mesh.node_ids[chosen],
+        points.nodes if mesh is None else mesh.node_ids[points.nodes],
         surface,
         np.concatenate([surface.lines, feature_edges(rest, surface.triangles)]),
         position,
@@ -139,6 +144,7 @@ def moving_body(
             name: nodal_shapes(values(each), tolerance=0.5 * FIELD_TOLERANCE)
             for name, each in colourings.items()
         },
+        points.groups < 0,
     )
 
 
@@ -149,7 +155,7 @@ def rigid_links(body: RigidBody, motion: Any, thickness: float) -> MovingBody:
     ball, ball_triangles = _bars(centre - thickness / 2, centre + thickness / 2, thickness)
     triangles = np.concatenate([triangles, len(nodes) + ball_triangles])
     nodes = np.concatenate([nodes, ball])
-    surface = VisibleSurface(np.arange(len(nodes)), triangles)
+    surface = VisibleSurface(SurfacePoints.of_nodes(np.arange(len(nodes))), triangles)
     edges = feature_edges(nodes, triangles)
     return MovingBody(
         body.name,

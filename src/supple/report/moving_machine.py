@@ -13,10 +13,10 @@ from supple.body import BodyForm, RigidBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution
 from supple.machine import At, System
-from supple.mesh import Mesh
 from supple.methods.explicit import OBSTACLES
 from supple.report.marked_place import Arrow, JointMark, Link, arrows_of, joint_marks, links_of
 from supple.report.moving_body import FIELD_TOLERANCE, MovingBody, moving_body, rigid_links
+from supple.results.body_surface import Look
 from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, Colouring, stress_colouring
 from supple.results.obstacle_shape import obstacle_shape
 from supple.simulation.recorded_columns import check_motions
@@ -80,7 +80,7 @@ class MovingMachine:
 def moving_machine(
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Mesh] = MappingProxyType({}),
+    meshes: Mapping[str, Look] = MappingProxyType({}),
     *,
     elements: Mapping[str, FiniteElementModel] | None = None,
     bases: Mapping[str, At] = MappingProxyType({}),

@@ -81,6 +81,8 @@ def page_text(page: Page) -> str:
     head: dict[str, Any] = {
         "time": page.units.time,
         "length": page.units.length,
+        "force": page.units.force,
+        "moment": page.units.moment,
         "secondsPerTime": page.units.in_si(time=1),
         "scene": None if page.machine is None else scene_data(page.machine, arrays),
         "clips": [vars(clip) for clip in page.clips],

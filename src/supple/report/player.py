@@ -11,11 +11,11 @@ from supple.arguments import checked_arguments
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
-from supple.mesh import Mesh
 from supple.quantities import Reading, TrackedMotion
 from supple.report.charts import charts_of
 from supple.report.moving_machine import moving_machine
 from supple.report.page import Page, page_text
+from supple.results.body_surface import Look
 from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["Player", "player"]
@@ -45,7 +45,7 @@ class Player:
 def player(
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Mesh] = MappingProxyType({}),
+    meshes: Mapping[str, Look] = MappingProxyType({}),
     *,
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
     readings: Sequence[Reading] = (),

@@ -98,13 +98,16 @@ def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, 
 
 
 def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[str, Any]:
-    surface = body.surface
+    surface, carriers = body.surface, body.surface.carriers
+    carried = not np.array_equal(carriers, np.arange(len(carriers)))
     return {
         "name": body.name,
         "kind": body.kind,
         "seenFrom": body.seen_from,
-        "nodes": arrays.add(body.nodes, "f4").plain(),
+        "nodes": arrays.add(body.rest, "f4").plain(),
         "ids": arrays.add(body.node_ids, "i4").plain(),
+        "carriers": arrays.add(carriers, "i4").plain() if carried else None,
+        "unknown": arrays.add(body.unknown, "i4").plain() if body.unknown.any() else None,
         "triangles": arrays.add(surface.triangles.T, "i4").plain(),
         "edges": arrays.add(body.edges.T, "i4").plain(),
         "lifetimes": None if surface.lifetimes is None else arrays.add(surface.lifetimes.T, "i4").plain(),

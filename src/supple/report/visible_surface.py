@@ -1,4 +1,4 @@
-"""What is seen of a body: triangles of some of its nodes, and from when to when each of them is there."""
+"""What the page shows of a body: triangles and lines over points that nodes carry, while they are there."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
-from supple.mesh import Mesh, skin_of
+from supple.fem import FiniteElementModel
+from supple.mesh import CellType
 from supple.mesh.outer_faces import FACE_TRIANGLES
+from supple.results.body_surface import Look, SurfacePoints, body_surface
 
 __all__ = ["VisibleSurface", "surface_of"]
 
@@ -25,36 +27,56 @@ def _none(columns: int) -> IntArray:
 class VisibleSurface:
     """Triangles and lines; bare points where a body has neither.
 
-    nodes : (N,) numbers of the body's nodes that are drawn
+    points : N points that are drawn, the nodes that carry others among them
     triangles : (m, 3), lines : (k, 2)       of these N
     lifetimes : (m, 2) first instant at which a triangle is there, and first at which it is not any more;
         None where all are there throughout
     """
 
-    nodes: IntArray
+    points: SurfacePoints
     triangles: IntArray
     lines: IntArray = field(default_factory=lambda: _none(2))
     lifetimes: IntArray | None = None
 
+    @property
+    def carriers(self) -> IntArray:
+        """(N,) which of these points is the node that carries each."""
+        # Nodes come before what they carry.
+        _, first, own = np.unique(self.points.nodes, return_index=True, return_inverse=True)
+        return first[own]
 
-def surface_of(body: BodyForm, mesh: Mesh | None, motion: Any) -> VisibleSurface:
-    """The skin of a mesh, of which elements may be deleted, and its beams; without a mesh all nodes."""
+
+def surface_of(body: BodyForm, look: Look | None, motion: Any) -> VisibleSurface:
+    """The skin of a body, of which elements may be deleted; without a look all nodes.
+
+    Beams are drawn with their sections where the look knows them, and else as lines; springs and ties are
+    lines.
+    """
     alive = motion.arrays().get("alive")
     if alive is not None and not np.all(alive):
         return _eroding_surface(body, alive)
+    mesh = look.mesh if isinstance(look, FiniteElementModel) else look
     if mesh is None:
-        return VisibleSurface(np.arange(len(body.nodes)), _none(3))
-    lines = [cells[:, :2] for kind, cells in mesh.cells.items() if kind.dimension == 1]
-    has_faces = any(kind.dimension > 1 for kind in mesh.cells)
-    return _of_used_nodes(
-        skin_of(mesh).triangles if has_faces else _none(3), np.concatenate([_none(2), *lines])
-    )
+        return VisibleSurface(SurfacePoints.of_nodes(np.arange(len(body.nodes))), _none(3))
+    has_sections = isinstance(look, FiniteElementModel) and CellType.LINE2 in mesh.cells
+    if not (has_sections or any(kind.dimension > 1 for kind in mesh.cells)):
+        points, triangles, lines = SurfacePoints.of_nodes(np.arange(mesh.n_nodes)), _none(3), [mesh.links]
+    else:
+        surface = body_surface(look)
+        points, triangles, lines = surface, surface.skin.triangles, [surface.links]
+    if not has_sections:
+        lines += [cells[:, :2] for kind, cells in mesh.cells.items() if kind.dimension == 1]
+    return _of_used_points(points, triangles, np.concatenate(lines))
 
 
-def _of_used_nodes(triangles: IntArray, lines: IntArray, lifetimes: IntArray | None = None) -> VisibleSurface:
-    nodes, own = np.unique(np.concatenate([triangles.ravel(), lines.ravel()]), return_inverse=True)
-    first, second = np.split(own.ravel(), [triangles.size])
-    return VisibleSurface(nodes, first.reshape(-1, 3), second.reshape(-1, 2), lifetimes)
+def _of_used_points(
+    points: SurfacePoints, triangles: IntArray, lines: IntArray, lifetimes: IntArray | None = None
+) -> VisibleSurface:
+    """Of points whose nodes come first, in the order of their numbers."""
+    drawn = np.concatenate([triangles.ravel(), lines.ravel()])
+    used = np.union1d(drawn, points.nodes[drawn])
+    first, second = np.split(np.searchsorted(used, drawn), [triangles.size])
+    return VisibleSurface(points.some(used), first.reshape(-1, 3), second.reshape(-1, 2), lifetimes)
 
 
 def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
@@ -89,7 +111,8 @@ def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
     dies = last[face]
     seen = (born < dies) & (~shared | (all_deaths == dies))
     lifetimes = np.column_stack([born[seen], dies[seen]])
-    return _of_used_nodes(all_triangles[seen], _none(2), lifetimes)
+    points = SurfacePoints.of_nodes(np.arange(len(body.nodes)))
+    return _of_used_points(points, all_triangles[seen], _none(2), lifetimes)
 
 
 def _face_keys(kind: Any, cells: IntArray) -> IntArray:

@@ -13,12 +13,12 @@ from supple.arguments import checked_arguments
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution
 from supple.machine import At, System
-from supple.mesh import Mesh
 from supple.quantities import Reading, TrackedMotion
 from supple.report.charts import charts_of
 from supple.report.moving_machine import moving_machine
 from supple.report.page import Page, Section, write_page
 from supple.results import summarize
+from supple.results.body_surface import Look
 from supple.results.explicit_numbers import explicit_cost_line
 from supple.results.run_start import start_lines
 from supple.results.run_tables import correction_table, cost_line, error_lines, error_table, motion_tables
@@ -32,7 +32,7 @@ def write_report(
     path: Path | str,
     system: System,
     solution: Solution,
-    meshes: Mapping[str, Mesh] = MappingProxyType({}),
+    meshes: Mapping[str, Look] = MappingProxyType({}),
     *,
     title: str = "",
     tracked: Mapping[str, TrackedMotion] = MappingProxyType({}),
@@ -50,7 +50,8 @@ def write_report(
 
     Parameters
     ----------
-    meshes : of the deformable bodies, by name; of a body without one the nodes are drawn
+    meshes : of the deformable bodies, by name, or their elements, which know the sections of beams; of a
+        body without either the nodes are drawn
     title : of the page
     tracked, readings : what curves are drawn of, besides the forces of joints
     elements : of bodies, by name, whose von Mises stress may colour them; see `von_mises_history`

@@ -17,11 +17,11 @@ from supple.integrate.solution import concatenate
 from supple.linearization import CampbellDiagram, MachineModes, mode_motion
 from supple.linearization.mode_names import mode_names
 from supple.machine import At
-from supple.mesh import Mesh
 from supple.report.charts import Chart
 from supple.report.moving_machine import FieldScale, moving_machine
 from supple.report.page import Clip, Page, Section, write_page
 from supple.report.write_report import inputs_section
+from supple.results.body_surface import Look
 from supple.results.rest_tables import rest_error_table, rest_tables
 from supple.results.run_tables import TextTable
 from supple.simulation import Equilibrium
@@ -40,7 +40,7 @@ _ORDERS = (1, 2, 3, 4)
 def write_static_report(
     path: Path | str,
     found: Equilibrium,
-    meshes: Mapping[str, Mesh],
+    meshes: Mapping[str, Look],
     numbers: Mapping[str, Any],
     *,
     title: str = "",
@@ -71,7 +71,7 @@ def write_static_report(
 def write_modes_report(
     path: Path | str,
     modes: MachineModes,
-    meshes: Mapping[str, Mesh] = MappingProxyType({}),
+    meshes: Mapping[str, Look] = MappingProxyType({}),
     *,
     tables: Sequence[TextTable] = (),
     chosen: Sequence[int] | None = None,

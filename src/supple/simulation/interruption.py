@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import sys
@@ -14,6 +15,8 @@ from typing import Any
 from supple.storage import ResultFile
 
 __all__ = ["INTERRUPTIONS", "Terminated", "noted_interruption", "raising_terminated"]
+
+LOGGER = logging.getLogger("supple")
 
 
 class Terminated(SystemExit):
@@ -83,7 +86,7 @@ def noted_interruption(file: ResultFile) -> Iterator[None]:
             error.add_note(note)
             if is_ours and isinstance(error, Terminated):
                 # Nobody prints an exit; a traceback prints the note of a Ctrl-C.
-                print(note, file=sys.stderr)
+                LOGGER.warning(note)
             raise
 
 

@@ -15,8 +15,8 @@ Format "supple-result", version 3, an HDF5 file (any HDF5 reader opens it):
     joint_forces/<name>        (t, 6) force and moment of each joint; its attributes `columns`, `acts_on`,
                                `axes` and `unit` say which component, on which end, along which axes
     multipliers/<name>         (t, m) Lagrange multipliers of each joint, to continue the run
-    series/<name>              (t, c) numbers of the whole machine, of an explicit march its energies, steps
-                               and obstacles
+    series/<name>              (t, c) numbers of the whole machine, of an explicit march its energies, steps,
+                               obstacles and contacts
     commits      (k, 11)       one row per chunk written: its first row and its number of times, then its
                                steps, iterations, rejected steps, seconds, seconds of compilation, the
                                largest local error and turn of a step, factorizations, and decades gained

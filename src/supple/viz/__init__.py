@@ -10,7 +10,6 @@ from supple.results.film import Film as Film
 from supple.results.film import RotorAngle as RotorAngle
 from supple.results.view import View as View
 from supple.viz.animation import *
-from supple.viz.body_surface import *
 from supple.viz.campbell_plot import *
 from supple.viz.contour import *
 from supple.viz.eigenvalue_error import *

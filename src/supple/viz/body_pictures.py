@@ -15,12 +15,12 @@ from supple.machine import At, System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import deflections, largest_stress, observer, observer_of, von_mises_by_end
 from supple.reduction import BodyModes, ReducedBody, clamped_modes
+from supple.results.body_surface import BodySurface
 from supple.results.run_summary import N_DRAWN_MODES
 from supple.results.view import View, enlarged_words
 from supple.units import UnitSystem, measured
-from supple.viz.body_surface import BodySurface
 from supple.viz.contour import plot_contour, stress_field
-from supple.viz.glyphs import GROUND_STYLE, Glyphs, Mark
+from supple.viz.glyphs import GROUND_STYLE, Glyphs, Mark, surface_glyphs
 from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.style import as_written
@@ -53,7 +53,7 @@ def draw_mesh(path: Path, drawn: DrawnBody) -> Path:
         path,
         surface.rest,
         surface.skin,
-        glyphs=surface.glyphs(surface.mesh.nodes[None]),
+        glyphs=surface_glyphs(surface, surface.mesh.nodes[None]),
         camera=drawn.view.camera,
         title=drawn.title,
         units=drawn.units,
@@ -99,7 +99,7 @@ def _plot_modes(path: Path, drawn: DrawnBody, modes: BodyModes, held: str, place
     surface = drawn.surface
 
     def glyphs(places: np.ndarray) -> Glyphs | None:
-        own = surface.glyphs(places[:, : surface.mesh.n_nodes])
+        own = surface_glyphs(surface, places[:, : surface.mesh.n_nodes])
         if place is None:
             return own
         ground = Mark(GROUND_STYLE, np.tile(place, (len(places), 1)))
@@ -148,7 +148,7 @@ def draw_deformed(
         surface.skin,
         colour_by=displacement_magnitude(points, drawn.units),
         undeformed=surface.rest,
-        glyphs=surface.glyphs((body.nodes + scale * displaced[worst])[None]),
+        glyphs=surface_glyphs(surface, (body.nodes + scale * displaced[worst])[None]),
         camera=drawn.view.camera,
         title=_title(drawn, float(solution.times[then[0]]), scale),
         units=drawn.units,
@@ -183,7 +183,7 @@ def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solutio
         stress_field(surface.at_points(stress[None])[0], drawn.units),
         node_ids=surface.mesh.node_ids[surface.nodes],
         undeformed=surface.rest,
-        glyphs=surface.glyphs((body.nodes + scale * displaced)[None]),
+        glyphs=surface_glyphs(surface, (body.nodes + scale * displaced)[None]),
         camera=drawn.view.camera,
         title=_title(drawn, float(solution.times[worst]), scale),
         units=drawn.units,

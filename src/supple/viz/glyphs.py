@@ -17,10 +17,11 @@ from supple.body import RigidBody, in_space
 from supple.integrate import Solution
 from supple.machine import GROUND, At, Joint, System
 from supple.quantities import tracked_motion
+from supple.results.body_surface import BodySurface
 from supple.results.camera import Camera
 from supple.viz.style import COLOURS, INK, PALE_INK
 
-__all__ = ["Glyphs", "glyphs_of"]
+__all__ = ["Glyphs", "glyphs_of", "surface_glyphs"]
 
 Array = NDArray[np.float64]
 
@@ -112,6 +113,14 @@ def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64
         marks += _joint_marks(system, solution, joint, rows, n_times)
     joined = np.concatenate(lines, axis=1) if lines else np.empty((n_times, 0, 2, 3))
     return Glyphs(joined, tuple(sorted(marks, key=lambda mark: -mark.style.size)))
+
+
+def surface_glyphs(surface: BodySurface, nodes: Array) -> Glyphs | None:
+    """Links and masses of a body where its nodes are at (t, N, 3); None where there are none."""
+    if not (len(surface.links) or len(surface.masses)):
+        return None
+    marks = (Mark(MASS_STYLE, nodes[:, surface.masses]),) if len(surface.masses) else ()
+    return Glyphs(np.empty((len(nodes), 0, 2, 3)), marks, nodes[:, surface.links])
 
 
 def _joint_marks(

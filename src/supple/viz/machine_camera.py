@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from supple.integrate import Solution
 from supple.machine import RigidPlane, System
 from supple.quantities import node_positions
+from supple.results.body_surface import Look
 from supple.results.camera import Camera
-from supple.viz.body_surface import Look
 from supple.viz.glyphs import glyphs_of
 
 __all__ = ["machine_camera", "upright_camera"]

@@ -18,13 +18,13 @@ from supple.mesh.skin import Skin
 from supple.methods.explicit import OBSTACLES
 from supple.quantities import deflections, node_positions, observer_of
 from supple.quantities.tracked_motion import Observer
+from supple.results.body_surface import BodySurface, Look, body_surface
 from supple.results.camera import Camera
 from supple.results.colouring import Colouring
 from supple.results.obstacle_shape import obstacle_shape
 from supple.units import UNNAMED, UnitSystem
-from supple.viz.body_surface import BodySurface, Look, body_surface
 from supple.viz.contact_clearance import clear_of_contact
-from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of
+from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of, surface_glyphs
 from supple.viz.scene import Actor, obstacle_actor, scene_of
 
 __all__ = ["MachineScene", "drawn_bodies", "machine_scene"]
@@ -123,7 +123,7 @@ def machine_scene(
             )
         )
         undeformed.append(_undeformed(each, rest))
-        if (own := each.surface.glyphs(nodes)) is not None:
+        if (own := surface_glyphs(each.surface, nodes)) is not None:
             glyphs.append(own)
     walls, outlines = _obstacles(system, offsets, actors, camera)
     undeformed += [wall.positions[0] for wall in walls]

@@ -16,6 +16,7 @@ from supple.methods.explicit import ENERGIES
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
+from supple.results.body_surface import Look
 from supple.results.camera import Camera
 from supple.results.colouring import Colouring
 from supple.results.view import AS_IT_IS, View
@@ -29,7 +30,6 @@ from supple.viz.body_pictures import (
     draw_modes,
     draw_stress,
 )
-from supple.viz.body_surface import Look
 from supple.viz.machine_camera import machine_camera
 from supple.viz.machine_picture import plot_machine
 from supple.viz.machine_scene import drawn_bodies, machine_scene

@@ -34,7 +34,7 @@ from supple.methods.explicit.march.model import Energies, MarchState
 from supple.methods.explicit.method import explicit_method
 from supple.methods.explicit.motions import NodalMotion
 
-__all__ = ["ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine"]
+__all__ = ["CONTACTS", "ENERGIES", "OBSTACLES", "STEPS", "ExplicitEngine"]
 
 ENERGIES = "energies"
 """Name of the series of the energy balance of a run, in the order of `Energies`."""
@@ -42,6 +42,8 @@ STEPS = "steps"
 """Name of the series of the step of the elements, s, and of how many of them are in one of the frames."""
 OBSTACLES = "obstacles"
 """Name of the series of how far each obstacle has moved, (t, 3 o), and of its velocity."""
+CONTACTS = "contacts"
+"""Name of the series of the force on the nodes of each contact, and where it acts, (t, 6 c)."""
 
 
 class ExplicitEngine:
@@ -145,7 +147,7 @@ class ExplicitEngine:
         return Leg(joined, len(joined.time), last, statistics, stopped)
 
     def solution(self, leg: Leg[MarchState]) -> Solution:
-        """The motion of each part, and the series of energies, steps and obstacles."""
+        """The motion of each part, and the series of energies, steps, obstacles and contacts."""
         rows: Recorded = leg.states
         own = self._built
         bodies: dict[str, Any] = {}
@@ -160,6 +162,8 @@ class ExplicitEngine:
         series = {ENERGIES: np.asarray(rows.energies), STEPS: np.column_stack([rows.step, rows.ratio])}
         if rows.obstacles:
             series[OBSTACLES] = np.concatenate([part for pair in rows.obstacles for part in pair], axis=1)
+        if self._system.contacts:
+            series[CONTACTS] = np.asarray(rows.contacts).reshape(len(rows.time), -1)
         leaves = jax.tree.leaves(leg.last)
         kept = {f"state {number}": np.asarray(leaf, dtype=float) for number, leaf in enumerate(leaves)}
         times, forces, multipliers = np.asarray(rows.time), {}, {}

@@ -34,8 +34,9 @@ uniform isampler2DArray shapes, fieldShapes;
 uniform highp sampler2D amplitudes, fieldAmplitudes;
 uniform int count, fieldCount, across, rows, perLayer;
 uniform float gain;
+in float unknown;
 out vec3 seen;
-out float value;
+out float value, missing;
 ivec3 at(int k) {
   return ivec3(gl_VertexID % across, (k % perLayer) * rows + gl_VertexID / across, k / perLayer);
 }
@@ -44,6 +45,7 @@ void main() {
   for (int k = 0; k < count; k++)
     moved += texelFetch(amplitudes, ivec2(k, 0), 0).r * vec3(texelFetch(shapes, at(k), 0).xyz);
   value = length(moved);
+  missing = fieldCount >= 0 ? unknown : 0.0;
   if (fieldCount >= 0) {
     value = 0.0;
     for (int k = 0; k < fieldCount; k++)
@@ -62,11 +64,11 @@ uniform vec3 plain;
 uniform float low, high;
 uniform bool coloured, lit;
 in vec3 seen;
-in float value;
+in float value, missing;
 out vec4 colour;
 void main() {
   vec3 own = plain;
-  if (coloured) {
+  if (coloured && missing < 0.5) {
     float place = clamp((value - low) / max(high - low, 1e-30), 0.0, 1.0) * ${(RAMP.length - 1).toFixed(1)};
     int below = min(int(place), ${RAMP.length - 2});
     own = mix(ramp[below], ramp[below + 1], place - float(below));
@@ -146,6 +148,9 @@ class Body {
     this.rest = arrayOf(block, data.nodes);
     this.number = data.nodes.shape[0];
     this.ids = arrayOf(block, data.ids);
+    // Points of a beam's skin hang on the node that carries them; of some a field may have no value.
+    this.carriers = data.carriers && arrayOf(block, data.carriers);
+    this.unknown = data.unknown && arrayOf(block, data.unknown);
     this.triangles = interleaved(arrayOf(block, data.triangles), 3);
     this.edges = interleaved(arrayOf(block, data.edges), 2);
     this.lifetimes = data.lifetimes && arrayOf(block, data.lifetimes);
@@ -179,6 +184,7 @@ class Body {
   build() {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new BufferAttribute(this.rest, 3));
+    if (this.unknown) geometry.setAttribute("unknown", new BufferAttribute(new Float32Array(this.unknown), 1));
     const textures = this.displacement.textures();
     this.fieldTextures = Object.fromEntries(
       Object.entries(this.fields).map(([name, field]) => [name, field.textures()]),
@@ -276,6 +282,11 @@ class Body {
     for (const each of [this.faces, this.outline, this.ghost])
       for (const key of ["fieldCount", "fieldShapes", "fieldAmplitudes", "low", "high"])
         each.material.uniforms[key].value = this.uniforms[key].value;
+  }
+
+  // The node that carries a point of the surface.
+  carrierOf(point) {
+    return this.carriers ? this.carriers[point] : point;
   }
 
   // Where a node is (in the scene), with displacements enlarged.

@@ -42,10 +42,15 @@ function connect(player, curves) {
   );
   element("clip-label").hidden = player.clips.length < 2;
   element("timeline").hidden = player.times.length < 2;
-  document.querySelector("[data-show=triads]").parentElement.hidden = document.querySelector(
-    "[data-show=joints]",
-  ).parentElement.hidden = !scene.joints.length;
-  document.querySelector("[data-show=loads]").parentElement.hidden = !scene.arrows.length;
+  const box = (name) => document.querySelector(`[data-show=${name}]`).parentElement;
+  box("triads").hidden = box("joints").hidden = !scene.joints.length;
+  for (const [name, kinds] of Object.entries(ARROWS)) {
+    const longest = kinds.filter((kind) => player.marks.largest[kind] > 0);
+    box(name).hidden = !longest.length;
+    box(name).querySelector(".note").textContent = `longest ${longest
+      .map((kind) => measured(player.marks.largest[kind], kind === "moment" ? head.moment : head.force))
+      .join(", ")}`;
+  }
   element("play").onclick = () => player.play();
   element("back").onclick = () => player.seekRow(player.row - 1);
   element("on").onclick = () => player.seekRow(player.row + 1);

@@ -1,4 +1,4 @@
-// Marks: joints, springs, loads, axes of joints. They are few, so that they are placed here, frame by frame.
+// Marks: joints, springs, loads, contact forces, axes of joints. They are few, so that they are placed here, frame by frame.
 
 // How a kind of joint is drawn: a shape, filled or hollow, and whether its motion is prescribed.
 const JOINT_LOOKS = {
@@ -12,6 +12,10 @@ const JOINT_LOOKS = {
   "prescribed translation": [0, 0, "#d55e00"],
 };
 const GROUND_LOOK = [4, 0];
+
+// What is shown together, and the colours of arrows; each kind is as long as it is of its largest.
+const ARROWS = { loads: ["force", "moment"], contacts: ["contact"] };
+const ARROW_COLOURS = { force: "#d55e00", moment: "#cc79a7", contact: "#e5484d" };
 
 const POINT = `
 in float look, filled;
@@ -92,7 +96,7 @@ class Marks {
       place: new Place(each.place, block, bodies),
       values: series(block, each.values),
     }));
-    this.largest = { force: 0, moment: 0 };
+    this.largest = { force: 0, moment: 0, contact: 0 };
     for (const arrow of this.arrows) this.largest[arrow.kind] = Math.max(this.largest[arrow.kind], arrow.largest);
     this.picked = null;
   }
@@ -133,7 +137,9 @@ class Marks {
       }
     for (const link of this.links)
       links.push([link.first.at(frame, gain).point, link.second.at(frame, gain).point, "#009e73"]);
-    if (shown.loads) for (const arrow of this.arrows) this.addArrow(loads, arrow, frame, gain);
+    for (const [name, kinds] of Object.entries(ARROWS))
+      if (shown[name])
+        for (const arrow of this.arrows) if (kinds.includes(arrow.kind)) this.addArrow(loads, arrow, frame, gain);
     fillLines(this.lines.triads, triads);
     fillLines(this.lines.links, links);
     fillLines(this.lines.loads, loads);
@@ -143,7 +149,7 @@ class Marks {
   addArrow(lines, arrow, frame, gain) {
     const value = new Vector3(...arrow.values(frame)),
       size = value.length(),
-      colour = arrow.kind === "force" ? "#d55e00" : "#cc79a7";
+      colour = ARROW_COLOURS[arrow.kind];
     if (!(size > 1e-6 * this.largest[arrow.kind])) return;
     const tip = arrow.place.at(frame, gain).point,
       length = 0.16 * this.extent * (size / this.largest[arrow.kind]);
@@ -154,7 +160,7 @@ class Marks {
       .normalize()
       .multiplyScalar(0.01 * this.extent);
     lines.push([tail, tip, colour]);
-    for (const head of arrow.kind === "force" ? [0] : [0, 0.03]) {
+    for (const head of arrow.kind === "moment" ? [0, 0.03] : [0]) {
       const end = tip.clone().addScaledVector(along, -head * this.extent),
         foot = end.clone().addScaledVector(along, -0.03 * this.extent);
       lines.push([end, foot.clone().add(across), colour], [end, foot.sub(across), colour]);

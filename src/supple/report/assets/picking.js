@@ -1,9 +1,9 @@
-// The node under the pointer: the corner that is nearest to it, of the foremost triangle there.
+// The point of a body under the pointer: the corner that is nearest to it, of the foremost triangle there.
 
-function nodeUnder(bodies, camera, root, frame, gain, x, y) {
+function pointUnder(bodies, camera, root, frame, gain, x, y) {
   let best = null;
-  const offer = (body, node, depth) => {
-    if (!best || depth < best.depth) best = { body, node, depth };
+  const offer = (body, point, depth) => {
+    if (!best || depth < best.depth) best = { body, point, depth };
   };
   for (const body of bodies) {
     if (!body.ids.length || !body.group.visible) continue;

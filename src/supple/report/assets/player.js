@@ -28,7 +28,7 @@ class Player {
       time: 0,
       dirty: true,
     });
-    this.shown = { undeformed: true, edges: true, joints: true, triads: false, loads: true };
+    this.shown = { undeformed: true, edges: true, joints: true, triads: false, loads: true, contacts: true };
   }
 
   // Needs WebGL; throws without.
@@ -191,7 +191,7 @@ class Player {
   // The node under a point of the canvas, in pixels from its corner; null beside the machine.
   pick(x, y) {
     const { clientWidth, clientHeight } = this.view.canvas;
-    const found = nodeUnder(
+    const found = pointUnder(
       this.bodies,
       this.view.camera,
       this.view.root,
@@ -200,8 +200,8 @@ class Player {
       (2 * x) / clientWidth - 1,
       1 - (2 * y) / clientHeight,
     );
-    this.picked = found && { body: found.body, node: found.node };
-    this.marks.picked = found && (() => found.body.placeOf(found.node, this.gain));
+    this.picked = found && { ...found, node: found.body.carrierOf(found.point) };
+    this.marks.picked = found && (() => found.body.placeOf(this.picked.node, this.gain));
     this.dirty = true;
     this.onpick?.();
     return this.reading();
@@ -210,11 +210,11 @@ class Player {
   // What is known of the node that was picked, now.
   reading() {
     if (!this.picked) return null;
-    const { body, node } = this.picked;
+    const { body, node, point } = this.picked;
     const displacement = [0, 1, 2].map((c) => body.displacement.at(node, c)),
       place = body.placeOf(node, 1);
     const fields = Object.fromEntries(
-      Object.keys(body.fields).map((name) => [name, this.valueAt(body, name, node)]),
+      (body.unknown?.[point] ? [] : Object.keys(body.fields)).map((name) => [name, this.valueAt(body, name, point)]),
     );
     if (body.deforms) fields.deflection = this.scene.scales.deflection.factor * Math.hypot(...displacement);
     return {
@@ -228,21 +228,21 @@ class Player {
   }
 
   // Of a field, now or at an instant; shapes that were left out leave small values below the lowest.
-  valueAt(body, name, node, instant) {
+  valueAt(body, name, point, instant) {
     const { factor, low } = this.scene.scales[name];
-    return Math.max(low, factor * body.fields[name].at(node, 0, instant));
+    return Math.max(low, factor * body.fields[name].at(point, 0, instant));
   }
 
   // Displacements of the picked node over the clip, or the field that colours, as a chart.
   history() {
     if (!this.picked) return null;
-    const { body, node } = this.picked,
+    const { body, node, point } = this.picked,
       { first, number } = this.clip,
       rows = Array.from({ length: number }, (_, i) => first + i);
     const abscissa = rows.map((row) => this.scene.start + this.times[row]);
     const scale = this.scene.scales[this.field];
     const title = `node ${body.ids[node]} of ${body.name}`;
-    if (body.fields[this.field])
+    if (body.fields[this.field] && !body.unknown?.[point])
       return {
         title: `${title}, ${this.field}`,
         label: scale.label,
@@ -250,7 +250,7 @@ class Player {
         over: "",
         abscissa,
         names: [this.field],
-        columns: [rows.map((row) => this.valueAt(body, this.field, node, row))],
+        columns: [rows.map((row) => this.valueAt(body, this.field, point, row))],
       };
     const columns = [0, 1, 2].map((c) => rows.map((row) => body.displacement.at(node, c, row)));
     return {

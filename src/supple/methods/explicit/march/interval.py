@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from supple.equations.compiler_options import STARTING
+from supple.methods.explicit.march.contact_forces import contact_forces
 from supple.methods.explicit.march.element_block import with_contact
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
 from supple.methods.explicit.march.march_step import kinetic, march_step
@@ -29,6 +30,7 @@ class Recorded(NamedTuple):
     """What is kept of an output time.
 
     frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
+    contacts : (c, 6) see `contact_forces`
     trouble : 0, or 1 an element turned over, 2 not a number, 3 the energy drifts, 4 energy from nothing,
         5 the interface loses or wins too much
     """
@@ -42,6 +44,7 @@ class Recorded(NamedTuple):
     frames: tuple[tuple[Array, ...], ...]
     pulls: Array
     obstacles: tuple[tuple[Array, Array], ...]
+    contacts: Array
     energies: Array
     time: Array
     steps: Array
@@ -251,6 +254,7 @@ def _recorded(
         tuple(frames),
         pulls,
         tuple((at.offset, at.velocity) for at in state.obstacles),
+        contact_forces(model, methods, state),
         jnp.stack(state.energies._replace(kinetic=kinetic(model, state))),
         state.time,
         state.steps,

@@ -25,6 +25,7 @@ __all__ = [
     "TouchingSurface",
     "corner_stiffness",
     "projected",
+    "pushes",
     "surface_penalty",
     "touching_surface",
 ]
@@ -148,11 +149,16 @@ def projected(surface: TouchingSurface, x: Array) -> Projection:
     )
 
 
+def pushes(surface: TouchingSurface, at: Projection) -> Array:
+    """Forces (3, n) on the nodes that stand so above the surface."""
+    depth = jnp.where((at.gap < 0) & (at.gap > -surface.reach), -at.gap, 0.0)
+    return surface.stiffness * depth * at.normals
+
+
 def surface_penalty(surface: TouchingSurface, x: Array) -> Array:
     """Forces (3, N) on all nodes at positions x (3, N)."""
     at = projected(surface, x)
-    depth = jnp.where((at.gap < 0) & (at.gap > -surface.reach), -at.gap, 0.0)
-    push = surface.stiffness * depth * at.normals
+    push = pushes(surface, at)
     forces = jnp.zeros_like(x).at[:, surface.nodes].add(push)
     for i in range(3):
         forces = forces.at[:, at.corners[:, i]].add(-at.weights[i] * push)

@@ -12,11 +12,10 @@ from supple.body import BodyForm
 from supple.fem import FiniteElementModel, beam_end_ranks
 from supple.mesh import CellType, Mesh
 from supple.mesh.skin import Skin, skin_of
-from supple.quantities.tracked_motion import Observer, displacement_from_axes
-from supple.viz.beam_skin import beam_skin
-from supple.viz.glyphs import MASS_STYLE, Glyphs, Mark
+from supple.quantities.tracked_motion import Observer, displacement_from_axes, node_positions
+from supple.results.beam_skin import beam_skin
 
-__all__ = ["BodySurface", "Look", "body_surface"]
+__all__ = ["BodySurface", "Look", "SurfacePoints", "body_surface"]
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -25,70 +24,91 @@ Look = Mesh | FiniteElementModel
 
 
 @dataclass(frozen=True, eq=False)
-class BodySurface:
-    """A skin over points that nodes carry: the nodes themselves, and behind them those of beams.
+class SurfacePoints:
+    """Points that are seen of a body, which its nodes carry: the nodes themselves, and the skins of beams.
 
-    mesh : of the body
-    skin : over the P points
-    nodes : (P,) node that carries each point;  arms : (P, 3) from it, undeformed, m
+    nodes : (P,) node that carries each point;   arms : (P, 3) from it, undeformed, m
     groups : (P,) of the stress of a node (`von_mises_by_end`): 0 of faces, 1 + end of beams, -1 without
-    links : (S, 2) nodes that springs, ties or masses join;  masses : (M,) nodes with a mass of their own
     """
 
-    mesh: Mesh
-    skin: Skin
     nodes: IntArray
     arms: Array
     groups: IntArray
-    links: IntArray
-    masses: IntArray
+
+    @classmethod
+    def of_nodes(cls, nodes: IntArray) -> SurfacePoints:
+        """Nodes alone."""
+        return cls(nodes, np.zeros((len(nodes), 3)), np.zeros(len(nodes), dtype=np.int64))
+
+    def some(self, points: IntArray) -> SurfacePoints:
+        """Some of these points."""
+        return SurfacePoints(self.nodes[points], self.arms[points], self.groups[points])
 
     @property
-    def rest(self) -> Array:
-        """Undeformed places (P, 3)."""
-        return self.mesh.nodes[self.nodes] + self.arms
+    def on_arms(self) -> IntArray:
+        """Numbers of the points that are no nodes."""
+        return np.flatnonzero(self.arms.any(axis=1))
 
     def placed(self, nodes: Array, rotations: Array | None = None) -> Array:
         """Places (..., P, 3) where nodes are at (..., N, 3) and have turned by rotations (..., N, 3, 3)."""
-        n = self.mesh.n_nodes
-        if len(self.nodes) == n:
-            return nodes
-        carriers, arms = self.nodes[n:], self.arms[n:]
-        if rotations is not None:
-            arms = np.einsum("...pij,pj->...pi", rotations[..., carriers, :, :], arms)
-        return np.concatenate([nodes, nodes[..., carriers, :] + arms], axis=-2)
-
-    def shaped(self, shapes: Array, rotations: Array | None) -> Array:
-        """Displacements (..., P, 3) by those of nodes (..., N, 3) and their small rotations (..., N, 3)."""
-        found = shapes[..., self.nodes, :]
-        return found if rotations is None else found + np.cross(rotations[..., self.nodes, :], self.arms)
-
-    def glyphs(self, nodes: Array) -> Glyphs | None:
-        """Links and masses where nodes are at (t, N, 3); None where there are none."""
-        if not (len(self.links) or len(self.masses)):
-            return None
-        marks = (Mark(MASS_STYLE, nodes[:, self.masses]),) if len(self.masses) else ()
-        return Glyphs(np.empty((len(nodes), 0, 2, 3)), marks, nodes[:, self.links])
+        return self._out_on_arms(nodes[..., self.nodes, :], rotations)
 
     def positions(self, body: BodyForm, motion: Any, nodes: Array | None = None) -> Array:
         """Places (t, P, 3) in space.
 
         nodes : (t, N, 3) where the nodes are seen; where they are, when omitted
         """
-        nodes = body.positions(motion) if nodes is None else nodes
-        return self.placed(nodes, body.node_rotations(motion) if len(self.nodes) > nodes.shape[-2] else None)
+        own = node_positions(body, motion, self.nodes) if nodes is None else nodes[:, self.nodes]
+        return self._out_on_arms(own, body.node_rotations(motion) if len(self.on_arms) else None)
 
-    def deflections(self, body: BodyForm, motion: Any, seen_from: Observer) -> Array:
-        """Displacements (t, P, 3) as an observer sees them."""
-        origin = seen_from.origin[:, None]
-        places = self.positions(body, motion)
-        return displacement_from_axes(places, origin, seen_from.axes, self.rest - seen_from.rest)
+    def _out_on_arms(self, carriers: Array, rotations: Array | None) -> Array:
+        """From places (..., P, 3) of the nodes that carry the points."""
+        own = self.on_arms
+        if not len(own):
+            return carriers
+        arms = self.arms[own]
+        if rotations is not None:
+            arms = np.einsum("...pij,pj->...pi", rotations[..., self.nodes[own], :, :], arms)
+        found = carriers.copy()
+        found[..., own, :] += arms
+        return found
 
     def at_points(self, values: Array) -> Array:
         """Nodal values (t, N), or by groups (t, N, g), at the points (t, P); NaN where there is no stress."""
         if values.ndim == 2:
             return values[:, self.nodes]
         return np.where(self.groups >= 0, values[:, self.nodes, self.groups], np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class BodySurface(SurfacePoints):
+    """A skin over points that nodes carry: the nodes themselves, and behind them those of beams.
+
+    mesh : of the body
+    skin : over the P points
+    links : (S, 2) nodes that springs, ties or masses join;  masses : (M,) nodes with a mass of their own
+    """
+
+    mesh: Mesh
+    skin: Skin
+    links: IntArray
+    masses: IntArray
+
+    @property
+    def rest(self) -> Array:
+        """Undeformed places (P, 3)."""
+        return self.placed(self.mesh.nodes)
+
+    def shaped(self, shapes: Array, rotations: Array | None) -> Array:
+        """Displacements (..., P, 3) by those of nodes (..., N, 3) and their small rotations (..., N, 3)."""
+        found = shapes[..., self.nodes, :]
+        return found if rotations is None else found + np.cross(rotations[..., self.nodes, :], self.arms)
+
+    def deflections(self, body: BodyForm, motion: Any, seen_from: Observer) -> Array:
+        """Displacements (t, P, 3) as an observer sees them."""
+        origin = seen_from.origin[:, None]
+        places = self.positions(body, motion)
+        return displacement_from_axes(places, origin, seen_from.axes, self.rest - seen_from.rest)
 
 
 def body_surface(look: Look) -> BodySurface:
@@ -124,11 +144,11 @@ def body_surface(look: Look) -> BodySurface:
         masses = np.flatnonzero(mass.diagonal().reshape(n, -1)[:, :3].any(axis=1))
     links = mesh.links[(mesh.links[:, 0] != mesh.links[:, 1])]
     return BodySurface(
-        mesh,
-        Skin(np.concatenate(triangles), np.concatenate(lines)),
         np.concatenate(nodes),
         np.concatenate(arms),
         np.concatenate(groups),
+        mesh,
+        Skin(np.concatenate(triangles), np.concatenate(lines)),
         links,
         masses,
     )
