@@ -51,6 +51,22 @@ def test_steps_are_named(watched, capsys):
     assert "correcting: second round" in capsys.readouterr().err
 
 
+def test_a_notebook_shows_a_line_of_html_without_widgets(watched, monkeypatch):
+    pytest.importorskip("IPython")
+    shown = []
+    monkeypatch.setattr(progress, "_is_notebook", lambda: True)
+    monkeypatch.setattr(
+        "IPython.display.DisplayHandle.display", lambda _, data, **_options: shown.append(data)
+    )
+    monkeypatch.setattr(
+        "IPython.display.DisplayHandle.update", lambda _, data, **_options: shown.append(data)
+    )
+    march(seconds=0.8)
+    assert shown[1]["text/html"] == "<progress></progress> marching"
+    assert shown[2]["text/html"] == '<progress value="0.500"></progress> marching 50 %'
+    assert shown[-1] == {"text/plain": "", "text/html": ""}
+
+
 def test_work_within_other_work_has_no_bar(watched):
     with progress_bar("outer") as outer, progress_bar("inner") as inner:
         assert outer is not None

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fixtures.bar_of_every_form import bar_as, elastic, model
 from fixtures.made_up_solutions import make_solution
 
 from supple.integrate import ErrorPart, ErrorStatement, FixedStep, Run
-from supple.machine import GROUND, At, Placed, Revolute, SpringDamper, System
+from supple.linearization import campbell_diagram, linearize, machine_modes
+from supple.machine import GROUND, At, Placed, Revolute, Spin, SpringDamper, System
 from supple.mesh import strip
+from supple.quantities.reading import Channel, QuantityKind, Reading
+from supple.quantities.readings import Readings
+from supple.simulation import equilibrium
 from supple.summary import N_LINES, WIDTH, Summary
 
 
@@ -24,6 +30,21 @@ def chain(n):
 STATEMENT = ErrorStatement(
     "the tip", 0.1, basis=ErrorPart(1e-3, "by projection", "take more modes"), allowed=0.01
 )
+SPINS = [Spin(rate, (0, 0, 1)) for rate in (1.0, 2.0)]
+
+
+def turning():
+    """A bar on a flap hinge, which a spin about z holds out."""
+    hinge = Revolute(first=GROUND, second=At("bar", "root"), axis=(0, 1, 0))
+    return System([bar_as("rigid", "bar")], [hinge])
+
+
+def reading():
+    """Of a tip, at 2000 times."""
+    channels = tuple(Channel(axis, QuantityKind.LENGTH, "global") for axis in "xyz")
+    return Reading("tip", channels, np.arange(2000.0), np.linspace(0.0, 3.0, 6000).reshape(2000, 3))
+
+
 SOLUTION = make_solution(n_times=2000)
 EVERY = {
     "mesh": lambda: model().mesh,
@@ -36,6 +57,12 @@ EVERY = {
     "solution": lambda: SOLUTION,
     "motion": lambda: SOLUTION.bodies["hub"],
     "error": lambda: STATEMENT,
+    "equilibrium": lambda: equilibrium(chain(1)),
+    "linear machine": lambda: linearize(turning(), spin=SPINS[0]),
+    "modes": lambda: machine_modes(linearize(turning(), spin=SPINS[0])),
+    "Campbell diagram": lambda: campbell_diagram(turning(), SPINS),
+    "readings": lambda: Readings(40 * (reading(),)),
+    "reading": reading,
 }
 
 
@@ -76,6 +103,18 @@ def test_a_statement_of_error_shows_its_sum_its_parts_and_its_remedy():
     assert "by projection" in shown
     assert "take more modes" in shown
     assert "step, newton, model" in shown
+
+
+def test_readings_show_the_range_of_every_channel():
+    rows = dict(Readings((reading(),)).summary().rows)
+    assert rows["tip.z"] == "0.001 to 3, length"
+
+
+def test_what_rounding_leaves_of_a_centroid_is_nothing():
+    """Also where every coordinate of it is zero."""
+    mesh = strip(1.0, 0.1, 8, 2)
+    off = replace(mesh, nodes=mesh.nodes + np.array([0, 0, 1e-18]))
+    assert dict(off.summary().rows)["node set root"] == "3 nodes, centroid (0, 0, 0)"
 
 
 def test_a_motion_shows_shapes_and_sizes():

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
+from html import escape
 from threading import Lock, Timer
-from time import perf_counter
-from typing import Any, ParamSpec, Protocol, TypeVar
+from time import monotonic, perf_counter
+from typing import ParamSpec, Protocol, TypeVar
 
 __all__ = ["show_progress"]
 
@@ -20,6 +22,8 @@ T = TypeVar("T")
 LOGGER = logging.getLogger("supple")
 PATIENCE = 2.0
 """s, after which a bar appears."""
+BETWEEN = 0.2
+"""s, between two updates of a notebook."""
 
 
 class Share(Protocol):
@@ -95,18 +99,72 @@ def progress_bar(title: str) -> Iterator[Share | None]:
 
 
 def _is_watched() -> bool:
-    return "ipykernel" in sys.modules or sys.stderr.isatty()
+    return _is_notebook() or sys.stderr.isatty()
+
+
+def _is_notebook() -> bool:
+    return "ipykernel" in sys.modules
+
+
+class _Line(Protocol):
+    """Where a bar is shown."""
+
+    def update(self, text: str, fraction: float | None) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+class _TerminalLine:
+    """On standard error."""
+
+    def __init__(self, title: str) -> None:
+        # Imported here: short work, and scripts without a terminal, do not import it.
+        from supple.terminal import error_console, progress_bars
+
+        self._bars = progress_bars(error_console, transient=True)
+        self._task = self._bars.add_task(title, total=None)
+        self._bars.start()
+
+    def update(self, text: str, fraction: float | None) -> None:
+        total = None if fraction is None else 1.0
+        self._bars.update(self._task, description=text, total=total, completed=fraction or 0.0)
+
+    def stop(self) -> None:
+        self._bars.stop()
+
+
+class _NotebookLine:
+    """In the output of a cell, as plain HTML: the bars of rich need ipywidgets there."""
+
+    def __init__(self, _title: str) -> None:
+        from IPython.display import DisplayHandle
+
+        self._handle = DisplayHandle()
+        self._handle.display({"text/plain": ""}, raw=True)
+        self._shown_at = -math.inf
+
+    def update(self, text: str, fraction: float | None) -> None:
+        if monotonic() - self._shown_at < BETWEEN:
+            return
+        self._shown_at = monotonic()
+        value = "" if fraction is None else f' value="{fraction:.3f}"'
+        share = "" if fraction is None else f" {100 * fraction:.0f} %"
+        html = f"<progress{value}></progress> {escape(text)}{share}"
+        self._handle.update({"text/plain": f"{text}{share}", "text/html": html}, raw=True)
+
+    def stop(self) -> None:
+        self._handle.update({"text/plain": "", "text/html": ""}, raw=True)
 
 
 class _Bar:
-    """One line on standard error, or in a notebook's cell, that goes when the work is done."""
+    """One line that goes when the work is done."""
 
     def __init__(self, title: str) -> None:
         self._title = title
         self._step = ""
         self._fraction: float | None = None
         self._over = False
-        self._bars: Any = None
+        self._line: _Line | None = None
         self._lock = Lock()
         self._timer = Timer(PATIENCE, self._appear)
         self._timer.daemon = True
@@ -123,23 +181,18 @@ class _Bar:
         self._timer.cancel()
         with self._lock:
             self._over = True
-            if self._bars is not None:
-                self._bars.stop()
+            if self._line is not None:
+                self._line.stop()
 
     def _appear(self) -> None:
-        # Imported here: short work, and scripts without a terminal, do not import it.
-        from supple.terminal import error_console, progress_bars
-
         with self._lock:
             if self._over:
                 return
-            self._bars = progress_bars(error_console, transient=True)
-            self._task = self._bars.add_task(self._title, total=None)
-            self._bars.start()
+            self._line = _NotebookLine(self._title) if _is_notebook() else _TerminalLine(self._title)
             self._update()
 
     def _update(self) -> None:
-        if self._bars is None or self._over or self._fraction is None:
+        if self._line is None or self._over:
             return
         described = f"{self._title}: {self._step}" if self._step else self._title
-        self._bars.update(self._task, description=described, total=1.0, completed=self._fraction)
+        self._line.update(described, self._fraction)

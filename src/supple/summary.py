@@ -77,8 +77,8 @@ def listed(names: Iterable[str]) -> str:
     return (", ".join(every[:N_LISTED]) or "none") + more
 
 
-def point(position: Sequence[float] | np.ndarray) -> str:
-    """Coordinates of a point in a row; what rounding leaves beside the largest of them is 0."""
+def point(position: Sequence[float] | np.ndarray, size: float = 0.0) -> str:
+    """Coordinates of a point in a row; what rounding leaves beside the largest of them, or the size, is 0."""
     values = np.asarray(position, dtype=np.float64)
-    values = np.where(abs(values) > 1e-12 * abs(values).max(initial=0.0), values, 0.0)
+    values = np.where(abs(values) > 1e-12 * abs(values).max(initial=size), values, 0.0)
     return "(" + ", ".join(f"{value:g}" for value in values) + ")"

@@ -76,7 +76,8 @@ class FlexibleBody(Summarized):
             rows.append(("elements", ", ".join(f"{len(array)} {cell.name}" for cell, array in cells)))
         if self.damping is not None:
             rows.append(("damping", "of its files"))
-        rows += [(f"interface {one.name}", f"at {point(one.position)}") for one in self.interfaces]
+        size = float(abs(self.nodes).max())
+        rows += [(f"interface {one.name}", f"at {point(one.position, size)}") for one in self.interfaces]
         return Summary(f"FlexibleBody '{self.name}', {self.n} coordinates, {kind}", rows)
 
     @property

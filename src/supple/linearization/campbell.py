@@ -24,6 +24,7 @@ from supple.linearization.whirl import whirl
 from supple.machine import Spin, System
 from supple.progress import by_fraction, with_progress_bar
 from supple.simulation.full_rest import known_fulls
+from supple.summary import Summarized, Summary
 
 __all__ = ["CampbellDiagram", "CriticalSpeed", "campbell_diagram", "modal_assurance"]
 
@@ -35,8 +36,8 @@ class CriticalSpeed(NamedTuple):
     sense: int
 
 
-@dataclass(frozen=True, eq=False)
-class CampbellDiagram:
+@dataclass(frozen=True, eq=False, repr=False)
+class CampbellDiagram(Summarized):
     """Modes over speed, each followed by the likeness of its shape.
 
     rates : (ns,) rad/s
@@ -60,6 +61,19 @@ class CampbellDiagram:
     sense: Array = field(default_factory=lambda: np.zeros((0, 0), dtype=int))
     in_space: Array = field(default_factory=lambda: np.zeros((0, 0)))
     names: tuple[str, ...] = ()
+
+    def summary(self) -> Summary:
+        """Frequencies at the first and the last speed, mode by mode, and critical speeds."""
+        hertz = self.frequencies / (2 * np.pi)
+        names = self.names or [""] * hertz.shape[1]
+        rows = [
+            (f"mode {number} {name}".strip(), f"{first:.5g} to {last:.5g} cycles per unit of time")
+            for number, (name, first, last) in enumerate(zip(names, hertz[0], hertz[-1], strict=True), 1)
+        ]
+        speeds = ", ".join(f"{each.rate:.5g}" for each in self.critical_speeds)
+        rows.insert(0, ("critical speeds", speeds or "none"))
+        first, last = self.rates[[0, -1]]
+        return Summary(f"Campbell diagram from {first:g} to {last:g} rad per unit of time, {self.axes}", rows)
 
     @property
     def critical_speeds(self) -> tuple[CriticalSpeed, ...]:

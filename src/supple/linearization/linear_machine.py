@@ -13,6 +13,7 @@ from supple.equations.control_linearization import LinearControl
 from supple.integrate import Solution, Statistics
 from supple.linearization.periodic import Periodic
 from supple.machine import Spin, System
+from supple.summary import Summarized, Summary, listed
 
 if TYPE_CHECKING:
     from supple.linearization.sparse_machine import SparseMachine
@@ -41,8 +42,8 @@ class FullMachine:
     rest: Mapping[str, RestError]
 
 
-@dataclass(frozen=True, eq=False)
-class LinearMachine:
+@dataclass(frozen=True, eq=False, repr=False)
+class LinearMachine(Summarized):
     """Small motions `y` of a machine at rest, or turning steadily.
 
         M y'' + C y' + K y = N^T f + H z,        p = N y,        G N = 0
@@ -78,6 +79,20 @@ class LinearMachine:
     full: FullMachine | None = None
     is_in_space: bool = False
     periodic: Periodic | None = None
+
+    def summary(self) -> Summary:
+        """Bodies, spin, and the axes and kind of the equations."""
+        rows = [
+            ("bodies", listed(placed.body.name for placed in self.system.bodies)),
+            ("coordinates", f"{self.size}, of {len(self.basis)} before joints"),
+            ("axes", self.axes),
+            ("equations", "constant" if self.periodic is None else "periodic in the turn"),
+            ("states of controllers", str(self.control.size)),
+            ("compared with all coordinates", "no" if self.full is None else "yes"),
+        ]
+        if self.spin is not None:
+            rows.insert(1, ("spin", f"{self.spin.rate:g} rad per unit of time"))
+        return Summary(f"Linear machine of {self.size} coordinates, {self.axes}", rows)
 
     @property
     def axes(self) -> str:

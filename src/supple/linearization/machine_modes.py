@@ -22,6 +22,9 @@ __all__ = ["MachineModes", "machine_modes"]
 _MOTIONLESS = 1e-12
 """Part of a mode that is motion, below which controllers alone change in it."""
 
+_NO_DAMPING = 1e-12
+"""Damping ratio that rounding leaves."""
+
 _ROUNDING = 512.0
 """Of stiffness in units of the floating-point precision: what may be left of terms that cancel."""
 
@@ -52,7 +55,8 @@ class MachineModes(Summarized):
         """Frequency, damping and the body that moves most, mode by mode."""
         names = [placed.body.name for placed in self.machine.system.bodies]
         most = self.kinetic_shares.argmax(axis=0)
-        each = zip(self.frequencies / (2 * np.pi), self.damping_ratios, most, strict=True)
+        damping = np.where(abs(self.damping_ratios) > _NO_DAMPING, self.damping_ratios, 0.0)
+        each = zip(self.frequencies / (2 * np.pi), damping, most, strict=True)
         rows = [
             (f"mode {i}", f"{hertz:.5g} cycles per unit of time, damping {ratio:.3g}, most in {names[body]}")
             for i, (hertz, ratio, body) in enumerate(each, 1)

@@ -113,8 +113,9 @@ class Mesh(Summarized):
         rows += [(kind.name, f"{len(array)} cells") for kind, array in self.cells.items()]
         extent = zip("xyz", self.nodes.min(axis=0), self.nodes.max(axis=0), strict=True)
         rows += [(axis, f"{low:g} to {high:g}") for axis, low, high in extent]
+        size = float(abs(self.nodes).max())
         for name, nodes in self.node_sets.items():
-            centroid = point(self.nodes[nodes].mean(axis=0))
+            centroid = point(self.nodes[nodes].mean(axis=0), size)
             rows.append((f"node set {name}", f"{len(nodes)} nodes, centroid {centroid}"))
         for name, members in self.cell_sets.items():
             rows.append((f"cell set {name}", f"{sum(map(len, members.values()))} cells"))

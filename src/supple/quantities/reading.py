@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from supple.algebra import read_only
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
+from supple.summary import Summarized, Summary
 from supple.units import UNNAMED, UnitSystem, labelled
 
 __all__ = ["Located", "Reading"]
@@ -67,8 +68,8 @@ class Located(NamedTuple):
     points: Array | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Reading:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reading(Summarized):
     """What one sensor read.
 
     name : of the sensor;   channels : of its columns
@@ -92,6 +93,17 @@ class Reading:
             )
         object.__setattr__(self, "times", read_only(self.times))
         object.__setattr__(self, "values", read_only(self.values))
+
+    def summary(self) -> Summary:
+        """The range of each channel, in the units of the model."""
+        low, high = self.values.min(axis=0, initial=np.inf), self.values.max(axis=0, initial=-np.inf)
+        rows = [
+            (name, f"{least:.4g} to {most:.4g}, {channel.quantity.value}")
+            for name, channel, least, most in zip(self.names, self.channels, low, high, strict=True)
+        ]
+        return Summary(
+            f"Reading '{self.name}' of {len(self.channels)} channels at {len(self.times)} times", rows
+        )
 
     @property
     def names(self) -> Iterator[str]:

@@ -13,6 +13,7 @@ from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.optional_packages import optional_package
 from supple.quantities.reading import Channel, Reading
+from supple.summary import Summarized, Summary
 from supple.units import UNNAMED, UnitSystem
 
 __all__ = ["Columns", "Readings"]
@@ -47,10 +48,13 @@ class Columns:
         return (f"{name}_[{unit}]" if unit else name for name, unit in pairs)
 
 
-class Readings(tuple[Reading, ...]):
+class Readings(Summarized, tuple[Reading, ...]):
     """The readings of some sensors over one run, in their order."""
 
-    __slots__ = ()
+    def summary(self) -> Summary:
+        """The range of every channel, in the units of the model."""
+        rows = [row for each in self for row in each.summary().rows]
+        return Summary(f"Readings of {len(self)} sensors at {len(self[0].times) if self else 0} times", rows)
 
     @checked_arguments
     def columns(self, units: UnitSystem = UNNAMED) -> Columns:

@@ -122,7 +122,8 @@ class ReducedBody(FloatingForm, Summarized):
         ]
         if self.report.certificate is not None:
             rows.append(("eigenvalues", str(self.report.certificate)))
-        rows += [(f"interface {one.name}", f"at {point(one.position)}") for one in self.interfaces]
+        size = float(abs(self.nodes).max())
+        rows += [(f"interface {one.name}", f"at {point(one.position, size)}") for one in self.interfaces]
         return Summary(f"ReducedBody '{self.name}', {self.r} coordinates, {kind}, {self.frame}", rows)
 
     def __getstate__(self) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from supple.simulation.resting_state import (
     placed_at_rest,
     resting_state,
 )
+from supple.summary import Summarized, Summary
 
 __all__ = ["Equilibrium", "equilibrium"]
 
@@ -29,8 +30,8 @@ LARGEST_ERROR = 0.01
 """Of a displacement: what is warned of."""
 
 
-@dataclass(frozen=True, eq=False)
-class Equilibrium:
+@dataclass(frozen=True, eq=False, repr=False)
+class Equilibrium(Summarized):
     """A machine at rest, or turning steadily.
 
     system     : System     its bodies placed, moving and deformed as they are: `simulate` starts there
@@ -50,6 +51,20 @@ class Equilibrium:
     errors: Mapping[str, RestError] = field(default_factory=dict)
     full: tuple[System, Solution] | None = None
     stable: bool | None = None
+
+    def summary(self) -> Summary:
+        """Stability, what the bases cost, and the size of the force of each joint."""
+        stable = {True: "stable", False: "not stable", None: "stability not decided"}[self.stable]
+        rows = [("found", f"after {self.iterations} iterations; {stable}")]
+        for name, error in self.errors.items():
+            share = f"{100 * error.relative:.2g} % of the largest displacement"
+            known = f"{error.worst:.2g} at the worst node, {share}"
+            unknown = "not known: no rest with all coordinates"
+            rows.append((f"error of {name}", known if error.known else unknown))
+        for name, force in self.joint_forces.items():
+            size, moment = np.linalg.norm(force[:3]), np.linalg.norm(force[3:])
+            rows.append((f"joint {name}", f"force {size:.4g}, moment {moment:.4g}"))
+        return Summary(f"Equilibrium of a machine of {len(self.system.bodies)} bodies, {stable}", rows)
 
     @property
     def joint_forces(self) -> Mapping[str, np.ndarray]:

@@ -89,7 +89,8 @@ class IntrinsicBody(FormDefaults, Summarized):
             ("mass", f"{self.mass:g}"),
             ("lowest frequencies", f"{lowest} cycles per unit of time"),
         ]
-        rows += [(f"interface {one.name}", f"at {point(one.position)}") for one in self.interfaces]
+        size = float(abs(self.nodes).max())
+        rows += [(f"interface {one.name}", f"at {point(one.position, size)}") for one in self.interfaces]
         return Summary(f"IntrinsicBody '{self.name}', {self.n_coordinates} modes", rows)
 
     @property
