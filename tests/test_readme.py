@@ -64,6 +64,13 @@ def test_flexible_machine(here):
     assert (here / "link.png").stat().st_size > 10_000
 
 
+def test_fatigue(here):
+    found = run(ROOT / "docs/how-to/fatigue.md")
+    assert found["load"].ranges.shape == (2,)
+    assert found["damage"].shape == (2,)
+    assert found["life"].covered == pytest.approx(np.exp(-((4 / 9.6) ** 2)) - np.exp(-((25 / 9.6) ** 2)))
+
+
 def test_a_method_of_your_own(here, monkeypatch):
     """The engine of the page meets the parabola, which its rule integrates exactly."""
     monkeypatch.setattr(engines, "_ENGINES", dict(engines._ENGINES))

@@ -34,6 +34,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.error import state_errors as state_errors
     from supple.export import write_vtkhdf as write_vtkhdf
     from supple.export import write_vtu as write_vtu
+    from supple.fatigue import damage_equivalent_load as damage_equivalent_load
+    from supple.fatigue import rainflow as rainflow
     from supple.fem import HomogeneousSection as HomogeneousSection
     from supple.fem import Isotropic as Isotropic
     from supple.fem import shell_model as shell_model
@@ -148,6 +150,7 @@ _NAMES = {
     "supple.results": "rms_error",
     "supple.report": "write_report player",
     "supple.quantities": "node_positions stress_modes",
+    "supple.fatigue": "rainflow damage_equivalent_load",
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
     "supple.export": "write_vtkhdf write_vtu",

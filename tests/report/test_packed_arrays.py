@@ -12,6 +12,7 @@ def test_arrays_come_back_in_any_order():
     given = [
         (rng.integers(-(2**15), 2**15, (4, 3, 5)), "i2"),
         (rng.standard_normal((7, 2)).astype(np.float32), "f4"),
+        (rng.standard_normal((3, 4)), "f8"),
         (rng.integers(-(2**31), 2**31, 9), "i4"),
         (np.zeros((0, 3)), "f4"),
         (np.zeros((3, 0)), "i4"),

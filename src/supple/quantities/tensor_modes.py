@@ -99,15 +99,20 @@ class TensorModes:
         gamma = self._checked(coordinates)
         rows = gamma.reshape(-1, self.r)
         found = np.empty((len(rows), len(self.nodes)))
-        faces = self._faces()
+        faces = self.outer_layers()
         n_rows = max(1, _FIELD_NUMBERS // max(1, faces.linear[..., 0].size))
         for start in range(0, len(rows), n_rows):
             block = slice(start, start + n_rows)
             found[block] = self.tensor.equivalent(faces._field(rows[block])).max(axis=2)
         return found.reshape(*gamma.shape[:-1], -1)
 
-    def _faces(self) -> TensorModes:
-        """The outer layers alone."""
+    def of(self, nodes: slice) -> TensorModes:
+        """The modes at some of these nodes alone."""
+        quadratic = None if self.quadratic is None else self.quadratic[nodes]
+        return replace(self, nodes=self.nodes[nodes], linear=self.linear[nodes], quadratic=quadratic)
+
+    def outer_layers(self) -> TensorModes:
+        """The layers alone among which the largest equivalent lies."""
         if len(self.outer) == self.linear.shape[1]:
             return self
         layers = list(self.outer)

@@ -1,5 +1,6 @@
 """A run as one page for a browser, which needs no network."""
 
 from supple.report.player import *
+from supple.report.sweep_page import *
 from supple.report.write_report import *
 from supple.report.write_rest_report import *

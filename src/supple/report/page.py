@@ -21,10 +21,26 @@ from supple.results.run_tables import TextTable
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["Clip", "Page", "Section", "page_text", "write_page"]
+__all__ = ["Assets", "Clip", "Page", "Section", "html_text", "page_text", "write_page", "write_text"]
 
-_SCRIPTS = ("arrays", "colours", "bodies", "marks", "views", "picking", "curves", "player", "main")
-"""Of the player, in the order in which one needs the other."""
+
+@dataclass(frozen=True)
+class Assets:
+    """What a kind of page is made of.
+
+    template : its file;   styles : names of files;   scripts : in the order in which one needs the other
+    """
+
+    template: str
+    styles: Sequence[str]
+    scripts: Sequence[str]
+
+
+_PLAYER = Assets(
+    "page.html",
+    ("page",),
+    ("arrays", "colours", "bodies", "marks", "views", "picking", "curves", "player", "main"),
+)
 
 
 @dataclass(frozen=True)
@@ -69,7 +85,11 @@ class Page:
 
 def write_page(path: Path | str, page: Page) -> Path:
     """Write the text of a page; ResultFileError where the file cannot be written."""
-    text = page_text(page)
+    return write_text(path, page_text(page))
+
+
+def write_text(path: Path | str, text: str) -> Path:
+    """Write a text whole; ResultFileError where the file cannot be written."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return Path(path)
@@ -88,29 +108,39 @@ def page_text(page: Page) -> str:
         "clips": [vars(clip) for clip in page.clips],
         "charts": chart_data(page.charts, arrays),
     }
-    libraries, player = _source("libraries.js"), _player()
-    styles = _source("libraries.css") + _source("page.css")
+    return html_text(_PLAYER, page.title, page.sections, head, arrays)
+
+
+def html_text(
+    assets: Assets, title: str, sections: Sequence[Section], head: Mapping[str, Any], arrays: PackedArrays
+) -> str:
+    """One HTML file of sections and data, which its scripts show.
+
+    head : what the scripts read as JSON;   arrays : that it refers to
+    """
+    libraries, scripts = _source("libraries.js"), _scripts(assets.scripts)
+    styles = "".join(_source(f"{name}.css") for name in ("libraries", *assets.styles))
     parts = {
-        "policy": _policy([libraries, player], styles),
-        "title": escape(page.title),
+        "policy": _policy([libraries, scripts], styles),
+        "title": escape(title),
         "styles": styles,
-        "sections": "\n".join(_section(section) for section in page.sections),
+        "sections": "\n".join(_section(section) for section in sections),
         # "</script>" in a text would end the data: no "<" is written in it.
         "head": json.dumps(head, allow_nan=False).replace("<", "\\u003c"),
         "data": arrays.text(),
         "libraries": libraries,
-        "player": player,
+        "scripts": scripts,
     }
-    return re.sub(r"@([a-z]+)@", lambda found: parts[found.group(1)], _source("page.html"))
+    return re.sub(r"@([a-z]+)@", lambda found: parts[found.group(1)], _source(assets.template))
 
 
 def _source(name: str) -> str:
     return files("supple.report").joinpath("assets", name).read_text(encoding="utf-8")
 
 
-def _player() -> str:
-    """The scripts of the player as one, whose names are its own."""
-    return '(() => {\n"use strict";\n' + "\n".join(_source(f"{name}.js") for name in _SCRIPTS) + "})();\n"
+def _scripts(names: Sequence[str]) -> str:
+    """Scripts as one, whose names are its own."""
+    return '(() => {\n"use strict";\n' + "\n".join(_source(f"{name}.js") for name in names) + "})();\n"
 
 
 def _policy(scripts: Sequence[str], styles: str) -> str:

@@ -1,7 +1,7 @@
 // The arrays of the page: one deflated block, from which each is read by where it stands.
 
 const head = JSON.parse(document.getElementById("head").textContent);
-const KINDS = { f4: Float32Array, i2: Int16Array, i4: Int32Array };
+const KINDS = { f4: Float32Array, f8: Float64Array, i2: Int16Array, i4: Int32Array };
 
 async function inflated() {
   const text = atob(document.getElementById("data").textContent);
@@ -21,7 +21,7 @@ function arrayOf(block, { start, shape, kind }) {
     for (let i = 0; i < number; i++) bytes[i * width + plane] = block[from + i];
   }
   const row = shape[shape.length - 1];
-  if (kind !== "f4") for (let i = 1; i < number; i++) if (i % row) values[i] += values[i - 1];
+  if (kind[0] === "i") for (let i = 1; i < number; i++) if (i % row) values[i] += values[i - 1];
   return values;
 }
 

@@ -181,6 +181,12 @@ function keys(player) {
   });
 }
 
+// The instant that an address ends with, such as report.html#t=4.2, from the start of the motion.
+function instantOf(hash, player) {
+  const instant = parseFloat(hash.replace(/^#t=/, ""));
+  return Number.isNaN(instant) ? 0 : instant - player.scene.start - player.times[player.clip.first];
+}
+
 async function start() {
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   setTheme(dark.matches);
@@ -209,7 +215,7 @@ async function start() {
       connect(player, curves);
       speeds(player);
       showClip(player);
-      player.seek(0);
+      player.seek(instantOf(window.location.hash, player));
     } catch (error) {
       say(`This browser shows no WebGL 2, which the picture needs; curves and tables are here. (${error.message})`);
       element("controls").hidden = true;

@@ -1,0 +1,6 @@
+"""Fatigue: rainflow counts, damage-equivalent loads, damage by S-N curves, lifetimes; of histories alone."""
+
+from supple.fatigue.cycle_count import *
+from supple.fatigue.equivalent_load import *
+from supple.fatigue.lifetime import *
+from supple.fatigue.sn_curve import *

@@ -1,0 +1,127 @@
+"""Fatigue over a lifetime: cases weighted by how often their wind speed occurs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.arguments import Positive, check_fields, check_ranges, checked_arguments
+from supple.errors import ModelError
+
+__all__ = ["Lifetime", "Weibull", "lifetime_of_cases"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Weibull:
+    """Weibull's distribution of wind speeds: F(v) = 1 - exp(-(v / scale)^shape).
+
+    shape : 2 for Rayleigh's distribution, whose mean is scale sqrt(pi) / 2 (IEC 61400-1, 6.3.1.1)
+    """
+
+    scale: Positive
+    shape: Positive = 2.0
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        check_ranges("Weibull", self)
+
+    def below(self, speed: ArrayLike) -> Array:
+        """Probability (...) of a speed below `speed` (...)."""
+        return -np.expm1(-((np.maximum(speed, 0.0) / self.scale) ** self.shape))
+
+
+@dataclass(frozen=True, eq=False)
+class Lifetime:
+    """How often each case occurs in a lifetime.
+
+    repeats : (n,) of the cases
+    covered : the share of the lifetime that the bins of the cases cover; the rest does no damage
+    """
+
+    repeats: Array = field(repr=False)
+    covered: float
+
+    def damage(self, damages: ArrayLike) -> Array:
+        """Damage (...) in the lifetime, of damages (n, ...) of the cases."""
+        return np.tensordot(self.repeats, self._of_cases(damages, "damages"), axes=1)
+
+    def equivalent_load(
+        self, loads: ArrayLike, exponent: float, reference_cycles: ArrayLike, lifetime_cycles: float
+    ) -> Array:
+        """Damage-equivalent range (...) of the lifetime.
+
+            L_life = (sum_j w_j N_j L_j^m / N_life)^(1/m)
+
+        loads : (n, ...) L_j of the cases;   reference_cycles : N_j, a number or (n,)
+        lifetime_cycles : N_life, such as 1e7
+        """
+        ranges = self._of_cases(loads, "loads")
+        weights = self.repeats * np.broadcast_to(reference_cycles, self.repeats.shape) / lifetime_cycles
+        largest = ranges.max(axis=0)
+        ratios = ranges / np.where(largest > 0, largest, 1.0)
+        return largest * np.tensordot(weights, ratios**exponent, axes=1) ** (1 / exponent)
+
+    def _of_cases(self, values: ArrayLike, what: str) -> Array:
+        found = np.asarray(values, dtype=np.float64)
+        if found.shape[:1] != self.repeats.shape:
+            raise ModelError(
+                f"lifetime: {what} of shape {found.shape} for {len(self.repeats)} cases; give (n, ...) in "
+                "the order of the cases"
+            )
+        if not np.isfinite(found).all():
+            raise ModelError(f"lifetime: {what} are not finite in some case; run it again or leave it out")
+        return found
+
+
+@checked_arguments
+def lifetime_of_cases(
+    speeds: ArrayLike,
+    durations: ArrayLike,
+    wind: Weibull,
+    lifetime: Positive,
+    cut_in: float | None = None,
+    cut_out: float | None = None,
+) -> Lifetime:
+    """How often cases occur in a lifetime, by the wind speeds that they stand for.
+
+        w_j = (F(v_b) - F(v_a)) T / sum of the durations of the cases at this speed
+
+    Cases of equal speed, such as seeds, share a bin; bins meet midway between speeds. The outer ones reach to
+    `cut_in` and `cut_out`, by default as far out as in.
+
+    Parameters
+    ----------
+    speeds : (n,) of the cases;   durations : (n,) or a number, in the unit of the lifetime T
+    wind : distribution of the speeds
+
+    Raises
+    ------
+    ModelError      durations that are not positive, one speed without cut_in and cut_out, cuts between speeds
+
+    Source: IEC 61400-1 (2019).
+    """
+    at = np.atleast_1d(np.asarray(speeds, dtype=np.float64))
+    times = np.broadcast_to(np.asarray(durations, dtype=np.float64), at.shape)
+    if at.ndim != 1 or not (np.isfinite(at).all() and np.isfinite(times).all() and (times > 0).all()):
+        raise ModelError("lifetime_of_cases: speeds (n,) must be finite, durations finite and positive")
+    if not (np.isfinite(lifetime) and lifetime > 0):
+        raise ModelError(f"lifetime_of_cases: lifetime must be finite and positive, got {lifetime}")
+    centres, bins = np.unique(at, return_inverse=True)
+    if len(centres) == 1 and (cut_in is None or cut_out is None):
+        raise ModelError("lifetime_of_cases: all cases have one speed: give its bin by cut_in and cut_out")
+    edges = np.empty(len(centres) + 1)
+    edges[1:-1] = 0.5 * (centres[1:] + centres[:-1])
+    edges[0] = 2 * centres[0] - edges[1] if cut_in is None else cut_in
+    edges[-1] = 2 * centres[-1] - edges[-2] if cut_out is None else cut_out
+    if edges[0] > centres[0] or edges[-1] < centres[-1]:
+        raise ModelError(
+            f"lifetime_of_cases: the cases reach from {centres[0]:g} to {centres[-1]:g}, beyond the cuts at "
+            f"{edges[0]:g} and {edges[-1]:g}; leave them out or move the cuts"
+        )
+    probabilities = np.diff(wind.below(edges))
+    weights = probabilities * lifetime / np.bincount(bins, weights=times)
+    return Lifetime(weights[bins], float(probabilities.sum()))

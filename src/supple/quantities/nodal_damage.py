@@ -1,0 +1,153 @@
+"""Fatigue damage at the nodes of a body, from its stress modes and the history of its coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from supple.arguments import Positive, check_fields, checked_arguments
+from supple.errors import ModelError
+from supple.fatigue import Goodman, Residue, SNCurve, miner_damage, rainflow
+from supple.fem import von_mises
+from supple.quantities.tensor_modes import STRESS, TensorModes
+
+__all__ = ["CriticalPlane", "SignedVonMises", "StressCriterion", "hot_spot_damage"]
+
+Array = NDArray[np.float64]
+
+_NUMBERS = 2**22
+"""Numbers of histories held at a time (32 MiB)."""
+
+
+class StressCriterion(Protocol):
+    """Which scalar histories of a stress tensor do damage."""
+
+    @property
+    def n_histories(self) -> int:
+        """Histories of a tensor; the one with the largest damage counts."""
+        ...
+
+    def histories(self, stress: Array) -> Array:
+        """(t, k, h) of stresses (t, k, 6), xx yy zz yz xz xy."""
+        ...
+
+
+@dataclass(frozen=True)
+class CriticalPlane:
+    """Stress normal to planes of all directions: the plane with the largest damage counts.
+
+    Principal axes may turn and components be out of phase, where a signed equivalent jumps. The best of the
+    planes is off by at most `spacing` / sqrt(2), and the range of uniaxial stress too small by at most the
+    square of that: 1.5 % at 10 degrees.
+
+    spacing : of the planes' normals, rad
+    """
+
+    spacing: Positive = float(np.radians(10.0))
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not 0 < self.spacing <= np.radians(45.0):
+            raise ModelError(
+                f"CriticalPlane: spacing is in rad, above 0 and at most pi/4, got {self.spacing:g}"
+            )
+
+    @property
+    def n_histories(self) -> int:
+        """Number of planes."""
+        return len(self.normals)
+
+    @property
+    def normals(self) -> Array:
+        """(h, 3) on half a sphere: rings of equal latitude, each as densely occupied as the equator."""
+        n_rings = int(np.ceil(0.5 * np.pi / self.spacing))
+        latitudes = np.linspace(0.0, 0.5 * np.pi, n_rings + 1)
+        rings = []
+        for latitude in latitudes:
+            # Half of the equator is the other half seen from behind.
+            whole_turn = np.pi if latitude == 0 else 2 * np.pi
+            number = max(1, int(np.ceil(whole_turn * np.cos(latitude) / self.spacing - 1e-9)))
+            turn = np.arange(number) * whole_turn / number
+            ring = [np.cos(turn) * np.cos(latitude), np.sin(turn) * np.cos(latitude)]
+            rings.append(np.stack([*ring, np.full(number, np.sin(latitude))], axis=1))
+        return np.concatenate(rings)
+
+    def histories(self, stress: Array) -> Array:
+        """Normal stress n . sigma n (t, k, h) of stresses (t, k, 6)."""
+        x, y, z = self.normals.T
+        return stress @ np.stack([x * x, y * y, z * z, 2 * y * z, 2 * x * z, 2 * x * y])
+
+
+@dataclass(frozen=True)
+class SignedVonMises:
+    """Von Mises stress with the sign of the principal stress of largest magnitude: one history a tensor.
+
+    For stress that stays proportional and near uniaxial; where the sign changes at large shear it jumps, and
+    the damage is too large. A quick search for the nodes that `CriticalPlane` then computes.
+    """
+
+    @property
+    def n_histories(self) -> int:
+        """One."""
+        return 1
+
+    def histories(self, stress: Array) -> Array:
+        """(t, k, 1) of stresses (t, k, 6)."""
+        xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
+        tensors = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
+        principal = np.linalg.eigvalsh(tensors)
+        sign = np.where(principal[..., 2] >= -principal[..., 0], 1.0, -1.0)
+        return (sign * von_mises(stress))[..., None]
+
+
+@checked_arguments
+def hot_spot_damage(
+    modes: TensorModes,
+    coordinates: ArrayLike,
+    curve: SNCurve,
+    criterion: StressCriterion = CriticalPlane(),
+    *,
+    residue: Residue = Residue.HALF_CYCLES,
+    correction: Goodman | None = None,
+) -> Array:
+    """Damage (N,) of a history at nodes, the largest over the layers and histories of the criterion.
+
+        sigma(t) = S q(t),    s_h = histories(sigma),    D = max_h sum_i n_i / N(S_i)
+
+    Parts of the nodes are computed one after the other: memory does not grow with their number, but holds
+    all histories of one node.
+
+    Parameters
+    ----------
+    modes : of `stress_modes`
+    coordinates : (t, r) of the body over time
+    curve : in the units of the stress; its class must fit where the stress is read, which is that of the
+        mesh, without the notch of a weld that is not modelled
+    criterion : `CriticalPlane` or `SignedVonMises`
+
+    Raises
+    ------
+    ModelError      coordinates of another number or not finite, a peak beyond the ultimate stress
+
+    Source: DNVGL-RP-C203 (2016), sections 2 and 4; critical planes: Socie and Marquis, Multiaxial Fatigue
+    (SAE, 2000).
+    """
+    history = np.asarray(coordinates, dtype=np.float64)
+    if history.ndim != 2:
+        raise ModelError(f"hot_spot_damage: expected coordinates (t, r), got shape {history.shape}")
+    if modes.tensor is not STRESS:
+        raise ModelError("hot_spot_damage: these are modes of strain; give those of `stress_modes`")
+    outer = modes.outer_layers()
+    per_node = max(1, len(history) * outer.linear.shape[1] * max(6, criterion.n_histories))
+    step = max(1, _NUMBERS // per_node)
+    damage = np.empty(len(modes.nodes))
+    for first in range(0, len(damage), step):
+        some = slice(first, first + step)
+        stress = outer.of(some).at(history)
+        histories = criterion.histories(stress.reshape(len(history), -1, 6))
+        found = miner_damage(rainflow(histories, residue), curve, correction)
+        damage[some] = found.reshape(len(modes.nodes[some]), -1).max(axis=1)
+    return damage

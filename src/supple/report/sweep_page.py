@@ -1,0 +1,181 @@
+"""The page of a sweep: its cases as one HTML file with tables, plots and spectra, which needs no network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.errors import ModelError
+from supple.report.packed_arrays import PackedArrays
+from supple.report.page import Assets, Section, html_text, write_text
+from supple.units import labelled
+
+__all__ = ["ChannelOfCases", "LoadSpectrum", "SweepPage", "write_sweep_page"]
+
+Array = NDArray[np.float64]
+
+_ASSETS = Assets(
+    "sweep.html",
+    ("page", "sweep"),
+    ("arrays", "colours", "cases", "sweep_tables", "sweep_plots", "sweep"),
+)
+_NUMBERS = 2**22
+"""Numbers of a page, 32 MiB before deflating: a browser opens it in seconds."""
+_EXTREMES = ("minimum", "time of minimum", "maximum", "time of maximum")
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelOfCases:
+    """What a channel came to in the cases.
+
+    statistics : (n,) by name, NaN of cases without results; with minimum, time of minimum, maximum and time
+        of maximum the page lists its extremes
+    """
+
+    name: str
+    unit: str
+    statistics: Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class LoadSpectrum:
+    """Rainflow cycles of a channel over all cases.
+
+    ranges : (b,) in the middle of the classes, ascending;   counts : (b,) of cycles
+    """
+
+    name: str
+    unit: str
+    ranges: Array
+    counts: Array
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPage:
+    """What the page of a sweep shows.
+
+    parameters : (n,) numbers or words by path;   results : (n,) of each case, such as its status
+    channels : what was read;   spectra : of channels, with exponents for their shares of damage
+    sections : above the plots;   reports : addresses of pages of single cases, by number
+    time : unit of the instants
+    """
+
+    title: str
+    parameters: Mapping[str, Sequence[Any]]
+    channels: Sequence[ChannelOfCases]
+    results: Mapping[str, Sequence[Any]] = field(default_factory=lambda: MappingProxyType({}))
+    spectra: Sequence[LoadSpectrum] = ()
+    exponents: Sequence[float] = ()
+    sections: Sequence[Section] = ()
+    reports: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
+    time: str = ""
+
+    @property
+    def n_cases(self) -> int:
+        """Number of cases, n; ModelError for columns of different lengths."""
+        lengths = {len(column) for column in (*self.parameters.values(), *self.results.values())}
+        lengths |= {len(column) for channel in self.channels for column in channel.statistics.values()}
+        if len(lengths) != 1:
+            raise ModelError(f"columns of a sweep's page have different lengths: {sorted(lengths)}")
+        return lengths.pop()
+
+
+@checked_arguments
+def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
+    """Write the page of a sweep; its content policy forbids every request, and every script but its own.
+
+    Channels beyond what a browser opens in seconds are left out; the page states how many.
+
+    Raises
+    ------
+    ModelError          columns of different lengths
+    ResultFileError     the file cannot be written
+    """
+    arrays = PackedArrays()
+    n = page.n_cases
+    columns = [_Column("case", "case", range(n))]
+    columns += [_Column(name, "result", column) for name, column in page.results.items()]
+    columns += [_Column(name, "parameter", column) for name, column in page.parameters.items()]
+    shown: list[dict[str, Any]] = []
+    left_out = 0
+    for channel in page.channels:
+        own = list(_columns(channel, page.time))
+        if n * (len(columns) + len(own)) > _NUMBERS:
+            left_out += 1
+            continue
+        places = {name: len(columns) + i for i, name in enumerate(channel.statistics)}
+        columns += own
+        if all(name in places for name in _EXTREMES):
+            low, low_time, high, high_time = (places[name] for name in _EXTREMES)
+            shown.append(
+                {
+                    "name": channel.name,
+                    "unit": channel.unit,
+                    "smallest": {"column": low, "instant": low_time},
+                    "largest": {"column": high, "instant": high_time},
+                }
+            )
+    sections = [*page.sections]
+    if left_out:
+        line = f"{left_out} of {len(page.channels)} channels are left out: read_sweep reads all of them."
+        sections.append(Section("Size of the page", [line]))
+    head = {
+        "time": page.time,
+        "sweep": {
+            "number": n,
+            "columns": [column.plain(arrays) for column in columns],
+            "channels": shown,
+            "spectra": [_plain(each, arrays) for each in page.spectra],
+            "exponents": list(page.exponents),
+            "reports": {str(case): address for case, address in page.reports.items()},
+        },
+    }
+    return write_text(path, html_text(_ASSETS, page.title, sections, head, arrays))
+
+
+class _Column(NamedTuple):
+    """A value of each case; words are numbered."""
+
+    label: str
+    kind: str
+    values: Sequence[Any] | Array
+
+    def plain(self, arrays: PackedArrays) -> dict[str, Any]:
+        """As a script reads it."""
+        known: dict[str, Any] = {"label": self.label, "kind": self.kind, "words": None}
+        values = np.asarray(self.values) if not _are_words(self.values) else None
+        if values is None:
+            words = list(dict.fromkeys(str(value) for value in self.values))
+            numbers = {word: number for number, word in enumerate(words)}
+            known["words"] = words
+            values = np.array([numbers[str(value)] for value in self.values])
+        known["whole"] = values.dtype.kind in "iu"
+        return known | {"values": arrays.add(values.astype(np.float64), "f8").plain()}
+
+
+def _are_words(values: Sequence[Any] | Array) -> bool:
+    if isinstance(values, np.ndarray) and values.dtype.kind in "iuf":
+        return False
+    return any(isinstance(value, bool) or not isinstance(value, int | float | np.number) for value in values)
+
+
+def _columns(channel: ChannelOfCases, time: str) -> Iterator[_Column]:
+    for name, values in channel.statistics.items():
+        unit = time if name.startswith("time of") else channel.unit
+        yield _Column(labelled(f"{channel.name}, {name}", unit), "output", values)
+
+
+def _plain(spectrum: LoadSpectrum, arrays: PackedArrays) -> dict[str, Any]:
+    return {
+        "name": spectrum.name,
+        "unit": spectrum.unit,
+        "ranges": arrays.add(spectrum.ranges, "f8").plain(),
+        "counts": arrays.add(spectrum.counts, "f8").plain(),
+    }
