@@ -48,7 +48,7 @@ def exact():
         6,
         [E * of.area, shear, shear, G * of.J, E * of.I2, E * of.I1],
         mass=of.mass_per_length,
-        inertia=of.rotary_inertia_per_length,
+        inertia=np.diag(of.inertia(np.zeros(1))[0])[3:],
     )
     times = STEP * np.arange(round(DURATION / STEP) + 1)
     return swung(beam, np.array([push(t) for t in times]), step=STEP, rho_inf=RHO_INF)[0][::EVERY, -1]
