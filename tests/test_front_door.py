@@ -53,6 +53,26 @@ def test_version_and_help_do_not_wait_for_solvers(option):
     assert not {"jax", "scipy", "matplotlib"} & set(loaded_by(command(option)))
 
 
+WITHOUT_PLOTTING = """
+import sys
+for name in ("matplotlib", "PIL", "pandas", "xarray", "IPython"):
+    sys.modules[name] = None
+import numpy as np
+import supple as sp
+bar = sp.RigidBody("bar", 1.0, [0.5, 0, 0], np.eye(3), {"root": np.zeros(3)})
+hinge = sp.Revolute(first="ground", second="bar.root", axis=(0, 1, 0), name="hinge")
+machine = sp.System([bar], [hinge], gravity=(0, 0, -9.81))
+motion = sp.simulate(machine, sp.Run(0.1, 0.05))
+motion = sp.state_errors(machine, sp.Run(0.1, 0.05), motion)
+sp.write_report(sys.argv[1], machine, motion)
+"""
+
+
+def test_a_script_that_simulates_and_reports_needs_no_plotting_package(tmp_path):
+    subprocess.run([sys.executable, "-c", WITHOUT_PLOTTING, str(tmp_path / "report.html")], check=True)
+    assert (tmp_path / "report.html").stat().st_size > 100_000
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_names_resolve_and_are_documented(name):
     value = getattr(sp, name)
