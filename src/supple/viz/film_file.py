@@ -62,7 +62,8 @@ def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
     film = "-an -c:v libx264 -pix_fmt yuv420p -crf 18 -movflags +faststart -f mp4"
     with replacing(path) as temporary, TemporaryFile() as said:
         command = [ffmpeg, "-y", "-loglevel", "error", *pixels.split(), *film.split(), str(temporary)]
-        with suppress(BrokenPipeError), Popen(command, stdin=PIPE, stdout=DEVNULL, stderr=said) as process:
+        process = Popen(command, stdin=PIPE, stdout=DEVNULL, stderr=said)
+        with suppress(BrokenPipeError), process:
             assert process.stdin is not None
             for i in range(number):
                 process.stdin.write(_even(frames(i)).tobytes())
