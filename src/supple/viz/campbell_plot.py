@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
 from supple.units import UNNAMED, UnitSystem, labelled, plain_number
-from supple.viz.style import TEXT_WIDTH, new_figure, save_figure, textbook_style
+from supple.viz.style import COLOURS, TEXT_WIDTH, new_figure, save_figure, textbook_style
 
 __all__ = ["plot_campbell"]
 
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 
 N_ORDERS = 4
 """Multiples of the speed that are drawn."""
+_LINE = 0.032
+"""Height of a name, as a share of the diagram."""
 
 
 class CriticalSpeed(Protocol):
@@ -68,33 +71,65 @@ def plot_campbell(path: Path | str, diagram: FollowedModes, *, units: UnitSystem
     unit, factor = units.frequency_shown
     factor /= 2 * np.pi
     shown, by_rate = units.rotation_shown
-    speeds, orders = by_rate * np.asarray(diagram.rates), factor * abs(np.asarray(diagram.rates))
+    rates = np.asarray(diagram.rates)
     frequencies = factor * np.asarray(diagram.frequencies)
     top = 1.1 * float(np.nanmax(frequencies, initial=0.0)) or 1.0
     with textbook_style():
         figure = new_figure(0.7 * TEXT_WIDTH)
         axes = figure.subplots()
-        for order in range(1, N_ORDERS + 1):
-            axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
-            # One beside the other, amid the diagram: its right edge belongs to the names of the modes.
-            place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
-            x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
-            axes.annotate(f"{order}P", (x, y), color="0.4", fontsize=7, ha="center")
-        for name, mode in zip(diagram.names, frequencies.T, strict=True):
-            axes.plot(speeds, mode, marker="o", markersize=2.5)
-            beside: dict[str, Any] = {
-                "xytext": (4, 0),
-                "textcoords": "offset points",
-                "va": "center",
-                "fontsize": 7,
-            }
-            axes.annotate(name, (speeds[-1], mode[-1]), annotation_clip=False, **beside)
+        axes.set_ylim(0, top)
+        _draw_orders(axes, by_rate * rates, factor * abs(rates), top)
+        _draw_modes(axes, by_rate * rates, frequencies, diagram.names, top)
         for critical in diagram.critical_speeds:
             speed = by_rate * critical.rate
             axes.axvline(speed, color="0.5", linewidth=0.7, linestyle=":")
             words = f"critical, {plain_number(speed, 4)} {shown}"
             axes.annotate(words, (speed, 0.98 * top), rotation=90, va="top", ha="right", fontsize=6)
-        axes.set_ylim(0, top)
         axes.set_xlabel(labelled("speed", shown))
         axes.set_ylabel(labelled(f"frequency in axes {diagram.axes}", unit))
         return save_figure(figure, path)
+
+
+def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
+    """Multiples of the speed, with their names."""
+    for order in range(1, N_ORDERS + 1):
+        axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
+        # One beside the other, amid the diagram: its right edge belongs to the names of the modes.
+        place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
+        x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
+        on_line = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
+        axes.annotate(
+            f"{order}P", (x, y), color="0.4", fontsize=7, ha="center", va="center", bbox=on_line, zorder=3.0
+        )
+
+
+def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[str], top: float) -> None:
+    """Frequencies (ns, nm), each with its name at its end, in its colour."""
+    last = [int(np.flatnonzero(np.isfinite(mode))[-1]) for mode in frequencies.T]
+    heights = _apart(np.array([mode[end] for mode, end in zip(frequencies.T, last, strict=True)]), top)
+    for rank, (name, mode, end, height) in enumerate(
+        zip(names, frequencies.T, last, heights.tolist(), strict=True)
+    ):
+        colour = COLOURS[rank % len(COLOURS)]
+        axes.plot(speeds, mode, marker="o", markersize=2.5, color=colour)
+        axes.annotate(
+            name,
+            (speeds[end], height),
+            annotation_clip=False,
+            color=colour,
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=7,
+        )
+
+
+def _apart(heights: Array, top: float) -> Array:
+    """Heights (n,) of names, moved up, and down again from the top, until none covers another."""
+    order = np.argsort(heights, kind="stable")
+    least = np.arange(len(heights)) * _LINE * top
+    placed = np.maximum.accumulate(heights[order] - least) + least
+    highest = top - least[::-1]
+    found = np.empty_like(heights)
+    found[order] = np.minimum(placed, highest)
+    return found
