@@ -39,6 +39,7 @@ from fixtures.bar_of_every_form import (
     HINGE as HINGE_TABLE,
 )
 from fixtures.feature_table import DASH, TABLE, YES, page, parts
+from fixtures.report_page import ReadPage
 from scipy import linalg
 from typer.testing import CliRunner
 
@@ -85,6 +86,7 @@ from supple.quantities import (
     StressSensor,
     VelocitySensor,
 )
+from supple.report import write_report
 from supple.simulation import equilibrium, simulate, simulate_batch
 from supple.storage import read_solution
 
@@ -582,6 +584,27 @@ def _(form):
     assert np.abs(total - total[0]).max() < 2e-3 * kinetic[0]
 
 
+# ---- pages
+
+
+@row("report in a browser")
+def _(form, tmp_path):
+    """Its page has it where the run has it, as drawn by the script."""
+    system, solution = flight(form)
+    body, motion = bar_as(form), solution.bodies["bar"]
+    meshes = {} if form == "rigid" else {"bar": model().mesh}
+    page = ReadPage(write_report(tmp_path / "run.html", system, solution, meshes))
+    exact, largest = body.positions(motion), 0.0
+    if form == "rigid":
+        position, rotation = page.poses("bar")
+        found = position[:, None] + np.einsum("tij,nj->tni", rotation, body.nodes)
+    else:
+        found = page.positions("bar")
+        largest = np.linalg.norm(page.field(page.body("bar")["displacement"]), axis=2).max()
+        assert largest > 1e-6
+    assert np.abs(found - exact).max() < 1e-4 * largest + 5e-7
+
+
 # ---- case files
 
 
@@ -679,7 +702,7 @@ def checked(feature, form, folder):
 
 
 def _reads_the_flight(feature):
-    return feature.startswith("sensor") and "joint" not in feature
+    return feature.startswith(("sensor", "report")) and "joint" not in feature
 
 
 def cells(answer):

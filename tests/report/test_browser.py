@@ -152,6 +152,20 @@ def test_the_graphics_unit_puts_nodes_where_the_script_does(opened):
     assert np.array_equal(browser.picture(), still)
 
 
+def test_the_undeformed_outline_hides_no_edges(opened):
+    """Without deflections it is not seen; with large ones it is."""
+    browser, *_ = opened
+    show = "const p = report.player; p.seekRow(20); p.gain = %d; p.shown.undeformed = %s; p.draw()"
+    pictures = {}
+    for gain in (0, 30):
+        for shown in ("true", "false"):
+            browser.run(show % (gain, shown))
+            pictures[gain, shown] = browser.picture()
+    browser.run(show % (1, "true"))
+    assert np.array_equal(pictures[0, "true"], pictures[0, "false"])
+    assert not np.array_equal(pictures[30, "true"], pictures[30, "false"])
+
+
 def test_play_scrub_and_loop(opened):
     browser, *_ = opened
     browser.run("report.player.rate = 1; document.getElementById('play').click()")

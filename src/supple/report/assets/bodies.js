@@ -234,6 +234,8 @@ class Body {
     lines.setIndex(new BufferAttribute(new Uint32Array(this.edges), 1));
     this.outline = new LineSegments(lines, material({}));
     this.ghost = new LineSegments(lines, material({ gain: { value: 0 } }));
+    // Drawn first: where nothing deflects, the edges stand over it.
+    this.ghost.renderOrder = -1;
     this.group = new Group();
     this.group.matrixAutoUpdate = false;
     for (const each of [this.faces, this.outline, this.ghost]) {

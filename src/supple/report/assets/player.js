@@ -246,7 +246,7 @@ class Player {
       return {
         title: `${title}, ${this.field}`,
         label: scale.label,
-        note: `to ${shownNumber(scale.error, 2)}`,
+        note: `values \u00b1 ${shownNumber(scale.error, 2)}`,
         over: "",
         abscissa,
         names: [this.field],
