@@ -31,7 +31,7 @@ RATIO = 0.02
 
 @pytest.fixture(scope="module")
 def body():
-    return beam_body("root", "tip", n=6, length=4.0)
+    return beam_body("root", "tip", n=3, length=4.0)
 
 
 @pytest.fixture(params=FRAMES)

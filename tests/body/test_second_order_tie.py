@@ -215,6 +215,16 @@ def test_rotations_taken_from_nodes_and_those_of_linear_bodies_are_rotation_vect
 # --- statics in two frames
 
 
+def place(w, cubic_turn, root, tip):
+    """Of the tip, seen from the root, after the motions (12,) of both."""
+    phi = (1 + cubic_turn * (w[3:6] @ w[3:6])) * w[3:6]
+    return rotation_exp(-phi) @ (tip + w[6:9] - root - w[:3])
+
+
+WORK = [jax.jit(kind(lambda w, load, *ends: place(w, *ends) @ load)) for kind in (jax.grad, jax.hessian)]
+"""Derivatives of the work of a dead force for the motions."""
+
+
 def clamped_tip(body: FlexibleBody, frame: Frame, force: np.ndarray) -> np.ndarray:
     """Where a dead force takes the second interface while the first is clamped in space."""
     root, tip = body.interfaces
@@ -222,17 +232,13 @@ def clamped_tip(body: FlexibleBody, frame: Frame, force: np.ndarray) -> np.ndarr
     held = held * (body.stiffness.diagonal().max() / np.abs(held).max())
     motion = np.vstack([root.motion.toarray(), tip.motion.toarray()])
 
-    def place(w):
-        phi = (1 + root.cubic_turn * (w[3:6] @ w[3:6])) * w[3:6]
-        return rotation_exp(-phi) @ (tip.position + w[6:9] - root.position - w[:3])
-
-    work = [jax.jit(kind(lambda w, load: place(w) @ load)) for kind in (jax.grad, jax.hessian)]
+    ends = root.cubic_turn, root.position, tip.position
     n = body.n
     q, multipliers = np.zeros(n), np.zeros(6)
     for load in (force / 2, force):
         for _ in range(15):
             w = motion @ q
-            first, second = (np.asarray(derivative(w, load)) for derivative in work)
+            first, second = (np.asarray(derivative(w, load, *ends)) for derivative in WORK)
             unbalanced = body.assembly.internal_force(q) - motion.T @ first + held.T @ multipliers
             tangent = body.assembly.tangent(q).toarray() - motion.T @ second @ motion
             bordered = np.block([[tangent, held.T], [held, np.zeros((6, 6))]])
@@ -242,7 +248,7 @@ def clamped_tip(body: FlexibleBody, frame: Frame, force: np.ndarray) -> np.ndarr
                 break
         else:
             raise AssertionError("Newton's method did not converge")
-    return np.asarray(place(motion @ q))
+    return np.asarray(place(motion @ q, *ends))
 
 
 FRAMES = {"mean axes": MeanAxisFrame(), "the other end": NodalFixedFrame("tip")}

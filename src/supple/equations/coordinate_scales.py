@@ -6,10 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from supple.equations.compiler_options import STARTING
 from supple.equations.model import BodyGroup, Model
 from supple.equations.places import Places, assembled_vector
+from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["kinds_of_rows", "position_scale"]
+__all__ = ["kinds_of_rows", "known_position_scale", "position_scale"]
 
 
 def position_scale(model: Model) -> jax.Array:
@@ -22,6 +24,10 @@ def position_scale(model: Model) -> jax.Array:
         return group.velocities, jnp.concatenate([*frames, deformation], axis=1)
 
     return assembled_vector(model.n_velocities, [of_group(group) for group in model.groups])
+
+
+known_position_scale = KeptProgram(position_scale, STARTING)
+"""`position_scale` by one program, of numbers."""
 
 
 def kinds_of_rows(model: Model) -> np.ndarray:

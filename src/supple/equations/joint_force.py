@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.small_product import small_product
+from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration, SystemMotion, turns_by_increment
 from supple.equations.ends import (
     blocks_on_bodies,
@@ -27,6 +28,7 @@ from supple.equations.joint_linearization import (
 )
 from supple.equations.model import JointGroup, Model
 from supple.equations.places import Block, Places, assembled_matrix, assembled_vector, over
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = [
     "LinearizedJoints",
@@ -104,6 +106,10 @@ def constraint_rows(
     """
     blocks = constraint_blocks(model, joints, increments)
     return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))
+
+
+joint_rows = KeptProgram(constraint_rows, STARTING)
+"""`constraint_rows` by one program, of numbers."""
 
 
 def constraint_blocks(

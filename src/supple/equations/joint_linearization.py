@@ -14,7 +14,7 @@ the same few lines for every kind. For small motions `(dr, dphi)` of the frames,
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import jax
@@ -34,6 +34,7 @@ from supple.equations.marker import (
     wrench_stiffness,
 )
 from supple.machine.pose import Pose
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = [
     "Blocks",
@@ -98,8 +99,7 @@ def affine_form(constraint: Constraint, value: Any) -> Affine:
 @lru_cache(maxsize=64)
 def _constant(constraint: Constraint) -> Affine:
     """The affine form of a joint without a law, by one small program, compiled aside of one being traced."""
-    program = jax.jit(lambda: _affine(constraint, None)).lower().compile(compiler_options=STARTING)
-    coefficients, constant = map(read_only, program())
+    coefficients, constant = map(read_only, KeptProgram(partial(_affine, constraint, None), STARTING)())
     return coefficients, constant
 
 

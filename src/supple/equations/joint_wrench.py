@@ -12,7 +12,7 @@ second end's point.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import jax
@@ -23,6 +23,7 @@ from supple.body import place_in_frame
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_linearization import affine_form
 from supple.machine import GROUND, At, Joint, System
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["joint_wrenches"]
 
@@ -88,10 +89,14 @@ def _coefficients(joint: Joint, times: np.ndarray) -> np.ndarray:
     if law is None:
         return np.broadcast_to(affine_form(constraint, None)[0], (len(times), joint.n_constraints, 12))
     padded = np.pad(times, (0, -len(times) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
-    blocks = (_linearized(constraint, law, block) for block in padded)
+    blocks = (_program(constraint)(law, block) for block in padded)
     return np.concatenate([np.asarray(block) for block in blocks])[: len(times)]
 
 
-@partial(jax.jit, static_argnums=0, compiler_options=STARTING)
+@lru_cache
+def _program(constraint: Callable[..., jax.Array]) -> KeptProgram:
+    return KeptProgram(partial(_linearized, constraint), STARTING)
+
+
 def _linearized(constraint: Callable[..., jax.Array], law: Any, times: jax.Array) -> jax.Array:
     return jax.vmap(lambda time: affine_form(constraint, jnp.asarray(law(time)))[0])(times)

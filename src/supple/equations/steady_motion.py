@@ -29,7 +29,7 @@ from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import AnyArray, Configuration, SystemMotion
 from supple.equations.control_force import resting_control
 from supple.equations.control_linearization import LinearControl, control_at_rest
-from supple.equations.joint_force import constraint_rows
+from supple.equations.joint_force import joint_rows
 from supple.equations.model import Model
 from supple.integrate import StepFactors
 from supple.programs.kept_programs import KeptProgram
@@ -173,7 +173,7 @@ def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms
         mass=mass,
         damping=damping + mass @ (frames + translations),
         stiffness=stiffness + damping @ frames + mass @ translations @ frames,
-        constraint=np.asarray(constraint_rows(model, terms.linearization.joints)) @ axes,
+        constraint=np.asarray(joint_rows(model, terms.linearization.joints)) @ axes,
         control=control._replace(by_position=control.by_position + control.by_velocity @ frames),
     )
 

@@ -184,9 +184,10 @@ def save_figure(figure: Figure, path: Path | str) -> Picture:
             formatter = axis.get_major_formatter()
             if type(formatter) is ScalarFormatter:
                 axis.set_major_formatter(_Numbers(formatter))
-    # Laid out once: matplotlib would do it for a trial and again for the picture.
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    # Laid out once, without a drawing: matplotlib would do it for a trial and again for the picture.
+    if layout := figure.get_layout_engine():
+        layout.execute(figure)
+        figure.set_layout_engine("none")
     with replacing(path) as temporary:
         figure.savefig(temporary, format=picture_format, metadata=undated)
     return path

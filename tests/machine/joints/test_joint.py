@@ -53,12 +53,17 @@ def equations(joint, value, motion):
     return joint.constraint(first, second, value)
 
 
+def derivative(joint, value):
+    """Of the equations for the motion, at none."""
+    return np.asarray(jax.jit(jax.jacfwd(lambda motion: equations(joint, value, motion)))(jnp.zeros(6)))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", JOINTS)
 def test_joint_leaves_free_what_it_says_and_nothing_else(name):
     """The null space of the Jacobian is spanned by the free motions."""
     joint, value, free = JOINTS[name]
-    jacobian = np.asarray(jax.jacfwd(lambda motion: equations(joint, value, motion))(jnp.zeros(6)))
+    jacobian = derivative(joint, value)
     assert jacobian.shape == (joint.n_constraints, 6)
     assert joint.n_constraints == 6 - len(free) == len(joint.rows)
     held = [i for i in range(6) if i not in free]
@@ -70,7 +75,7 @@ def test_joint_leaves_free_what_it_says_and_nothing_else(name):
 def test_rows_are_what_they_are_called(name):
     """Each row answers with one to its own motion and not at all to the others: multipliers are wrenches."""
     joint, value, _ = JOINTS[name]
-    jacobian = np.asarray(jax.jacfwd(lambda motion: equations(joint, value, motion))(jnp.zeros(6)))
+    jacobian = derivative(joint, value)
     column = {f"{kind} {axis}": i for i, axis in enumerate("xyz") for kind in ("position",)}
     column |= {f"{kind} {axis}": 3 + i for i, axis in enumerate("xyz") for kind in ("rotation", "tilt about")}
     expected = np.eye(6)[[column[row] for row in joint.rows]]

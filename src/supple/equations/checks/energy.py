@@ -19,6 +19,7 @@ from supple.equations.polynomial_force import Quartic, polynomial_energy
 from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import Placed, System
+from supple.programs.kept_programs import KeptProgram
 from supple.reduction import ReducedBody
 
 __all__ = ["Balances", "balances"]
@@ -65,7 +66,7 @@ def body_balances(body: Any, _motion: Any, _gravity: np.ndarray) -> Balances:
 def _(body: Any, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
     """Of a rigid or reduced body: its Gram matrix and tensors."""
     (group,) = build_model(System((Placed(body),))).groups
-    arrays = jax.tree.map(lambda leaf: leaf[0], _Arrays.of(group))
+    arrays = jax.tree.map(lambda leaf: np.asarray(leaf)[0], _Arrays.of(group))
     moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
     return _of_reduced_body(arrays, jnp.asarray(gravity), moving)
 
@@ -95,8 +96,7 @@ class _Motion(NamedTuple):
     coordinate_rates: jax.Array
 
 
-@jax.jit
-def _of_reduced_body(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:
+def _over_time(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:
     """Of a rigid or reduced body."""
 
     def at_one_time(now: _Motion) -> Balances:
@@ -122,6 +122,9 @@ def _of_reduced_body(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Bala
         )
 
     return jax.vmap(at_one_time)(motion)
+
+
+_of_reduced_body = KeptProgram(_over_time)
 
 
 def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:

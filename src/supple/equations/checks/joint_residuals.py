@@ -17,13 +17,16 @@ from supple.equations.joint_force import constraints
 from supple.equations.model import Model
 from supple.integrate import FloatingMotion, Solution
 from supple.machine import GROUND, At, Placed, System
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["joint_residuals"]
 
 
-@jax.jit
-def _residuals(model: Model, times: jax.Array, configurations: Configuration) -> jax.Array:
+def _residuals_over_time(model: Model, times: jax.Array, configurations: Configuration) -> jax.Array:
     return jax.vmap(lambda time, at: constraints(model, time, at))(times, configurations)
+
+
+_residuals = KeptProgram(_residuals_over_time)
 
 
 def joint_residuals(system: System, solution: Solution) -> np.ndarray:

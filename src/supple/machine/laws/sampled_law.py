@@ -9,12 +9,14 @@ briefer than the distance of the samples stays unseen.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["Jumps", "jumps", "sampled", "sampled_instants"]
 
@@ -49,7 +51,7 @@ def sampled(law: Callable[[Any], Any], times: np.ndarray, *, order: int = 0) -> 
     # One program for any number of times: they go in blocks of one size.
     size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
     blocks = np.pad(times, (0, -len(times) % size), mode="edge").reshape(-1, size)
-    parts = [jax.device_get(_of_block(law, order, jnp.asarray(block))) for block in blocks]
+    parts = [jax.device_get(_program(order)(law, block)) for block in blocks]
     return [np.concatenate(each)[: len(times)] for each in zip(*parts, strict=True)]
 
 
@@ -59,8 +61,12 @@ def _numbers(law: Callable[[Any], Any]) -> int:
     return max(1, int(np.prod(shape)))
 
 
-@partial(jax.jit, static_argnums=1, compiler_options={"xla_backend_optimization_level": 0})
-def _of_block(law: Any, order: int, times: jax.Array) -> list[jax.Array]:
+@lru_cache
+def _program(order: int) -> KeptProgram:
+    return KeptProgram(partial(_of_block, order), {"xla_backend_optimization_level": 0})
+
+
+def _of_block(order: int, law: Any, times: jax.Array) -> list[jax.Array]:
     functions: list[Callable[[Any], Any]] = [lambda time: jnp.ravel(jnp.asarray(law(time), dtype=float))]
     for _ in range(order):
         functions.append(_rate(functions[-1]))

@@ -35,6 +35,7 @@ from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
 from supple.methods.intrinsic.strain_integration import Places, station_places
+from supple.programs.kept_programs import KeptProgram
 from supple.summary import Summarized, Summary, point
 
 __all__ = ["IntrinsicBody", "intrinsic_body"]
@@ -337,9 +338,11 @@ def body_of(placed: Placed) -> IntrinsicBody:
     return body
 
 
-@jax.jit
-def _places(model: LineModel, q2: Any, rotations: Any, positions: Any) -> Any:
+def _places_over_time(model: LineModel, q2: Any, rotations: Any, positions: Any) -> Any:
     return jax.vmap(lambda *now: station_places(model, *now))(q2, rotations, positions)
+
+
+_places = KeptProgram(_places_over_time)
 
 
 def intrinsic_body(

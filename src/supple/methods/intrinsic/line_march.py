@@ -46,11 +46,14 @@ class MarchState(NamedTuple):
     iterations: Any
 
 
+_rates = KeptProgram(system_rates)
+
+
 def first_march_state(system: LineSystem, rule: LineRule, time: float, states: States) -> MarchState:
     """The state in which a march begins."""
     none, count = jnp.zeros(()), jnp.zeros((), dtype=int)
     if isinstance(rule, GeneralizedAlpha):
-        rates = ravel_pytree(jax.jit(system_rates)(system, time, states))[0]
+        rates = ravel_pytree(_rates(system, time, states))[0]
         return MarchState(jnp.asarray(float(time)), states, rates, none, count)
     if isinstance(rule, ResidualRungeKutta4):
         states, _ = slaved(system, _kept(system, rule), time, states, 3 * rule.sweeps)

@@ -13,7 +13,7 @@ from supple.algebra.rotation import euler_parameters
 from supple.equations.build_model import system_length
 from supple.equations.configuration import Configuration
 from supple.equations.control_linearization import LinearControl
-from supple.equations.coordinate_scales import kinds_of_rows, position_scale
+from supple.equations.coordinate_scales import kinds_of_rows, known_position_scale
 from supple.equations.model import Model
 from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
 from supple.equations.steady_motion import LinearEquations, SteadyEquations, Turning
@@ -115,7 +115,7 @@ class LineStatics(SteadyEquations):
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (N,): a turn of 1, a shift of the system's size."""
         arrays = self.machine.arrays
-        found = [np.asarray(position_scale(arrays.model))[: arrays.n_floating]]
+        found = [np.asarray(known_position_scale(arrays.model))[: arrays.n_floating]]
         for model in arrays.lines:
             motions = np.asarray(model.velocities).reshape(-1, 6, np.shape(model.velocities)[1])
             sizes = np.linalg.norm(motions.reshape(len(motions), 2, 3, -1), axis=2).max(axis=0)

@@ -23,6 +23,7 @@ from supple.methods.intrinsic.rigid_motion import amplitudes_of, rigid_motion
 from supple.methods.intrinsic.root_drive import RootDrive
 from supple.methods.intrinsic.strain_integration import rotation_of
 from supple.methods.intrinsic.supported_root import HeldRoot, held_root, is_joined
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = [
     "MachineOfLines",
@@ -35,7 +36,7 @@ __all__ = [
 
 Array = np.ndarray
 
-_quaternion = jax.jit(euler_parameters)
+_quaternion = KeptProgram(euler_parameters)
 
 SAME_VELOCITY = 1e-6
 """Of the velocities: what a root may be given more than its support leaves free is round-off."""
@@ -198,8 +199,9 @@ def line_motion(
     )
 
 
-@jax.jit
-def _roots(model: LineModel, drive: RootDrive | None, states: LineState, rates: Any, times: Any) -> Any:
+def _roots_over_time(
+    model: LineModel, drive: RootDrive | None, states: LineState, rates: Any, times: Any
+) -> Any:
     """Rotations, positions, twists of a root and their rates."""
 
     def at(state: LineState, rate: Any, time: Any) -> Any:
@@ -210,3 +212,6 @@ def _roots(model: LineModel, drive: RootDrive | None, states: LineState, rates: 
         return *drive.pose(time), twist + driven.twist, faster + driven.rate
 
     return jax.vmap(at)(states, rates, times)
+
+
+_roots = KeptProgram(_roots_over_time)

@@ -11,13 +11,12 @@ from supple.methods.intrinsic.line_equations import RootTwist, momenta, station_
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, places_of, system_rates, system_wrenches
 from supple.methods.intrinsic.strain_integration import Places
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["reactions", "root_reaction"]
 
 
-@jax.jit
-def reactions(system: LineSystem, times: jax.Array, states: States) -> tuple[jax.Array, list[jax.Array]]:
-    """Forces and moments (t, b, 6) on the roots of b lines, as `root_reaction`, and q_1' (t, m) of each."""
+def _reactions(system: LineSystem, times: jax.Array, states: States) -> tuple[jax.Array, list[jax.Array]]:
 
     def at(time: Any, now: States) -> tuple[jax.Array, list[jax.Array]]:
         roots = tuple(None if drive is None else drive.twist(time) for drive in system.drives)
@@ -31,6 +30,10 @@ def reactions(system: LineSystem, times: jax.Array, states: States) -> tuple[jax
         return jnp.stack([root_reaction(*line) for line in each]), [rate.q1 for rate in rates]
 
     return jax.vmap(at)(times, states)
+
+
+reactions = KeptProgram(_reactions)
+"""Forces and moments (t, b, 6) on the roots of b lines, as `root_reaction`, and q_1' (t, m) of each."""
 
 
 def root_reaction(

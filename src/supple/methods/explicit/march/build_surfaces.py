@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.equations.compiler_options import STARTING
 from supple.errors import ModelError
 from supple.machine import SurfaceContact, System
 from supple.mesh.outer_faces import outer_triangles
@@ -23,6 +23,7 @@ from supple.methods.explicit.march.touching_surface import (
     touching_surface,
 )
 from supple.methods.explicit.modal_frame import ModalFrame
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["ModalSkin", "TiedNodes", "modal_skins", "touching_surfaces"]
 
@@ -139,8 +140,11 @@ def _stiffness(
     return contact.fraction * np.minimum(bears[nodes], weakest)
 
 
+_projected = KeptProgram(projected, STARTING)
+
+
 def _check_outside(contact: SurfaceContact, surface: TouchingSurface, x: FloatArray) -> None:
-    gap = np.asarray(projected(surface, jnp.asarray(x.T)).gap)
+    gap = np.asarray(_projected(surface, x.T).gap)
     size = float(np.linalg.norm(np.ptp(x[np.asarray(surface.corners).ravel()], axis=0)))
     inside = (gap < -1e-6 * size) & (gap > -float(surface.reach))
     if inside.any():

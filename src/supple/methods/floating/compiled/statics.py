@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import jax
 import numpy as np
@@ -15,9 +16,9 @@ from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.consistent_start import consistent_start, placed_configuration
 from supple.equations.control_force import first_states
 from supple.equations.control_linearization import LinearControl, control_at_rest, unrest
-from supple.equations.coordinate_scales import kinds_of_rows, position_scale
+from supple.equations.coordinate_scales import kinds_of_rows, known_position_scale
 from supple.equations.floating_solution import floating_solution
-from supple.equations.joint_force import constraint_rows
+from supple.equations.joint_force import joint_rows
 from supple.equations.model import Model
 from supple.equations.static_search import (
     ROUND_OFF,
@@ -91,7 +92,7 @@ class CompiledStatics(SteadyEquations):
             axes = in_turning_axes(model, state.configuration)
             matrix = axes @ (steady.mass + k * steady.stiffness) @ axes.T
             linear = steady.control.along(axes.T)
-        rows = np.asarray(constraint_rows(model, terms.linearization.joints))
+        rows = np.asarray(joint_rows(model, terms.linearization.joints))
         n, m = len(matrix), len(rows)
         # Rows of one size: multipliers in parts of what the matrix holds.
         size = float(np.max(abs(np.diag(matrix))))
@@ -122,7 +123,7 @@ class CompiledStatics(SteadyEquations):
     def constraint_rows(self, state: StaticState, time: float) -> np.ndarray:
         """Derivatives of the joints' equations, (m, n)."""
         terms = balanced(self.model, self._motion(state, time))
-        return np.asarray(constraint_rows(self.model, terms.linearization.joints))
+        return np.asarray(joint_rows(self.model, terms.linearization.joints))
 
     def solution(self, state: StaticState, time: float, iterations: int) -> Solution:
         """The steady motion at one instant."""
@@ -131,10 +132,10 @@ class CompiledStatics(SteadyEquations):
         system, slices = self.machine.system, self.slices
         return floating_solution(system, slices, self.model.active, one, Statistics(iterations=iterations))
 
-    @property
+    @cached_property
     def position_scale(self) -> np.ndarray:
         """What counts as a large change of each freedom, (n,)."""
-        return np.asarray(position_scale(self.machine.model))
+        return np.asarray(known_position_scale(self.machine.model))
 
     @property
     def _still(self) -> Turning:

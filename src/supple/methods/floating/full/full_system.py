@@ -52,15 +52,12 @@ from supple.methods.floating.full.full_interior import (
 )
 from supple.methods.floating.full.full_state import Evaluation, FullState, LineEvaluation, Targets
 from supple.methods.floating.full.full_tangent import Factored, FullTangent, TangentPoint
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["FullSystem"]
 
 
-_border_terms = jax.jit(balance)
-
-
-@jax.jit
-def _border_matrices(
+def _matrices(
     model: Model,
     motion: SystemMotion,
     linearization: Linearization,
@@ -72,6 +69,10 @@ def _border_matrices(
         constraint_rows(model, linearization.joints),
         constraint_rows(model, linearization.joints, increments),
     )
+
+
+_border_terms = KeptProgram(balance)
+_border_matrices = KeptProgram(_matrices)
 
 
 class FullSystem:
@@ -653,7 +654,7 @@ class FullSystem:
         )
 
 
-_mass_matrix = jax.jit(mass_matrix, compiler_options=STARTING)
+_mass_matrix = KeptProgram(mass_matrix, STARTING)
 _right_jacobian = jax.jit(rotation_right_jacobian)
 _rotations_exp = jax.jit(jax.vmap(rotation_exp))
 
