@@ -26,21 +26,19 @@ displacement, 3 u / 2 L.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from supple.body import BodyForm, MeanAxisFrame, frame_projector, smaller_rotations
+from supple.body import BodyForm, FlexibleBody, MeanAxisFrame, frame_projector, smaller_rotations
 from supple.body.full_body import FullBody
 from supple.body.turned_elements import turned_force
-from supple.error.missing_motion import MissingMotion, MissingMotionSearch
+from supple.error.missing_motion import MissingMotionSearch
 from supple.error.residual_correction import (
-    ExpandedStates,
     ResidualCorrections,
     corrections_of,
     expanded_states,
-    static_answer,
 )
 from supple.integrate import ErrorPart, FloatingMotion, Solution
 from supple.integrate.engine import Progress
@@ -85,7 +83,7 @@ def model_errors(
     missed: dict[str, ResidualCorrections] = {}
     if seen_bodies:
         missed = _turned_exactly(system, seen_bodies, bases, solution, progress)
-    limits = model_errors_by_limit(system, solution)
+    limits = model_errors_by_limit(system, solution, but=missed)
     return {each.name: _part(each, system, solution, fulls, missed, limits) for each in quantities}
 
 
@@ -100,11 +98,19 @@ def _turned_exactly(
     instants = widest_instants(system, solution)
     seen = expanded_states(system, fulls, bases, solution, instants)
     search = MissingMotionSearch(seen.prepared, seen.by_position)
-    stretched, further = seen, None
+    further = search
     if any(full.body.linearized_from is not None for full in fulls):
         fulls = [_with_quadratic_strains(full) for full in fulls]
         stretched = expanded_states(system, fulls, bases, solution, instants)
         further = MissingMotionSearch(stretched.prepared, stretched.by_position)
+
+    def forces(of: Callable[[FlexibleBody, np.ndarray], np.ndarray], at: FullState) -> dict[str, np.ndarray]:
+        places = [seen.prepared.coordinate_slices[index] for index in seen.indices]
+        return {
+            full.name: of(full.body, at.configuration.coordinates[place])
+            for full, place in zip(fulls, places, strict=True)
+        }
+
     states, steps = [], np.zeros((len(instants), seen.prepared.n))
     for row in range(len(instants)):
         state = seen.state(row)
@@ -112,36 +118,31 @@ def _turned_exactly(
         if missing is not None:
             state = search.moved(state, missing)
         states.append(state)
-        if further is not None:
-            bent = _second_order(seen, state, fulls)
+        if further is not search:
+            bent = search.response(state, forces(_second_order, state))
             state = further.moved(state, bent)
             lacking = further.at(state)
             steps[row] = bent.displacement
             if lacking is not None:
                 state = further.moved(state, lacking)
                 steps[row] += lacking.displacement
-        spurious = {}
-        for index, full in zip(seen.indices, fulls, strict=True):
-            q = state.configuration.coordinates[seen.prepared.coordinate_slices[index]]
-            spurious[full.name] = turned_force(full.body, q) - full.body.force.internal_force(q)
-        steps[row] += static_answer(stretched.prepared, state, seen.by_position, spurious)
+        steps[row] += further.response(state, forces(_spurious, state)).displacement
         if progress is not None:
             progress((row + 1) / len(instants))
     return corrections_of(seen, fulls, states, steps)
 
 
-def _second_order(seen: ExpandedStates, state: FullState, fulls: Sequence[FullBody]) -> MissingMotion:
-    """What linear motion lacks to second order, as the shortening of what is bent: K d = -(f(q) + f(-q)) / 2.
+def _spurious(body: FlexibleBody, q: np.ndarray) -> np.ndarray:
+    """Forces (n,) of elements and ties that turn exactly, less those of the body."""
+    return turned_force(body, q) - body.force.internal_force(q)
+
+
+def _second_order(body: FlexibleBody, q: np.ndarray) -> np.ndarray:
+    """Forces (f(q) + f(-q)) / 2 (n,): to them linear motion gives way, as it shortens where it is bent.
 
     The linear motion itself is stretched as it bends: Newton's method may go anywhere from there.
     """
-    even = {}
-    for index, full in zip(seen.indices, fulls, strict=True):
-        q, force = state.configuration.coordinates[seen.prepared.coordinate_slices[index]], full.body.force
-        even[full.name] = (force.internal_force(q) + force.internal_force(-q)) / 2
-    step = static_answer(seen.prepared, state, seen.by_position, even)
-    none = tuple(np.zeros(6) for _ in state.frame_multipliers)
-    return MissingMotion(step, np.zeros_like(state.multipliers), none)
+    return (body.force.internal_force(q) + body.force.internal_force(-q)) / 2
 
 
 def _with_quadratic_strains(full: FullBody) -> FullBody:
@@ -149,13 +150,18 @@ def _with_quadratic_strains(full: FullBody) -> FullBody:
     return replace(full, body=full.body.linearized_from or full.body)
 
 
-def model_errors_by_limit(system: System, solution: Solution) -> dict[str, float]:
-    """RMS error of the nodes of every elastic body, by its widest turn against its limit of rotation."""
+def model_errors_by_limit(
+    system: System, solution: Solution, *, but: Container[str] = ()
+) -> dict[str, float]:
+    """RMS error of the nodes of every elastic body, by its widest turn against its limit of rotation.
+
+    but : names of bodies that are assessed otherwise
+    """
     found = {}
     for placed in system.bodies:
         body = placed.body
         motion = solution.bodies[body.name]
-        if not body.n_coordinates:
+        if not body.n_coordinates or body.name in but:
             continue
         size = largest_displacement(body, motion.coordinates)
         turn = float(_widest_turn(body, motion).max(initial=0.0))
@@ -213,10 +219,12 @@ def _part(
             value = float(np.sqrt(np.mean(np.sum(moved**2, axis=2), axis=1)).max())
         return ErrorPart(value, "elements and ties turned exactly", remedy)
     shares = [0.0]
-    for body, limit in limits.items():
+    errors = {**limits, **{body: float(own.rms.max()) for body, own in missed.items()}}
+    for body, own in errors.items():
+        if name not in (None, body):
+            continue
         size = largest_displacement(system.placed(body).body, solution.bodies[body].coordinates)
-        own = float(missed[body].rms.max()) if body in missed else limit
-        if size > 0 and name in (None, body):
+        if size > 0:
             shares.append(own / size)
     return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", remedy)
 
