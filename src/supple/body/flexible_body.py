@@ -43,6 +43,7 @@ class FlexibleBody(Summarized):
     threes : where more than rigid interfaces tie the nodes: coordinates q0 that come in threes, of free nodes
         and rigid pieces, as q0 = rest @ q, and their mass (n0, n0); None where q0 = q
     damping       : csc (n, n), N s/m, what its files say; None without. Options of a reduction add to it
+    linearized_from : the same body with quadratic strains, of one that was linearised; None of others
     n_modal : modal coordinates among q, of a model that was condensed elsewhere: no node has them, they carry
         mass that `nodal_mass` lacks, and only masses of recovered points among `threes` turn with the frame
     """
@@ -63,6 +64,7 @@ class FlexibleBody(Summarized):
     threes: tuple[sparse.csc_array, sparse.csc_array] | None = field(default=None, repr=False)
     n_modal: int = 0
     damping: sparse.csc_array | None = field(default=None, repr=False)
+    linearized_from: FlexibleBody | None = field(default=None, repr=False, compare=False)
 
     def summary(self) -> Summary:
         """Coordinates, mass, elements, kind of its force, damping and interfaces."""
@@ -104,6 +106,7 @@ class FlexibleBody(Summarized):
         linear = replace(
             self,
             force=LinearForce(self.stiffness),
+            linearized_from=self.linearized_from if self.is_linear else self,
             interfaces=tuple(
                 replace(interface, cubic_turn=0.0, tied_nodes=interface.tied_nodes[:0])
                 for interface in self.interfaces

@@ -118,6 +118,7 @@ class ErrorEstimator:
         self._system = system
         self._run = run
         self._modes: dict[str, ModesInFrame] = {}
+        self._full_start: tuple[FullSystem, Configuration, np.ndarray] | None = None
 
     def assess(
         self,
@@ -262,12 +263,12 @@ class ErrorEstimator:
             np.any(each.coordinates) or np.any(each.coordinate_rates) for each in placed.values()
         ):
             return {}
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RedundantConstraintWarning)
-            warnings.simplefilter("ignore", StartWarning)
-            machine, configuration, velocity, _ = consistent_start(
-                FullSystem(self._system), float(steps.times[0])
-            )
+        if self._full_start is None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RedundantConstraintWarning)
+                warnings.simplefilter("ignore", StartWarning)
+                self._full_start = consistent_start(FullSystem(self._system), float(steps.times[0]))[:3]
+        machine, configuration, velocity = self._full_start
         return {
             name: _start_error(machine, index, name, configuration, velocity, steps, bases)
             for index, name in enumerate(placed)

@@ -22,7 +22,7 @@ Source: this project's own.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -125,6 +125,20 @@ class MissingMotionSearch:
                 return found
             self._tangent = None
         return None
+
+    def response(self, state: FullState, forces: Mapping[str, np.ndarray]) -> MissingMotion:
+        """What further forces (n,) on full bodies, by name, do to first order; joints and frames are held.
+
+        What is out of balance besides is left so.
+        """
+        evaluation = self._evaluated(state, self._none(state))
+        self._tangent = self._factored(evaluation, self._by_position)
+        left = []
+        for interior in self._machine.interiors:
+            own = forces.get(interior.full.name, np.zeros(interior.full.n_coordinates))
+            left.append(np.concatenate([np.zeros(6), own]))
+        on_border = np.zeros_like(evaluation.border.inertia)
+        return self._more(evaluation.left_with(on_border, tuple(left)), self._tangent)
 
     def _searches(self, state: FullState) -> Iterator[tuple[Search, MissingMotion]]:
         begin = self._beginning(state)

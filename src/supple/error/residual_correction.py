@@ -33,7 +33,7 @@ from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
 from supple.error.missing_motion import CONVERGED, FOLLOWED, MissingMotionSearch
 from supple.errors import ModelError, RedundantConstraintWarning
-from supple.integrate import Progress, Solution, StepFactors
+from supple.integrate import Progress, Solution
 from supple.integrate.motion import FloatingMotion
 from supple.machine.system import System
 from supple.methods.floating.full.full_state import FullState
@@ -346,28 +346,6 @@ def _expanded(
         # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
         frame_multipliers=tuple(np.zeros(6) for _ in prepared.interiors),
     )
-
-
-def static_answer(
-    prepared: FullSystem, state: FullState, position: float, forces: Mapping[str, np.ndarray]
-) -> np.ndarray:
-    """Displacement of all freedoms (n,) by forces on full bodies (n,), by name; joints and frames are held.
-
-    What is out of balance besides is left so.
-    """
-    evaluation = prepared.evaluate(state, 0.0)
-    evaluation = evaluation.left_with(
-        np.zeros_like(evaluation.border.inertia),
-        tuple(np.concatenate([np.zeros(6), forces[interior.full.name]]) for interior in prepared.interiors),
-    )
-    # Written for accelerations, of which a displacement is `position` times as large.
-    step, _, _ = prepared.correction(
-        evaluation,
-        evaluation.closing(position),
-        np.zeros(prepared.n),
-        StepFactors(by_position=position, by_velocity=0.0),
-    )
-    return position * step
 
 
 def _nodal_rms(

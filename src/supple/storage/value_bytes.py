@@ -32,7 +32,7 @@ def bytes_of(value: Any, depth: int = 0) -> Iterator[bytes]:
 
     A function counts by its code, the numbers it has from around it, and the functions it calls; a model of
     finite elements by what it is made from, for another number of threads moves the last digits of its
-    matrices.
+    matrices. Fields that do not compare do not count.
     """
     match value := _made_of(value):
         case None | bool() | str() | Enum():
@@ -48,6 +48,8 @@ def bytes_of(value: Any, depth: int = 0) -> Iterator[bytes]:
         case _ if is_dataclass(value) and not isinstance(value, type):
             yield type(value).__qualname__.encode()
             for item in fields(value):
+                if not item.compare:
+                    continue
                 yield item.name.encode()
                 yield from bytes_of(getattr(value, item.name), depth)
         case type():
