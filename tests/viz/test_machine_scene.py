@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fixtures.explicit_bars import explicit_bar
 from PIL import Image
-from supple.viz.body_surface import body_surface
+from supple.results.body_surface import body_surface
 
 from supple.body import RigidBody
 from supple.errors import ModelError
