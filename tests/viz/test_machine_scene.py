@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from fixtures.explicit_bars import explicit_bar
 from PIL import Image
-from supple.results.body_surface import body_surface
 
 from supple.body import RigidBody
 from supple.errors import ModelError
@@ -16,6 +15,7 @@ from supple.mesh import CellType, cylinder, skin_of, strip
 from supple.mesh.feature_edges import feature_edges, silhouette_edges
 from supple.methods.explicit import NodalMotion
 from supple.quantities import deflections, observer
+from supple.results.body_surface import body_surface
 from supple.results.colouring import DEFLECTION
 from supple.results.view import View
 from supple.units import SI

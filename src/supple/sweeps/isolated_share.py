@@ -83,7 +83,7 @@ def _main(folder: str, target: str, *cases: str) -> None:
     try:
         write_part(Path(target), run_cases(Path(folder), [int(case) for case in cases]))
     except SuppleError as error:
-        print(error, file=sys.stderr)
+        sys.stderr.write(f"{error}\n")
         sys.exit(_REFUSED)
 
 
