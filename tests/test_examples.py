@@ -13,7 +13,15 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    ["docked_satellites", "nastran_plate", "reference_blade", "robot_arm", "satellite", "spinning_disc"],
+    [
+        "calibrate_pendulum",
+        "docked_satellites",
+        "nastran_plate",
+        "reference_blade",
+        "robot_arm",
+        "satellite",
+        "spinning_disc",
+    ],
 )
 def test_an_example_meets_its_expectation_and_draws(name, tmp_path):
     picture = tmp_path / f"{name}.png"

@@ -106,6 +106,9 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.report import player as player
     from supple.report import write_report as write_report
     from supple.results import rms_error as rms_error
+    from supple.sensitivity import Measurement as Measurement
+    from supple.sensitivity import calibrate as calibrate
+    from supple.sensitivity import sensitivities as sensitivities
     from supple.simulation import Start as Start
     from supple.simulation import equilibrium as equilibrium
     from supple.simulation import simulate as simulate
@@ -148,6 +151,7 @@ _NAMES = {
     "supple.progress": "show_progress",
     "supple.simulation": "simulate simulate_batch equilibrium Start",
     "supple.linearization": "linearize machine_modes",
+    "supple.sensitivity": "sensitivities calibrate Measurement",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",
     "supple.report": "write_report player",

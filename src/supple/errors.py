@@ -113,6 +113,10 @@ class ResolutionWarning(SuppleWarning):
     """Time steps, or output times, too far apart for the loads, the prescribed motions or the motion."""
 
 
+class IdentifiabilityWarning(SuppleWarning):
+    """Parameters that were fitted to measurements which do not determine them."""
+
+
 class UnlockedWarning(SuppleWarning):
     """A result on a file system that cannot keep other runs from writing it too."""
 

@@ -51,3 +51,20 @@ def test_body_without_tensors_is_linear(clamped_blade, coordinates):
     np.testing.assert_array_equal(tangent, clamped_blade.stiffness)
     energy = polynomial_energy(clamped_blade.stiffness, None, None, coordinates)
     np.testing.assert_allclose(energy, coordinates @ clamped_blade.stiffness @ coordinates / 2)
+
+
+def test_derivatives_take_the_tangent_and_the_changes_of_the_tensors(clamped_blade, coordinates):
+    """Against central differences, which are exact to h^2: along coordinates, and along the cubic terms."""
+    body, direction = clamped_blade, np.random.default_rng(3).standard_normal(clamped_blade.r)
+
+    def at(step, own=0.0):
+        return polynomial_force(
+            body.stiffness, (1 + own) * body.cubic, body.quartic, coordinates + step * direction
+        )
+
+    h = 1e-4
+    for along in (at, lambda step: at(0.0, step), lambda step: at(2 * step, step)):
+        derivative = jax.jvp(along, (0.0,), (1.0,))[1]
+        for found, above, below in zip(derivative, along(h), along(-h), strict=True):
+            expected = (above - below) / (2 * h)
+            np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())

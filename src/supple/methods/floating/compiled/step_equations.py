@@ -13,6 +13,8 @@ matrix, others along their tree; where that leaves more than rounding, as one de
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -33,6 +35,7 @@ __all__ = [
     "LinearizedStep",
     "correction",
     "step_fronts",
+    "step_inverse",
     "step_matrix",
     "tree_layout",
     "tree_solution",
@@ -82,8 +85,7 @@ def correction(
     constraint_residual: jax.Array,
 ) -> jax.Array:
     """Changes of accelerations and multipliers (n + m,) that take away the residuals (n,) and (m,)."""
-    gaps = model.mass / step.factors.by_position * constraint_residual
-    load = -jnp.concatenate([residual, gaps])
+    load = _load(model, step, residual, constraint_residual)
     layout = tree_layout(model)
     if layout is None:
         change = _dense_solution(elimination, step_matrix(model, step), load)
@@ -91,6 +93,30 @@ def correction(
         change = tree_solution(elimination, model, layout, step_fronts(layout, model, step), load)
     n = model.n_velocities
     return change.at[n:].multiply(model.mass)
+
+
+def _load(
+    model: Model, step: LinearizedStep, residual: jax.Array, constraint_residual: jax.Array
+) -> jax.Array:
+    """The right-hand side (n + m,)."""
+    return -jnp.concatenate([residual, model.mass / step.factors.by_position * constraint_residual])
+
+
+def step_inverse(
+    elimination: Elimination, model: Model, step: LinearizedStep
+) -> Callable[[jax.Array, jax.Array], jax.Array]:
+    """What `correction` gives for residuals (n,) and (m,), eliminated once for many of them, not refined."""
+    layout, n = tree_layout(model), model.n_velocities
+    if layout is None:
+        inverse = elimination.inverse(step_matrix(model, step))
+        solved = partial(jnp.matmul, inverse)
+    else:
+        solved = partial(layout.solved, layout.factored(step_fronts(layout, model, step), elimination))
+
+    def corrected(residual: jax.Array, constraint_residual: jax.Array) -> jax.Array:
+        return solved(_load(model, step, residual, constraint_residual)).at[n:].multiply(model.mass)
+
+    return corrected
 
 
 def _dense_solution(elimination: Elimination, matrix: jax.Array, load: jax.Array) -> jax.Array:

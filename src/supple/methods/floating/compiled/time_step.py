@@ -26,7 +26,7 @@ from supple.methods.floating.compiled.modified_newton import modified_pass, used
 from supple.methods.floating.compiled.newton import Iteration, Modified, newton_pass
 from supple.methods.floating.compiled.state import Controls, State
 
-__all__ = ["march", "substep"]
+__all__ = ["equal_steps", "is_last", "march", "substep"]
 
 
 class _Stepped(NamedTuple):
@@ -130,13 +130,22 @@ def _turn(model: Model, increments: jax.Array) -> jax.Array:
     return jnp.sqrt(jnp.max(jnp.sum(turns**2, axis=1)))
 
 
+def equal_steps(start: State, end: jax.Array) -> jax.Array:
+    """Number of equal steps left to a stop; 1e-9 forgives the rounding of their quotient."""
+    return jnp.maximum(jnp.ceil((end - start.time) / start.step * (1 - 1e-9)), 1.0)
+
+
+def is_last(h: jax.Array, remaining: jax.Array) -> jax.Array:
+    """Whether a step of size h ends at the stop."""
+    return h >= remaining * (1 - 1e-9)
+
+
 def substep(
     elimination: Elimination, model: Model, controls: Controls, end: jax.Array, start: State
 ) -> State:
     """Try one step towards `end`: accept it, or cut it."""
     remaining = end - start.time
-    # A whole number of equal steps to the output time; 1e-9 forgives the rounding of their quotient.
-    h = remaining / jnp.maximum(jnp.ceil(remaining / start.step * (1 - 1e-9)), 1.0)
+    h = remaining / equal_steps(start, end)
     trial = _try_step(elimination, model, controls, start, h)
     iteration = trial.iteration
     error = _local_error(model, StepRule(controls.coefficients, h), start, trial)
@@ -146,7 +155,7 @@ def substep(
     proposed = next_step(h, start.step, error, controls.error_tolerance, controls.largest)
     proposed = jnp.where(converged, proposed, h / 2)
     failed = ~accepted & (proposed < controls.smallest)
-    last = h >= remaining * (1 - 1e-9)
+    last = is_last(h, remaining)
     contraction = measured(start.contraction, iteration.sizes, h, iteration.corrections, iteration.converged)
     kept = None
     if start.kept is not None:

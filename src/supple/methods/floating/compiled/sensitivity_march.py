@@ -1,0 +1,114 @@
+"""The compiled march with derivatives along some directions, which go with it step by step.
+
+States are those of the plain march; steps that were rejected leave derivatives as they were. The derivatives
+are those of the discrete motion: the number of steps between two stops stays, their size follows the stops.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.model import Model
+from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.programs import STOPS_AT_ONCE, is_over_soon, well_and_quickly
+from supple.methods.floating.compiled.sensitivity_step import StateChange, changed_by_step
+from supple.methods.floating.compiled.state import Controls, State
+from supple.methods.floating.compiled.time_step import substep
+
+__all__ = ["Changes", "MarchedWithChanges", "march_with_changes"]
+
+
+class Changes(NamedTuple):
+    """Derivatives along p directions of all that a march takes."""
+
+    model: Sequence[Any]
+    """By leaf of the model (p, ..); None of what does not change"""
+    start: StateChange
+    stops: Any
+    """(p, k)"""
+
+
+class MarchedWithChanges(NamedTuple):
+    """Where a march ended, and states and derivatives at its stops (k, ..) and (k, p, ..)."""
+
+    last: State
+    states: State
+    changes: StateChange
+
+
+def march_with_changes(
+    model: Model, controls: Controls, start: State, stops: np.ndarray, changes: Changes, n_steps: float
+) -> MarchedWithChanges:
+    """March through stops (k,), ascending; it ends at the first one that is not reached.
+
+    n_steps : about, which chooses the program
+    """
+    calls = np.pad(stops, (0, -len(stops) % STOPS_AT_ONCE), mode="edge").reshape(-1, STOPS_AT_ONCE)
+    by_call = np.pad(changes.stops, ((0, 0), (0, calls.size - len(stops))), mode="edge")
+    p = len(changes.stops)
+    soon = is_over_soon((1 + p) * n_steps, model.n_velocities)
+    program = _QUICK_MARCH if soon else _MARCH
+    model, model_change = jax.device_put((model, list(changes.model)))
+    last, change, parts = start, changes.start, []
+    for number, own in enumerate(calls):
+        along = by_call[:, number * STOPS_AT_ONCE : (number + 1) * STOPS_AT_ONCE]
+        last, change, *found = program(model, controls, model_change, last, change, own, along)
+        left = len(stops) - number * STOPS_AT_ONCE
+        parts.append(jax.tree.map(lambda leaf, left=left: leaf[:left], jax.device_get(found)))
+        if np.asarray(last.failed):
+            break
+    states, found = jax.tree.map(lambda *own: np.concatenate(own), *parts)
+    return MarchedWithChanges(jax.device_get(last), states, found)
+
+
+def _march(
+    elimination: Elimination,
+    model: Model,
+    controls: Controls,
+    model_change: Sequence[Any],
+    start: State,
+    change: StateChange,
+    stops: jax.Array,
+    stop_changes: jax.Array,
+) -> tuple[State, StateChange, State, StateChange]:
+    """As `march`, with derivatives; the last state and those at the stops."""
+    shown = start._replace(kept=None), change
+    rows = jax.tree.map(lambda leaf: jnp.zeros((len(stops), *jnp.shape(leaf)), jnp.result_type(leaf)), shown)
+
+    def unfinished(march: tuple[Any, ...]) -> jax.Array:
+        row = march[0]
+        return (row < len(stops)) & ((row == 0) | (stops[row] > stops[row - 1]))
+
+    def one_step(row: jax.Array, known: tuple[State, StateChange]) -> tuple[State, StateChange]:
+        before, change = known
+        after = substep(elimination, model, controls, stops[row], before)
+        along = partial(changed_by_step, elimination, model, controls, model_change, before, change, after)
+        accepted = after.steps > before.steps
+        return after, jax.lax.cond(accepted, lambda: along(stops[row], stop_changes[:, row]), lambda: change)
+
+    def to_stop(march: tuple[Any, ...]) -> tuple[Any, ...]:
+        row, state, change, every = march
+        state, change = jax.lax.while_loop(
+            lambda known: (known[0].time < stops[row]) & ~known[0].failed,
+            partial(one_step, row),
+            (state, change),
+        )
+        every = jax.tree.map(
+            lambda rows, own: jax.lax.dynamic_update_index_in_dim(rows, own, row, 0),
+            every,
+            (state._replace(kept=None), change),
+        )
+        return row + 1, state, change, every
+
+    begun = jax.tree.map(jnp.asarray, (jnp.asarray(0), start, change, rows))
+    _, last, change, (states, changes) = jax.lax.while_loop(unfinished, to_stop, begun)
+    return last, change, states, changes
+
+
+_MARCH, _QUICK_MARCH = well_and_quickly(_march)

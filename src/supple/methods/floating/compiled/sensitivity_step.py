@@ -1,0 +1,195 @@
+"""Derivatives of one time step for numbers of the model, of its start and of its end.
+
+With `x` the new accelerations and multipliers, `y` the state that a step begins with and `p` numbers of the
+model, a step solves `F(x, y, p) = 0` and hands on `y_1 = Y(x, y, p)`. Along a direction (dy, dp)
+
+    F_x dx = - (F_y dy + F_p dp),        dy_1 = Y_x dx + Y_y dy + Y_p dp
+
+by the implicit function theorem, at the solution: derivatives of the discrete motion, whatever iteration
+found it. The products are exact (forward mode); `F_x` is inverted once for all directions in the form that
+Newton's iteration has it, and corrections go on until what is left of the products is rounding.
+Source: staggered direct method [CaracotsiosStewart1985].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from supple.equations.configuration import AnyArray, Configuration, ControlState
+from supple.equations.control_force import stepped
+from supple.equations.coordinate_scales import position_scale
+from supple.equations.model import Model
+from supple.integrate import StepRule
+from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.iterate import evaluate, motion_of, place
+from supple.methods.floating.compiled.state import Controls, State
+from supple.methods.floating.compiled.step_equations import LinearizedStep, step_inverse
+from supple.methods.floating.compiled.time_step import equal_steps, is_last
+
+__all__ = ["Carried", "StateChange", "changed_by_step", "state_change"]
+
+_EXACT = 1e-9
+"""Of a derivative of accelerations and multipliers, the last correction."""
+_ROUNDING = 1e-13
+"""Of a derivative of positions, what a correction moves them by where constraint equations are rounded."""
+_MOST = 20
+"""Corrections; two are needed where the tangent of the iteration is exact."""
+
+
+class Carried(NamedTuple):
+    """What a step begins with and its result depends on."""
+
+    time: AnyArray
+    configuration: Configuration
+    velocity: AnyArray
+    acceleration: AnyArray
+    auxiliary: AnyArray
+    control: ControlState | None
+
+
+class StateChange(NamedTuple):
+    """Derivatives of a state along p directions, a leading axis on every array."""
+
+    carried: Carried
+    multipliers: AnyArray
+    """(p, m)"""
+
+
+def state_change(state: State) -> StateChange:
+    """The parts of a state that have derivatives."""
+    return StateChange(_carried(state), state.multipliers)
+
+
+def _carried(state: Any) -> Carried:
+    return Carried(*(getattr(state, name) for name in Carried._fields))
+
+
+class _Solved(NamedTuple):
+    """What a step solves for."""
+
+    acceleration: Any
+    multipliers: Any
+
+
+def changed_by_step(
+    elimination: Elimination,
+    model: Model,
+    controls: Controls,
+    model_change: Sequence[Any],
+    before: State,
+    change: StateChange,
+    after: State,
+    end: jax.Array,
+    end_change: jax.Array,
+) -> StateChange:
+    """Derivatives behind an accepted step; nan where they do not converge.
+
+    model_change : by leaf of the model (p, ..), None for what does not change
+    end, end_change : the stop on the way to which the step is one of several equal ones, and (p,)
+    """
+    rule = StepRule(controls.coefficients, (end - before.time) / equal_steps(before, end))
+    equations, varied = _equations(model, controls, model_change, before, end)
+    solved = _Solved(after.acceleration, after.multipliers)
+    _, product = jax.linearize(equations, varied, _carried(before), end, solved)
+    known = [each for each in model_change if each is not None], change.carried, end_change
+    along_all = jax.vmap(product, in_axes=(0, 0, 0, 0))
+    _, linearization = evaluate(
+        model, rule, before, solved.acceleration, solved.multipliers, controls.residual_tolerance
+    )
+    _, _, increments = place(model, rule, before, solved.acceleration)
+    correction = step_inverse(
+        elimination,
+        model,
+        LinearizedStep(motion_of(rule, before, after), linearization, increments, rule.factors),
+    )
+    found, carried = _solution(model, rule, change, partial(along_all, *known), jax.vmap(correction))
+    return StateChange(carried, found.multipliers)
+
+
+def _equations(
+    model: Model, controls: Controls, model_change: Sequence[Any], before: State, end: jax.Array
+) -> tuple[Callable[..., Any], list[Any]]:
+    """Residuals and what is handed on, as a function of leaves of the model that vary; and these leaves."""
+    leaves, structure = jax.tree.flatten(model)
+    places = [number for number, own in enumerate(model_change) if own is not None]
+    # The number of steps to the stop stays as it is; their size follows the stop.
+    number, remaining = equal_steps(before, end), end - before.time
+    ends = is_last(remaining / number, remaining)
+
+    def equations(varied: list[Any], carried: Carried, end: Any, solved: _Solved):
+        every = list(leaves)
+        for place_, own in zip(places, varied, strict=True):
+            every[place_] = own
+        own = jax.tree.unflatten(structure, every)
+        rule = StepRule(controls.coefficients, (end - carried.time) / number)
+        start = before._replace(**carried._asdict())
+        trial, _ = evaluate(own, rule, start, *solved, controls.residual_tolerance)
+        handed_on = Carried(
+            time=jnp.where(ends, end, carried.time + rule.h),
+            configuration=trial.configuration,
+            velocity=trial.velocity,
+            acceleration=solved.acceleration,
+            auxiliary=rule.auxiliary(solved.acceleration, carried.acceleration, carried.auxiliary),
+            control=stepped(own, motion_of(rule, start, trial)),
+        )
+        return (trial.residual, trial.constraint_residual), handed_on
+
+    return equations, [jnp.asarray(leaves[place_], dtype=float) for place_ in places]
+
+
+class _Correcting(NamedTuple):
+    """Derivatives of what a step solves for, as far as they are found."""
+
+    found: _Solved
+    carried: Carried
+    """Behind the step, with what was found before the last correction, which was small"""
+    unsolved: Any
+    corrections: Any
+
+
+def _solution(
+    model: Model,
+    rule: StepRule,
+    change: StateChange,
+    product: Callable[[_Solved], Any],
+    correction: Callable[..., Any],
+) -> tuple[_Solved, Carried]:
+    """Derivatives of what a step solves for, and of what it hands on."""
+    scale = position_scale(model)
+    n = len(scale)
+
+    def size(found: jax.Array) -> jax.Array:
+        """Of accelerations and multipliers (p, n + m), by direction."""
+        accelerations = jnp.max(jnp.abs(found[:, :n] / scale), axis=1)
+        forces = jnp.max(jnp.abs(found[:, n:]), axis=1, initial=0.0) / (model.mass * model.length)
+        return jnp.maximum(accelerations, forces)
+
+    origins, rotations, coordinates = change.carried.configuration
+    p = len(origins)
+    moved = jnp.maximum(
+        jnp.max(jnp.abs(origins.reshape(p, -1)), axis=1) / model.length,
+        jnp.max(jnp.abs(rotations.reshape(p, -1)), axis=1),
+    )
+    if coordinates.shape[1]:
+        own = jnp.concatenate([scale[part.start + 6 : part.stop] for part in model.deforming_slices])
+        moved = jnp.maximum(moved, jnp.max(jnp.abs(coordinates / own), axis=1))
+    rounding = _ROUNDING * moved / rule.factors.by_position
+
+    def corrected(old: _Correcting) -> _Correcting:
+        residuals, carried = product(old.found)
+        found = jnp.concatenate(old.found, axis=1)
+        step = correction(*residuals)
+        # Asked this way round, what is not a number is unsolved.
+        unsolved = ~jnp.all(size(step) <= _EXACT * size(found) + rounding)
+        new = jnp.where(unsolved, found + step, found)
+        return _Correcting(_Solved(new[:, :n], new[:, n:]), carried, unsolved, old.corrections + 1)
+
+    none = _Solved(jnp.zeros((p, n)), jnp.zeros_like(change.multipliers))
+    begun = _Correcting(none, change.carried, jnp.ones((), dtype=bool), jnp.zeros((), dtype=int))
+    end = jax.lax.while_loop(lambda old: old.unsolved & (old.corrections < _MOST), corrected, begun)
+    return jax.tree.map(lambda leaf: jnp.where(end.unsolved, jnp.nan, leaf), (end.found, end.carried))

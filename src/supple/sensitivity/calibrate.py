@@ -1,0 +1,242 @@
+"""Fit numbers of a machine to measured motion."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from supple.algebra.jax_settings import before_compiled_code
+from supple.arguments import checked_arguments
+from supple.errors import ConvergenceError, IdentifiabilityWarning, ModelError, SuppleWarning, did_you_mean
+from supple.integrate import Run, Solution
+from supple.progress import with_progress_bar
+from supple.sensitivity.calibration import Calibration, uncertainty, without_blind
+from supple.sensitivity.derivative_reader import read
+from supple.sensitivity.measurement import Measurement
+from supple.sensitivity.observable import Observables
+from supple.sensitivity.parameter_changes import Build
+from supple.sensitivity.sensitivities import sensitivities, sizes_of
+from supple.simulation.watched_run import watched_run
+
+__all__ = ["calibrate"]
+
+Array = NDArray[np.float64]
+
+_MOST = 100
+"""Runs of a fit."""
+_KEPT = 1e-7
+"""Of the largest singular value of the Jacobian, scaled by the sizes of parameters."""
+_NEAR = 1e-3
+"""In parts of the sizes of parameters, and of the sum of squares."""
+
+
+@checked_arguments
+@with_progress_bar("fitting to measurements")
+def calibrate(
+    build: Build,
+    parameters: Mapping[str, float],
+    run: Run,
+    observables: Observables,
+    measurements: Sequence[Measurement],
+    *,
+    bounds: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+    sizes: Mapping[str, float] = MappingProxyType({}),
+) -> Calibration:
+    """Parameters of a machine that fit measurements in the sense of least squares.
+
+        minimise  sum_i ((computed_i(p) - measured_i) / deviation_i)^2
+
+    by a trust region with exact Jacobians (`sensitivities`). It finds the minimum next to the values that it
+    begins with; a motion that is out of step by half a period or more may lead to another one. Parameters
+    that the measurements do not determine stay where they begin.
+
+    Parameters
+    ----------
+    build, run, observables, sizes : as for `sensitivities`
+    parameters : values to begin with, by name
+    measurements : of channels of the observables
+    bounds : by name, lowest and highest value; none where left out
+
+    Returns
+    -------
+    Calibration
+
+    Raises
+    ------
+    ModelError          as of `sensitivities`; fewer measured values than parameters, deviations of some
+        measurements alone, a start outside the bounds
+    ConvergenceError    a fit that does not converge, or a run at its start that does not
+
+    Warns
+    -----
+    IdentifiabilityWarning      parameters that the measurements do not determine
+    """
+    before_compiled_code()
+    start, scale = dict(parameters), sizes_of(parameters, sizes)
+    fit = _Fit(build, run, observables, _checked(measurements, len(start)), scale, frozenset(sizes))
+    unit = np.array(list(scale.values()))
+    begin = np.array(list(start.values())) / unit
+    low, high = (side / unit for side in _bounds(start, bounds))
+
+    def jacobian(z: Array) -> Array:
+        return without_blind(fit.jacobian(z * unit) * unit)
+
+    # So little that only what the data do not see is kept where it begins, instead of wandering off.
+    weight = _KEPT * np.linalg.norm(jacobian(begin), 2)
+    found = least_squares(
+        lambda z: np.concatenate([fit.residuals(z * unit), weight * (z - begin)]),
+        begin,
+        jac=lambda z: np.vstack([jacobian(z), weight * np.eye(len(z))]),
+        bounds=(low, high),
+        max_nfev=_MOST,
+    )
+    held = np.isclose(found.x, low) | np.isclose(found.x, high)
+    if not found.success or _could_go_on(jacobian(found.x)[:, ~held], fit.residuals(found.x * unit)):
+        raise ConvergenceError(
+            f"the fit does not converge in {fit.runs} runs (sum of squares {2 * found.cost:.3g})"
+            + (f"; some of them broke off: {fit.broken}" if fit.broken else "")
+            + ". Begin nearer to the solution, give bounds, or leave out parameters that act alike"
+        )
+    return fit.result(found.x * unit, held)
+
+
+def _could_go_on(jacobian: Array, residuals: Array) -> bool:
+    """Whether a step to the minimum of the linearised residuals would still gain by a notable change."""
+    step = np.linalg.lstsq(jacobian, residuals)[0]
+    gained = jacobian @ step
+    return bool(np.max(np.abs(step), initial=0.0) > _NEAR and gained @ gained > _NEAR * residuals @ residuals)
+
+
+def _checked(measurements: Sequence[Measurement], n_parameters: int) -> tuple[Measurement, ...]:
+    number = sum(int(each.known.sum()) for each in measurements)
+    if number < n_parameters:
+        raise ModelError(f"{n_parameters} parameters need as many measured values, and there are {number}")
+    without = [each.observable for each in measurements if each.deviation is None]
+    if without and len(measurements) > 1:
+        raise ModelError(
+            f"measurements of {', '.join(without)} have no deviation, by which several are weighed against "
+            "each other: give all of them one"
+        )
+    return tuple(measurements)
+
+
+def _bounds(start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
+    for name, (low, high) in bounds.items():
+        if name not in start:
+            raise ModelError(f"bounds: '{name}' is no parameter{did_you_mean(name, start)}")
+        if not low < high or not low <= start[name] <= high:
+            raise ModelError(
+                f"bounds of '{name}': {low:g} to {high:g} do not hold the value to begin with, "
+                f"{start[name]:g}"
+            )
+    low, high = (
+        np.array([bounds.get(name, (-np.inf, np.inf))[side] for name in start], dtype=float)
+        for side in (0, 1)
+    )
+    return low, high
+
+
+@dataclass
+class _Fit:
+    """Residuals in deviations and their Jacobian, as functions of the parameters (p,)."""
+
+    build: Build
+    run: Run
+    observables: Observables
+    measurements: tuple[Measurement, ...]
+    sizes: Mapping[str, float]
+    given: frozenset[str]
+    """Names of parameters whose size was stated; those of others shrink with them"""
+    runs: int = field(default=0)
+    broken: str = ""
+    """Why the last run that broke off did"""
+    _last: tuple[Array, tuple[Array, Array, Solution]] | None = None
+
+    def _named(self, values: Array) -> dict[str, float]:
+        return {name: float(value) for name, value in zip(self.sizes, values, strict=True)}
+
+    def _stacked(self, solution: Solution, values: Mapping[str, Array], columns: Sequence[int]) -> Array:
+        times = np.asarray(solution.times)
+        pairs = zip(self.measurements, columns, strict=True)
+        return np.concatenate([each.residuals(times, values, column) for each, column in pairs])
+
+    def residuals(self, values: Array) -> Array:
+        """(n,); inf where a run breaks off, from which the fit steps back."""
+        self.runs += 1
+        system = self.build(self._named(values))
+        columns = [each.column(system, self.observables) for each in self.measurements]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuppleWarning)  # of values that are only tried
+            try:
+                solution = watched_run(system, self.run)
+            except ConvergenceError as error:
+                self.broken = str(error)
+                return np.full(sum(int(each.known.sum()) for each in self.measurements), np.inf)
+        return self._stacked(solution, read(self.observables, system, solution), columns)
+
+    def jacobian(self, values: Array) -> Array:
+        """(n, p)."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuppleWarning)
+            return self._jacobian(values)[0]
+
+    def _jacobian(self, values: Array) -> tuple[Array, Array, Solution]:
+        """With the residuals (n,) and the run; those of the last values are kept."""
+        if self._last is not None and np.array_equal(self._last[0], values):
+            return self._last[1]
+        self.runs += 1
+        named = self._named(values)
+        sizes = {
+            name: size if name in self.given or not named[name] else min(size, abs(named[name]))
+            for name, size in self.sizes.items()
+        }
+        found = sensitivities(self.build, named, self.run, self.observables, sizes=sizes)
+        system = self.build(named)
+        columns = [each.column(system, self.observables) for each in self.measurements]
+        times = np.asarray(found.solution.times)
+        by_parameter = [
+            np.concatenate(
+                [
+                    each.weights * each.at_times(times, found.derivatives[each.observable][name], column)
+                    for each, column in zip(self.measurements, columns, strict=True)
+                ]
+            )
+            for name in self.sizes
+        ]
+        residuals = self._stacked(found.solution, found.values, columns)
+        self._last = values.copy(), (np.column_stack(by_parameter), residuals, found.solution)
+        return self._last[1]
+
+    def result(self, values: Array, at_bounds: NDArray[np.bool_]) -> Calibration:
+        """What the fit came to; warns IdentifiabilityWarning."""
+        jacobian, residuals, solution = self._jacobian(values)
+        degrees = max(len(residuals) - len(values), 1)
+        misfit = float(residuals @ residuals) / degrees
+        are_known = all(each.deviation is not None for each in self.measurements)
+        sure = uncertainty(jacobian, self.sizes, 1.0 if are_known else misfit)
+        if sure.undetermined:
+            names = sorted({name for each in sure.undetermined for name in each})
+            warnings.warn(
+                f"the measurements do not determine {', '.join(names)}: {len(sure.undetermined)} of their "
+                "combinations change nothing that was measured. Keep some at known values, or measure what "
+                "they act on",
+                IdentifiabilityWarning,
+                stacklevel=5,
+            )
+        parts = np.split(residuals, np.cumsum([each.known.sum() for each in self.measurements])[:-1])
+        return Calibration(
+            parameters=self._named(values),
+            uncertainty=sure,
+            residuals=tuple(part / each.weights for part, each in zip(parts, self.measurements, strict=True)),
+            misfit=misfit,
+            jacobian=jacobian,
+            solution=solution,
+            runs=self.runs,
+            at_bounds=tuple(name for name, own in zip(self.sizes, at_bounds, strict=True) if own),
+        )

@@ -1,0 +1,120 @@
+"""Numbers of a machine fitted to measurements: values, how sure they are, and what the data do not see."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.integrate import Solution
+from supple.summary import Summarized, Summary
+
+__all__ = ["Calibration", "Uncertainty", "uncertainty"]
+
+Array = NDArray[np.float64]
+
+_BLIND = 1e-7
+"""Of the largest singular value of the scaled Jacobian: what smaller ones say is rounding."""
+_INVOLVED = 1e-3
+"""Component of a blind direction from which a parameter is part of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """How sure fitted parameters are, in linear approximation about the fit.
+
+    covariance : (p, p);    deviations, correlation : (p,) and (p, p) of it; inf and nan of parameters that
+        the data do not determine
+    undetermined : directions in which parameters change without any change of the residuals, each by the
+        parameters in it: their changes in parts of their sizes
+    """
+
+    covariance: Array
+    undetermined: tuple[Mapping[str, float], ...]
+
+    @property
+    def deviations(self) -> Array:
+        """Standard deviations (p,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> Array:
+        """(p, p)."""
+        with np.errstate(invalid="ignore"):
+            return self.covariance / np.outer(self.deviations, self.deviations)
+
+
+def without_blind(jacobian: Array) -> Array:
+    """A scaled Jacobian (n, p) without what is rounding: the directions that the data do not see."""
+    left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
+    return (left * np.where(_seen(singular), singular, 0.0)) @ right
+
+
+def _seen(singular: Array) -> NDArray[np.bool_]:
+    return singular > _BLIND * np.max(singular, initial=0.0)
+
+
+def uncertainty(jacobian: Array, sizes: Mapping[str, float], variance: float) -> Uncertainty:
+    """Covariance `s^2 (J^T J)^-1` of parameters from the Jacobian (n, p) of residuals in deviations.
+
+    sizes : of the parameters by name, which scale the Jacobian
+    variance : s^2, 1 where deviations are known
+    Source: [BatesWatts1988], section 2.1.
+    """
+    scale = np.array(list(sizes.values()))
+    _, singular, right = np.linalg.svd(jacobian * scale, full_matrices=False)
+    seen = _seen(singular)
+    inverse = np.where(seen, 1 / np.where(seen, singular, 1.0), 0.0)
+    half = (right.T * inverse) * scale[:, None]
+    covariance = variance * half @ half.T
+    blind = right[~seen]
+    involved = np.any(abs(blind) > _INVOLVED, axis=0)
+    covariance[involved] = covariance[:, involved] = np.nan
+    covariance[involved, involved] = np.inf
+    return Uncertainty(
+        covariance,
+        tuple(
+            {name: float(own) for name, own in zip(sizes, row, strict=True) if abs(own) > _INVOLVED}
+            for row in blind
+        ),
+    )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Summarized):
+    """Parameters of a machine fitted to measurements.
+
+    parameters : fitted values by name
+    uncertainty : of them
+    residuals : by measurement, in the order in which they were given: computed less measured (k,), in the
+        units of what was measured
+    misfit : sum of squares of the residuals in deviations over their number less that of the parameters; 1 is
+        expected where the deviations are known, and where they are not it is the square of their estimate
+    jacobian : (n, p) of the residuals in deviations
+    solution : the run of the fitted machine
+    runs : number of runs, with and without derivatives
+    at_bounds : names of parameters at a bound, for which deviations of a free fit do not hold
+    """
+
+    parameters: Mapping[str, float]
+    uncertainty: Uncertainty
+    residuals: tuple[Array, ...]
+    misfit: float
+    jacobian: Array
+    solution: Solution
+    runs: int
+    at_bounds: tuple[str, ...]
+
+    def summary(self) -> Summary:
+        """Each parameter with its standard deviation."""
+        rows = [
+            (name, f"{value:.6g} +- {own:.2g}" + (", at a bound" if name in self.at_bounds else ""))
+            for (name, value), own in zip(self.parameters.items(), self.uncertainty.deviations, strict=True)
+        ]
+        rows += [
+            ("not determined", " with ".join(f"{100 * part:+.3g} % {name}" for name, part in each.items()))
+            for each in self.uncertainty.undetermined
+        ]
+        return Summary(f"Calibration of {len(self.parameters)} parameters, misfit {self.misfit:.3g}", rows)

@@ -1,0 +1,112 @@
+"""Derivatives of what is read off a run, from those of its motion and from the machine itself.
+
+    d Q(machine(p), motion(p)) / dp = dQ/dmachine machine' + dQ/dmotion motion'
+
+Sensors are functions of NumPy arrays, evaluated at little cost: each part is a central difference of fourth
+order, along machines of other parameters with the motion kept, and along the motion's own derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ModelError
+from supple.integrate import Solution, Statistics
+from supple.machine import System
+from supple.methods.floating.compiled.engine import as_solution
+from supple.methods.floating.compiled.sensitivity_step import StateChange
+from supple.methods.floating.compiled.state import State
+from supple.sensitivity.differences import OFFSETS, central_difference, is_smooth
+from supple.sensitivity.moved_motion import moved, small_step
+from supple.sensitivity.observable import Observables, observables_of, reads_elements
+from supple.sensitivity.parameter_changes import ParameterChanges
+
+__all__ = ["DerivativeReader", "read"]
+
+Array = NDArray[np.float64]
+
+_STEPS = (1.0, 1e-2, 1e-4)
+"""Along a motion, in parts of a small one: tried in turn until what is read follows smoothly."""
+
+
+def read(observables: Observables, system: System, solution: Solution) -> dict[str, Array]:
+    """Values of observables, by name."""
+    found = observables_of(observables, system)
+    return {name: np.asarray(each.values(system, solution), dtype=float) for name, each in found.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class DerivativeReader:
+    """Reads observables beside a run.
+
+    states : at the output times (t, ..);   changes : their derivatives (t, p, ..)
+    """
+
+    machine: ParameterChanges
+    states: State
+    changes: StateChange
+    observables: Observables
+
+    def derivatives(self, parameter: str, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
+        """Of all observables for a parameter.
+
+        values : by observable, of the run itself
+        Raises ModelError for an observable that does not follow the parameter smoothly.
+        """
+        own = self.machine.neighbours[number]
+        self._check_elements(parameter, own.systems)
+        around = [self._read(system, self.states) for system in own.systems]
+        by_machine = self._smooth(values, around, own.step)
+        by_motion = self._by_motion(number, values)
+        for name in values:
+            if name not in by_machine or name not in by_motion:
+                raise ModelError(
+                    f"'{name}' does not follow parameter '{parameter}' smoothly: it has a jump or a kink "
+                    "there, such as the extreme of two equal peaks; read something smooth"
+                )
+        return {name: by_machine[name] + by_motion[name] for name in values}
+
+    def _check_elements(self, parameter: str, systems: Sequence[System]) -> None:
+        """ModelError for stress read with the elements of a body that another one stands for."""
+        bodies = {id(placed.body) for placed in self.machine.system.bodies}
+        others = (placed.body for system in systems for placed in system.bodies)
+        if all(body.kind == "rigid" or id(body) in bodies for body in others):
+            return
+        for name, each in observables_of(self.observables, self.machine.system).items():
+            if reads_elements(each):
+                raise ModelError(
+                    f"'{name}' reads the elements of one body, and parameter '{parameter}' makes elastic "
+                    "bodies anew: keep the body while the parameter changes, or read a deflection or a force"
+                )
+
+    def _by_motion(self, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
+        largest = small_step(self.machine.model, self.states, self.changes, number)
+        found: dict[str, Array] = {}
+        for part in _STEPS:
+            left = {name: own for name, own in values.items() if name not in found}
+            if left:
+                step = part * largest
+                around = [
+                    self._read(self.machine.system, moved(self.states, self.changes, number, offset * step))
+                    for offset in OFFSETS
+                ]
+                found |= self._smooth(left, around, step)
+        return found
+
+    def _read(self, system: System, states: State) -> dict[str, Array]:
+        solution = as_solution(system, self.machine.model, states, Statistics())
+        return read(self.observables, system, solution)
+
+    @staticmethod
+    def _smooth(
+        values: Mapping[str, Array], around: Sequence[Mapping[str, Array]], step: float
+    ) -> dict[str, Array]:
+        """Derivatives of those that are smooth."""
+        found = {name: [own[name] for own in around] for name in values}
+        return {
+            name: central_difference(own, step) for name, own in found.items() if is_smooth(values[name], own)
+        }

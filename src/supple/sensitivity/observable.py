@@ -1,0 +1,92 @@
+"""What is read off a run and has derivatives: sensors, and statistics of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import check_fields
+from supple.errors import ModelError
+from supple.fem import FiniteElementModel
+from supple.integrate import Solution
+from supple.machine import ForceElement, Joint, Placed, System
+
+__all__ = ["Observable", "Observables", "Statistic"]
+
+Array = NDArray[np.float64]
+
+
+class Observable(Protocol):
+    """Numbers of a run under a name; every sensor is one."""
+
+    @property
+    def name(self) -> str:
+        """Unique among those of a call."""
+        ...
+
+    def values(self, system: System, solution: Solution, /) -> Array:
+        """Of any shape; of a sensor (t, c) at the output times."""
+        ...
+
+
+@dataclass(frozen=True)
+class Statistic:
+    """A statistic over time of every column of a sensor, (c,).
+
+    sensor : Observable     with values (t, c)
+    of : callable           of a column (t,), such as `np.max`, `np.mean`, `np.std`
+
+    Extremes are those among the output times; their derivative is that of the value at its instant.
+    """
+
+    name: str
+    sensor: Observable | Any
+    of: Callable[[Array], Any]
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def values(self, system: System, solution: Solution) -> Array:
+        """(c,)."""
+        columns = np.asarray(self.sensor.values(system, solution)).T
+        return np.array([self.of(column) for column in columns], dtype=float)
+
+
+Observables = Sequence[Any] | Callable[[System], Sequence[Any]]
+"""`Observable` alike, or a function that makes them for a machine where they hold parts of it"""
+
+
+def observables_of(observables: Observables, system: System) -> dict[str, Any]:
+    """By name, for a machine.
+
+    Raises ModelError for two of one name, and for a list whose observables hold parts of one machine, which
+    would not follow its parameters.
+    """
+    is_list = isinstance(observables, Sequence)
+    found = observables if is_list else observables(system)
+    names = [each.name for each in found]
+    if len(set(names)) < len(names):
+        raise ModelError(f"observables must have different names, got {', '.join(names)}")
+    for each in found:
+        if is_list and _holds(each, (ForceElement, Joint, Placed, System)):
+            raise ModelError(
+                f"observable '{each.name}' holds an element or a joint of one machine, whose numbers would "
+                "stay as the parameters change: give a function, `lambda system: [..]`, that takes it from "
+                "the system"
+            )
+    return {each.name: each for each in found}
+
+
+def reads_elements(observable: Any) -> bool:
+    """Whether it holds finite elements, whose material it reads stress with."""
+    return _holds(observable, (FiniteElementModel,))
+
+
+def _holds(value: Any, kinds: tuple[type, ...]) -> bool:
+    if isinstance(value, kinds):
+        return True
+    return is_dataclass(value) and any(_holds(getattr(value, each.name), kinds) for each in fields(value))

@@ -1,0 +1,225 @@
+"""How the numbers of a compiled machine, of its consistent start and of its stops follow some parameters.
+
+They follow smoothly and cost little next to a run, so they are differentiated by central differences of
+fourth order: exact but for rounding where they are polynomials, as most are. The motion is differentiated
+exactly (`methods/floating/compiled/sensitivity_step`).
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from supple.arguments import check_instance
+from supple.equations.configuration import Configuration
+from supple.equations.coordinate_scales import position_scale
+from supple.equations.model import Model
+from supple.equations.stops import Stops, stepping_instants
+from supple.errors import ModelError, SuppleWarning
+from supple.integrate import Kinematic, Run
+from supple.machine import SampledController, System
+from supple.methods.floating.compiled.batch_start import batch_start
+from supple.methods.floating.compiled.sensitivity_march import Changes
+from supple.methods.floating.compiled.sensitivity_step import Carried, StateChange, state_change
+from supple.methods.floating.compiled.state import State
+from supple.sensitivity.differences import OFFSETS, central_difference, is_smooth
+
+__all__ = ["Build", "ParameterChanges", "parameter_changes"]
+
+Build = Callable[[Mapping[str, float]], System]
+"""The machine for values of its parameters by name"""
+
+_STEP = 3e-3
+"""Of the size of a parameter: truncation and rounding are both below 1e-11 of a derivative there."""
+_COMPILED = {"rigid", "reduced"}
+"""Kinds of bodies of the compiled march."""
+
+
+class Neighbours(NamedTuple):
+    """Machines beside that of some parameters, one of which differs."""
+
+    systems: tuple[System, ...]
+    """At `OFFSETS` times the step"""
+    step: float
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterChanges:
+    """A machine ready to march, and derivatives of its numbers for p parameters."""
+
+    system: System
+    model: Model
+    state: State
+    stops: np.ndarray
+    outputs: np.ndarray
+    """Which of the stops are output times, the initial one left out"""
+    changes: Changes
+    neighbours: tuple[Neighbours, ...]
+
+
+class _Numbers(NamedTuple):
+    """All that a march takes and that follows parameters."""
+
+    model: Model
+    start: StateChange
+    stops: np.ndarray
+
+
+def parameter_changes(
+    build: Build, parameters: Mapping[str, float], sizes: Mapping[str, float], run: Run
+) -> ParameterChanges:
+    """The machine of some parameters, with derivatives of its numbers for each of them.
+
+    sizes : by parameter, what is a large change of it
+
+    Raises ModelError for a machine without derivatives, or a parameter that changes more than its numbers.
+    """
+    system = _built(build, parameters)
+    _check_marches(system, run)
+    batch_start([system], run)  # which warns of the machine itself
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuppleWarning)
+        neighbours = tuple(_neighbours(build, parameters, name, _STEP * sizes[name]) for name in parameters)
+        every = [system, *(each for own in neighbours for each in own.systems)]
+        starts = batch_start(every, run)
+    stops = [_stops(each, run) for each in every]
+    numbers = [
+        _Numbers(model, state_change(state), own[0])
+        for model, state, own in zip(starts.models, starts.states, stops, strict=True)
+    ]
+    columns, magnitudes = [], _magnitudes(numbers[0], run)
+    for place, (name, own) in enumerate(zip(parameters, neighbours, strict=True)):
+        around = slice(1 + place * len(OFFSETS), 1 + (place + 1) * len(OFFSETS))
+        _check_same_program(name, numbers[0], numbers[around])
+        _check_same_stops(name, stops[0], stops[around])
+        columns.append(_derivatives(name, numbers[0], numbers[around], own.step, magnitudes))
+    return ParameterChanges(
+        system,
+        starts.models[0],
+        starts.states[0],
+        *stops[0],
+        changes=_together(numbers[0], columns),
+        neighbours=neighbours,
+    )
+
+
+def _built(build: Build, parameters: Mapping[str, float]) -> System:
+    system = build(parameters)
+    check_instance("what the function of the parameters gives", system, System, "a System")
+    return system
+
+
+def _neighbours(build: Build, parameters: Mapping[str, float], name: str, step: float) -> Neighbours:
+    values = (parameters[name] + offset * step for offset in OFFSETS)
+    return Neighbours(tuple(_built(build, {**parameters, name: value}) for value in values), step)
+
+
+def _stops(system: System, run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """The stops of a run, and which of them are output times."""
+    return Stops(run.times, stepping_instants([system], run)).on_the_way(float(run.times[0]), run.times[1:])
+
+
+def _check_marches(system: System, run: Run) -> None:
+    """ModelError for machines and runs that the compiled march with derivatives does not take."""
+    kinds = {placed.body.kind for placed in system.bodies}
+    if kinds - _COMPILED:
+        raise ModelError(
+            f"runs with {', '.join(sorted(kinds - _COMPILED))} bodies have no derivatives: reduce them, or "
+            "take differences of `simulate`"
+        )
+    if isinstance(run.method, Kinematic):
+        raise ModelError(
+            "a kinematic run has no derivatives: integrate it, or take differences of `simulate`"
+        )
+    _ = run.second_order_method
+    for each in system.controllers:
+        if isinstance(each, SampledController):
+            raise ModelError(
+                f"controller '{each.name}' is sampled, plain Python that has no derivatives: trace it as a "
+                "Controller"
+            )
+
+
+def _check_same_program(name: str, middle: _Numbers, around: Sequence[_Numbers]) -> None:
+    def structure(numbers: _Numbers) -> Any:
+        leaves, found = jax.tree.flatten((numbers.model, numbers.start))
+        return found, [np.shape(leaf) for leaf in leaves]
+
+    if any(structure(own) != structure(middle) for own in around):
+        raise ModelError(
+            f"parameter '{name}' changes more than numbers of the machine: bodies, joints, kinds of loads, "
+            "sizes of tables and bases, redundant joint equations and functions of one's own must stay"
+        )
+
+
+def _check_same_stops(name: str, middle: Any, around: Sequence[Any]) -> None:
+    if any(len(own[0]) != len(middle[0]) or np.any(own[1] != middle[1]) for own in around):
+        raise ModelError(
+            f"parameter '{name}' moves an instant at which a law of time changes across an output time, or "
+            "out of the run: take another output step, or another value"
+        )
+
+
+def _magnitudes(numbers: _Numbers, run: Run) -> list[float]:
+    """By leaf, what rounding and an equilibrium's tolerance are small against, besides the leaf itself.
+
+    Accelerations and multipliers follow from the others; near zero at rest, they are what these leave.
+    """
+    model, carried = numbers.model, numbers.start.carried
+    length, scale = float(model.length), float(np.max(position_scale(model), initial=1.0))
+    of_start = StateChange(
+        Carried(
+            time=0.0,
+            configuration=Configuration(length, 1.0, scale),
+            velocity=max(length, 1.0) / run.duration,
+            acceleration=np.inf,
+            auxiliary=np.inf,
+            control=jax.tree.map(lambda _: 0.0, carried.control),
+        ),
+        multipliers=np.inf,
+    )
+    return [*(0.0 for _ in jax.tree.leaves(model)), *jax.tree.leaves((of_start, run.duration))]
+
+
+def _derivatives(
+    name: str, middle: _Numbers, around: Sequence[_Numbers], step: float, magnitudes: Sequence[float]
+) -> list[np.ndarray | None]:
+    """By leaf; None where it does not change."""
+    found: list[np.ndarray | None] = []
+    leaves = jax.tree_util.tree_leaves_with_path(middle)
+    rows = zip(leaves, magnitudes, *map(jax.tree.leaves, around), strict=True)
+    for (path, leaf), magnitude, *others in rows:
+        values = [np.asarray(own) for own in others]
+        if all(np.array_equal(own, leaf) for own in values):
+            found.append(None)
+            continue
+        if not np.issubdtype(values[0].dtype, np.floating) or not is_smooth(leaf, values, magnitude):
+            raise ModelError(
+                f"the machine does not follow parameter '{name}' smoothly: with changes of {step:.3g} there "
+                f"is a jump or a kink in {jax.tree_util.keystr(path)}. Reduce bodies outside the function, "
+                "so that their bases stay, or state a smaller change in `sizes`"
+            )
+        found.append(central_difference(values, step))
+    return found
+
+
+def _together(middle: _Numbers, columns: Sequence[Sequence[np.ndarray | None]]) -> Changes:
+    """Derivatives for all parameters, leaf by leaf."""
+
+    def stacked(leaf: Any, own: Sequence[np.ndarray | None]) -> np.ndarray:
+        return np.stack([np.zeros(np.shape(leaf)) if each is None else each for each in own])
+
+    by_leaf = list(zip(*columns, strict=True))
+    leaves = jax.tree.leaves(middle.model)
+    of_model = [
+        None if all(each is None for each in own) else stacked(leaf, own)
+        for leaf, own in zip(leaves, by_leaf, strict=False)
+    ]
+    others, structure = jax.tree.flatten((middle.start, middle.stops))
+    of_others = map(stacked, others, by_leaf[len(leaves) :])
+    return Changes(of_model, *jax.tree.unflatten(structure, of_others))

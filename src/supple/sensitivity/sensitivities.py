@@ -1,0 +1,178 @@
+"""Derivatives of what a run gives for numbers of its machine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+from types import MappingProxyType
+
+import jax
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.algebra.jax_settings import before_compiled_code
+from supple.arguments import check_number, checked_arguments
+from supple.equations.checks.output_rate import report_output_rate
+from supple.equations.checks.step_length import report_step_length
+from supple.equations.checks.validity import watch
+from supple.equations.floating_solution import failure_message
+from supple.errors import ArgumentError, ConvergenceError, ModelError, did_you_mean
+from supple.integrate import Run, Solution, Statistics, damps_joint_forces
+from supple.methods.floating.compiled.engine import as_solution, controls, tangents_made
+from supple.methods.floating.compiled.sensitivity_march import march_with_changes
+from supple.methods.floating.compiled.sensitivity_step import StateChange
+from supple.methods.floating.compiled.state import State
+from supple.progress import with_progress_bar
+from supple.sensitivity.derivative_reader import DerivativeReader, read
+from supple.sensitivity.observable import Observables
+from supple.sensitivity.parameter_changes import Build, ParameterChanges, parameter_changes
+from supple.simulation.watched_run import check_laws_cover, warn_of_unseen_laws
+from supple.summary import Summarized, Summary, listed
+
+__all__ = ["Sensitivities", "sensitivities"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sensitivities(Summarized):
+    """What a run gives, and how that follows the parameters of its machine.
+
+    parameters : values by name
+    solution : the run itself
+    values : by observable, as it reads them
+    derivatives : by observable, then by parameter, of the same shape as the values
+    """
+
+    parameters: Mapping[str, float]
+    solution: Solution
+    values: Mapping[str, Array]
+    derivatives: Mapping[str, Mapping[str, Array]]
+
+    def summary(self) -> Summary:
+        """By observable: its largest change, in parts of its largest value, per part of each parameter."""
+        rows = []
+        for name, values in self.values.items():
+            largest = np.max(np.abs(values), initial=0.0) or 1.0
+            parts = (
+                f"{parameter} {abs(self.parameters[parameter]) * np.max(np.abs(own)) / largest:.3g}"
+                for parameter, own in self.derivatives[name].items()
+            )
+            rows.append((name, "relative change by " + listed(parts)))
+        return Summary(f"Sensitivities of {len(self.values)} to {len(self.parameters)} parameters", rows)
+
+
+@checked_arguments
+@with_progress_bar("derivatives of a run")
+def sensitivities(
+    build: Build,
+    parameters: Mapping[str, float],
+    run: Run,
+    observables: Observables,
+    *,
+    sizes: Mapping[str, float] = MappingProxyType({}),
+) -> Sensitivities:
+    """Derivatives of sensors and statistics of a run for parameters of its machine.
+
+    Those of the discrete motion: its steps stay in number, their lengths follow instants at which laws
+    change. They are exact to about 1e-9 and the tolerance of the run, whatever the motion does; start values,
+    an equilibrium or an assembly within `build` included. Forward mode: the cost grows with the parameters,
+    not with the observables.
+
+    Parameters
+    ----------
+    build : callable        the System for a mapping of values by name; it is called four times a parameter
+        besides, at 0.3 and 0.6 % of its size to either side
+    parameters : values by name
+    run : Run               as for `simulate`, with fixed or adaptive steps
+    observables : sensors, `Statistic` of them, or anything with a name and `values(system, solution)`; those
+        that hold parts of the machine, as a `SpringForceSensor` does, by a function of the System
+    sizes : by parameter, what is a large change of it; where left out its magnitude, so that a parameter of
+        value 0 needs one
+
+    Returns
+    -------
+    Sensitivities
+
+    Raises
+    ------
+    ModelError          full, intrinsic or explicit bodies, a sampled controller, a kinematic run; a parameter
+        that changes more than numbers, or numbers by a jump or a kink; an observable that is not smooth
+    ConvergenceError    a step, or a derivative, that does not converge
+    """
+    before_compiled_code()
+    machine = parameter_changes(build, parameters, sizes_of(parameters, sizes), run)
+    check_laws_cover(machine.system, run.times[0], run.times[-1])
+    warn_of_unseen_laws(machine.system, run)
+    states, changes, solution = _marched(machine, run)
+    limits = watch(machine.system, run.validity)
+    limits.report(limits.observe({}, solution))
+    report_step_length(solution.statistics, run)
+    report_output_rate(machine.system, run, solution)
+    reader = DerivativeReader(machine, states, changes, observables)
+    values = read(observables, machine.system, solution)
+    by_parameter = {name: reader.derivatives(name, number, values) for number, name in enumerate(parameters)}
+    derivatives = {each: {name: own[each] for name, own in by_parameter.items()} for each in values}
+    return Sensitivities(dict(parameters), solution, values, derivatives)
+
+
+def sizes_of(parameters: Mapping[str, float], sizes: Mapping[str, float]) -> dict[str, float]:
+    """What is a large change of each parameter."""
+    if not parameters:
+        raise ModelError("name at least one parameter, with its value")
+    for name in sizes:
+        if name not in parameters:
+            raise ModelError(f"sizes: '{name}' is no parameter{did_you_mean(name, parameters)}")
+    found = {}
+    for name, value in parameters.items():
+        check_number(f"parameter '{name}'", value)
+        found[name] = float(sizes.get(name, abs(value)))
+        if not (np.isfinite(value) and np.isfinite(found[name]) and found[name] > 0):
+            raise ArgumentError(
+                f"parameter '{name}' is {value:g}: values are finite, and one of value 0 needs what is a "
+                f"large change of it, sizes={{'{name}': ..}}"
+            )
+    return found
+
+
+def _marched(machine: ParameterChanges, run: Run) -> tuple[State, StateChange, Solution]:
+    """States and derivatives at the output times, and the solution."""
+    began = perf_counter()
+    found = march_with_changes(
+        machine.model, controls(run), machine.state, machine.stops, machine.changes, run.n_steps
+    )
+    last = found.last
+    if last.failed:
+        undamped = bool(machine.system.joints) and not damps_joint_forces(run.second_order_method)
+        raise ConvergenceError(
+            failure_message(float(last.time), np.asarray(last.relative_residual), undamped=undamped)
+        )
+    states, changes = jax.tree.map(
+        lambda first, rows: np.concatenate([np.asarray(first)[None], rows[machine.outputs]]),
+        (machine.state._replace(kept=None), machine.changes.start),
+        (found.states, found.changes),
+    )
+    _check_converged(states, changes)
+    statistics = Statistics(
+        steps=int(last.steps),
+        iterations=int(last.iterations),
+        rejected_steps=int(last.rejected_steps),
+        factorizations=tangents_made(last),
+        seconds=perf_counter() - began,
+        largest_error=float(last.largest_error),
+        largest_turn=float(last.largest_turn),
+    )
+    return states, changes, as_solution(machine.system, machine.model, states, statistics)
+
+
+def _check_converged(states: State, changes: StateChange) -> None:
+    unsolved = [
+        not all(np.isfinite(leaf[row]).all() for leaf in jax.tree.leaves(changes))
+        for row in range(len(states.time))
+    ]
+    if any(unsolved):
+        raise ConvergenceError(
+            f"the derivatives do not converge at t = {states.time[unsolved.index(True)]:.6g}: there are none "
+            "where joints are singular or the derivative of a law is infinite; shorten the run or the steps"
+        )
