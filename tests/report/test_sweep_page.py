@@ -9,7 +9,14 @@ from fixtures.moving_machines import MESH, two_bodies
 from report.test_browser import BROWSER, DRIVER, Browser
 
 from supple.errors import ModelError
-from supple.report import ChannelOfCases, LoadSpectrum, SweepPage, write_report, write_sweep_page
+from supple.report import (
+    ChannelOfCases,
+    LoadSpectrum,
+    SweepPage,
+    channels_that_fit,
+    write_report,
+    write_sweep_page,
+)
 from supple.report.packed_arrays import Packing, unpacked
 from supple.report.page import Section
 
@@ -68,13 +75,10 @@ def test_columns_are_in_the_file_to_the_last_bit(tmp_path):
     assert "http" not in re.search(r"Content-Security-Policy.*?>", text).group(0)
 
 
-def test_what_a_browser_cannot_hold_is_left_out_and_counted(tmp_path, monkeypatch):
-    monkeypatch.setattr("supple.report.sweep_page._NUMBERS", 10 * N)
-    text, sweep, _ = written(
-        write_sweep_page(tmp_path / "sweep.html", page(channels=2 * [page().channels[0]]))
-    )
-    assert "1 of 2 channels are left out" in text
-    assert len(sweep["channels"]) == 1
+def test_a_page_holds_what_a_browser_opens():
+    assert channels_that_fit(1880, 5, 8) > 200
+    assert 1 <= channels_that_fit(100_000, 5, 8) <= 5
+    assert channels_that_fit(10**7, 5, 8) == 1
 
 
 def test_columns_of_different_lengths_are_refused(tmp_path):
