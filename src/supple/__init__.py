@@ -113,6 +113,8 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.storage import read_reduced_body as read_reduced_body
     from supple.storage import read_solution as read_solution
     from supple.storage import write_reduced_body as write_reduced_body
+    from supple.sweeps import read_sweep as read_sweep
+    from supple.sweeps import sweep as sweep
     from supple.viz import animate as animate
     from supple.viz import displacement_magnitude as displacement_magnitude
     from supple.viz import plot_contour as plot_contour
@@ -154,6 +156,7 @@ _NAMES = {
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
     "supple.export": "write_vtkhdf write_vtu",
+    "supple.sweeps": "sweep read_sweep",
     "supple.viz": "plot_mesh plot_contour animate displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""

@@ -202,13 +202,14 @@ class Body(CheckedTable):
         notify : called at each long step
         elements : of a body that is to march in them
         """
+        if self.is_explicit:
+            return self.placed(self._part(flexible, elements, notify))
+        return self.placed(self._form(flexible, folder, notify))
+
+    def placed(self, form: Any) -> Placed:
+        """The body, made already, where it starts."""
         given = {key: getattr(self, key) for key in _START}
         start: dict[str, Any] = {key: np.array(value) for key, value in given.items() if value is not None}
-        form = (
-            self._part(flexible, elements, notify)
-            if self.is_explicit
-            else self._form(flexible, folder, notify)
-        )
         placed = Placed(form, **start)
         return placed if self.centre_velocity is None else placed.with_centre_velocity(self.centre_velocity)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from supple.body import BodySource, FlexibleBody, FullBody
+from supple.body import BodyForm, BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables, files_named, places_named
@@ -47,6 +47,7 @@ class Case:
     tables : CaseTables     the same, checked
     lines : LineIndex       the way back from a table to its line
     notify                  called at each long step of the build, with its progress
+    made : Mapping          bodies that need not be built, by name: those of a sweep, reduced once
     """
 
     path: Path
@@ -54,6 +55,13 @@ class Case:
     tables: CaseTables = field(repr=False)
     lines: LineIndex = field(repr=False)
     notify: Notify = field(default=silent, repr=False)
+    made: Mapping[str, BodyForm] = field(default_factory=dict, repr=False)
+
+    def varied(self, tables: CaseTables, made: Mapping[str, BodyForm]) -> Case:
+        """The case with other numbers, its bodies made already: meshes are not read again."""
+        other = replace(self, tables=tables, made=made)
+        vars(other).update({name: vars(self)[name] for name in _OF_MESHES if name in vars(self)})
+        return other
 
     @property
     def title(self) -> str:
@@ -77,8 +85,9 @@ class Case:
 
     @property
     def files(self) -> tuple[str, ...]:
-        """Names of the files that it reads, as they stand in it."""
-        return tuple(name for _, name in files_named(tomllib.loads(self.text)) if isinstance(name, str))
+        """Names of the files that it reads, as its tables have them."""
+        given = self.tables.model_dump(mode="json")
+        return tuple(name for _, name in files_named(given) if isinstance(name, str))
 
     @property
     def inputs(self) -> Inputs:
@@ -225,13 +234,16 @@ class Case:
         CaseError    as for `sources`; stress to draw of elements that have none
         SuppleError  whatever the meshes, bodies, reductions and joints find wrong
         """
-        tables, flexible = self.parts, self.flexible
+        tables = self.parts
         if tables.output.colour == "von-mises":
             self._check_stress()
         bodies = []
         for table in tables.body:
+            if table.name in self.made:
+                bodies.append(table.placed(self.made[table.name]))
+                continue
             model = None if table.explicit is None else self.elements[table.name]
-            bodies.append(table.build(flexible.get(table.name), self.folder, self.notify, model))
+            bodies.append(table.build(self.flexible.get(table.name), self.folder, self.notify, model))
         joints = [table.build(self.folder) for table in tables.joint]
         unloaded = System(tuple(bodies), tuple(joints), gravity=np.array(tables.gravity))
         loads = [table.build(self.folder, self.place, self.meshes) for table in tables.load]
@@ -264,7 +276,7 @@ class Case:
         return {
             table.name: reduction_start(table.reduction, self.flexible[table.name], self._of_interest(table))
             for table in self.parts.body
-            if table.corrects_itself
+            if table.corrects_itself and table.name not in self.made
         }
 
     def _of_interest(self, table: Body) -> QuantityOfInterest | None:
@@ -376,6 +388,10 @@ class Case:
             if may_be == "node set" and place not in interfaces:
                 body, _, name = place.partition(".")
                 yield path, body, name
+
+
+_OF_MESHES = ("_whole", "_split", "_unsplit", "sources", "meshes", "elements")
+"""What is read or built of the meshes, once, and does not depend on other numbers."""
 
 
 def _missing(name: str, mesh: Mesh | None) -> str:

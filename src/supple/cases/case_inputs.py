@@ -24,7 +24,7 @@ def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> 
     CaseError   a file that cannot be read
     """
     values = tables.model_dump(exclude=_SAID_NOT_COMPUTED)
-    return dict(_leaves("", values)) | dict(_digests(files, folder))
+    return dict(_leaves("", values)) | digests_of_files(files, folder)
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
@@ -41,13 +41,16 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
         yield name, repr(value)
 
 
-def _digests(files: Iterable[str], folder: Path) -> Iterator[tuple[str, str]]:
+def digests_of_files(files: Iterable[str], folder: Path) -> dict[str, str]:
+    """Digests of files and of all that they include, by name; CaseError where one cannot be read."""
+    found = {}
     for name in files:
         for path in files_read_with(folder / name):
             try:
-                yield f"{FILE}{_shown(path, folder)}", digest_of(path.read_bytes())
+                found[f"{FILE}{_shown(path, folder)}"] = digest_of(path.read_bytes())
             except OSError as error:
                 raise CaseError(f"cannot read {path}: {error.strerror}; check the path") from error
+    return found
 
 
 def _shown(path: Path, folder: Path) -> str:

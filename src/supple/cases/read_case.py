@@ -92,7 +92,7 @@ def checked_file(
     """
     text, raw = raw_tables(path)
     lines = index_lines(text)
-    beyond = list(_values_beyond_any_use(raw))
+    beyond = list(values_beyond_any_use(raw))
     if beyond:  # no rule is written for these
         raise CaseError(listed_mistakes(path, lines, beyond))
     raw, mistakes = completed(raw)
@@ -148,11 +148,11 @@ def _depth(raw: dict[str, Any]) -> int:
     return depth
 
 
-def _values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
+def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
     """Whole numbers beyond the 64 bits that TOML promises, and others whose squares and products overflow."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from _values_beyond_any_use(item, (*path, key))
+            yield from values_beyond_any_use(item, (*path, key))
     elif isinstance(value, int) and not -LARGEST_INTEGER - 1 <= value <= LARGEST_INTEGER:
         digits = f"{value:.6g}" if abs(value) < 10**300 else "one of over 300 digits"
         yield path, f"a whole number has at most 64 bits, got {digits}; write it with a point, or correct it"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from supple.cases.result_machine import ResultMachine
+from supple.cases.case import Case
+from supple.machine import System
 from supple.quantities import DeflectionSensor, EnergySensor, JointForceSensor, PositionSensor, Quantity
 from supple.results.march_energy_sensor import MarchEnergySensor
 from supple.simulation.engines import is_explicit
@@ -10,13 +11,12 @@ from supple.simulation.engines import is_explicit
 __all__ = ["recorded_quantities"]
 
 
-def recorded_quantities(found: ResultMachine) -> tuple[Quantity, ...]:
+def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
     """All that a table holds, by names that differ.
 
     Sensors have their own names; then `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` of tracked
     places of bodies that deform, and `energy`. A sensor of such a name stands in its place.
     """
-    case, system = found.case, found.system
     sensors = {sensor.name: sensor for sensor in case.sensors}
     others: list[Quantity] = [JointForceSensor(f"joint {joint.name}", joint.name) for joint in system.joints]
     for words in case.parts.output.track:

@@ -61,7 +61,7 @@ def export_result(
         run = ResultParts(path, rows)
         status.update("writing")
         if suffix in TABLE_SUFFIXES:
-            readings = read_in_parts(recorded_quantities(found), found.system, run)
+            readings = read_in_parts(recorded_quantities(found.case, found.system), found.system, run)
             write_readings(target, readings, units=found.case.units)
         else:
             _write_picture(target, suffix, found, run, bodies, stress=stress)

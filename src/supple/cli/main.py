@@ -9,6 +9,7 @@ import typer
 
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
+from supple.cli.sweep_group import SweepGroup
 from supple.errors import ArgumentError
 from supple.progress import show_progress
 from supple.terminal import console, reported_errors, reported_warnings, show_any_character
@@ -26,6 +27,13 @@ app.add_typer(
     typer.Typer(cls=BenchmarkGroup, rich_markup_mode=None),
     name="benchmark",
     help="Run a published benchmark and set our numbers beside the paper's.",
+    no_args_is_help=True,
+)
+sweep_app = typer.Typer(cls=SweepGroup, rich_markup_mode=None)
+app.add_typer(
+    sweep_app,
+    name="sweep",
+    help="Run the cases of a table (supple sweep CASES.toml -o FOLDER), or print how far they are.",
     no_args_is_help=True,
 )
 
@@ -104,6 +112,52 @@ def run(
             errors=not no_errors,
             allow_code=allow_code,
         )
+
+
+@sweep_app.command("run", hidden=True)
+def sweep(
+    path: Annotated[
+        Path, typer.Argument(metavar="CASES", help="File of a sweep (TOML): a case file and its table.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASES.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes of this machine; default: one a core.")
+    ] = None,
+    cluster: Annotated[
+        str | None, typer.Option(help="Address of the scheduler of a Dask cluster, such as tcp://host:8786.")
+    ] = None,
+    mpi: Annotated[bool, typer.Option("--mpi", help="Processes of MPI (python -m mpi4py.futures).")] = False,
+    share: Annotated[
+        str | None, typer.Option(help="K/N: what job K of N has to do, in this process (job arrays).")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Begin anew, whatever the folder holds.")] = False,
+    debug: Debug = False,
+) -> None:
+    """Simulate the cases of a table; the same command does what was left undone.
+
+    Exit code 0: all cases ran; 3: all are recorded, some without results; 4: some are missing.
+    """
+    from supple.algebra.jax_settings import keep_compiled_programs
+    from supple.cli.sweep import chosen_executors, sweep_cases
+
+    with reported_errors(debug=debug), reported_warnings():
+        keep_compiled_programs()
+        executors = chosen_executors(workers, cluster, mpi)
+        sweep_cases(path, output or Path("results") / path.stem, executors, share, force=force)
+
+
+@sweep_app.command("status")
+def sweep_status(
+    folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
+    debug: Debug = False,
+) -> None:
+    """Print how far a sweep has come; exit codes as those of the sweep."""
+    from supple.cli.sweep import print_status
+
+    with reported_errors(debug=debug), reported_warnings():
+        print_status(folder)
 
 
 @app.command()

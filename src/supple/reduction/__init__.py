@@ -39,6 +39,7 @@ from supple.reduction.enrichment import *
 from supple.reduction.padding_coordinates import *
 from supple.reduction.projection import *
 from supple.reduction.quartic_choice import *
+from supple.reduction.redamped import *
 from supple.reduction.reduce import *
 from supple.reduction.reduced_body import *
 from supple.reduction.reduction_basis import *

@@ -10,6 +10,7 @@ import errno
 import os
 import socket
 import sys
+import time
 import warnings
 from pathlib import Path
 from types import TracebackType
@@ -21,12 +22,15 @@ from supple.storage.file_errors import file_errors
 _BUSY = {errno.EACCES, errno.EAGAIN, errno.EDEADLK}
 _NO_LOCKS_HERE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL}
 _ATTEMPTS = 100
+_PATIENCE = 0.05
+"""s between two looks at a lock that is waited for."""
 
 
 class ExclusiveLock:
     """Held from when it is made until `release`, the end of a `with` block, or the end of the process.
 
     path : what is locked, a file that may not be there yet, or a folder that is
+    wait : until whoever holds it lets go
 
     Raises
     ------
@@ -37,11 +41,13 @@ class ExclusiveLock:
     UnlockedWarning     a file system without locks, such as some that are shared over a network
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, wait: bool = False) -> None:
         self._neighbour = path / ".supple.lock" if path.is_dir() else path.with_name(f".{path.name}.lock")
         self._descriptor: int | None = None
         with file_errors("lock", path):
-            self._descriptor = self._acquired(path)
+            while (descriptor := self._acquired(path, wait=wait)) is None:
+                time.sleep(_PATIENCE)
+            self._descriptor = descriptor
 
     def release(self) -> None:
         """Let others in; nothing happens the second time."""
@@ -63,7 +69,8 @@ class ExclusiveLock:
     def __del__(self) -> None:
         self.release()
 
-    def _acquired(self, path: Path) -> int:
+    def _acquired(self, path: Path, *, wait: bool) -> int | None:
+        """The open file; None where another holds it and is waited for."""
         for _ in range(_ATTEMPTS):
             descriptor = os.open(self._neighbour, os.O_RDWR | os.O_CREAT, 0o666)
             try:
@@ -71,6 +78,8 @@ class ExclusiveLock:
             except OSError as error:
                 holder = os.read(descriptor, 200).decode(errors="replace")
                 os.close(descriptor)
+                if error.errno in _BUSY and wait:
+                    return None
                 if error.errno in _BUSY:
                     raise ResultFileError(
                         f"cannot write {path}: another run is writing it"

@@ -29,9 +29,14 @@ def unsealed(path: Path) -> bytes:
 
 def has_seal(path: Path) -> bool:
     """Whether a file ends in a seal, be it whole or broken."""
+    return seal_of(path).startswith(_MARK)
+
+
+def seal_of(path: Path) -> bytes:
+    """The last bytes of a file: where it is sealed, two files of one seal have one content."""
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - _LENGTH))
-        return file.read().startswith(_MARK)
+        return file.read()
 
 
 def is_seal_broken(path: Path) -> bool:

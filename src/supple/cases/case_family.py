@@ -1,0 +1,86 @@
+"""A case file and its variants: the same tables with other numbers, checked as a case file is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from supple.body import BodyForm
+from supple.cases.case import Case
+from supple.cases.case_tables import CaseTables, broken_rules, files_named
+from supple.cases.machine_file import with_machine
+from supple.cases.notify import Notify, silent
+from supple.cases.parameter_path import with_value
+from supple.cases.read_case import raw_tables, read_case, values_beyond_any_use
+from supple.cases.reduced_file import with_interfaces_of_files
+from supple.errors import CaseError
+from supple.importers.toml import KeyPath, Raw, checked, index_lines, listed_mistakes
+
+__all__ = ["CaseFamily", "case_family"]
+
+
+@dataclass(frozen=True, eq=False)
+class CaseFamily:
+    """A case file whose numbers are varied.
+
+    path, text : of the file
+    raw : its tables, with those of a machine file and the interfaces of reduced bodies
+    """
+
+    path: Path
+    text: str
+    raw: Raw
+
+    @cached_property
+    def case(self) -> Case:
+        """The case as its file has it."""
+        return read_case(self.path)
+
+    def variant(
+        self,
+        values: Mapping[KeyPath, Any],
+        like: Case | None = None,
+        made: Mapping[str, BodyForm] | None = None,
+        notify: Notify = silent,
+    ) -> Case:
+        """The case with other values.
+
+        values : by place in its tables
+        like : a variant with the same bodies, whose meshes are not read again
+        made : bodies that need not be built, by name
+
+        Raises
+        ------
+        CaseError   values that the case file could not have either
+        """
+        raw = self.raw_variant(values)
+        beyond = [each for place, value in values.items() for each in values_beyond_any_use(value, place)]
+        tables, mistakes = checked(CaseTables, raw, beyond or broken_rules(raw, self.path.parent))
+        if tables is None or mistakes:
+            raise CaseError(listed_mistakes(self.path, index_lines(self.text), mistakes))
+        if like is not None:
+            return like.varied(tables, made or {})
+        return Case(self.path, self.text, tables, index_lines(self.text), notify, made or {})
+
+    def raw_variant(self, values: Mapping[KeyPath, Any]) -> Raw:
+        """Its tables with other values."""
+        raw: Any = self.raw
+        for place, value in values.items():
+            raw = with_value(raw, place, value)
+        return raw
+
+    def files(self, values: Mapping[KeyPath, Any]) -> tuple[str, ...]:
+        """Names of the files that a variant reads."""
+        return tuple(name for _, name in files_named(self.raw_variant(values)) if isinstance(name, str))
+
+
+def case_family(path: Path) -> CaseFamily:
+    """Of a case file; CaseError for one with mistakes."""
+    family = CaseFamily(path, *raw_tables(path))
+    _ = family.case
+    raw, _ = with_machine(family.raw, path.parent)
+    raw, _ = with_interfaces_of_files(raw, path.parent)
+    return CaseFamily(path, family.text, raw)

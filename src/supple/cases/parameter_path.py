@@ -1,0 +1,94 @@
+"""Paths of a case file's numbers: `load[0].law.amplitude`, `joint.shaft.law.speed`, `gravity[2]`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from supple.cases.shared_rules import joint_label
+from supple.errors import CaseError
+from supple.importers.toml import KeyPath, Raw, did_you_mean
+
+__all__ = ["parameter_path", "with_value"]
+
+_PART = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
+
+
+def parameter_path(text: str, raw: Raw) -> KeyPath:
+    """Where a path leads in the tables of a case: keys, and positions from 0.
+
+    Items of an array are named by their position, `load[0]`, or by their name, `body.blade`; joints without
+    a name by their label. The last key need not be there: it has a default.
+
+    Raises
+    ------
+    CaseError   a path that leads nowhere
+    """
+    words = _words(text)
+    place: KeyPath = ()
+    found: Any = raw
+    for depth, word in enumerate(words):
+        if isinstance(found, list):
+            number = word if isinstance(word, int) else _named(found, word, text)
+            if not number < len(found):
+                raise CaseError(f"{text}: there are {len(found)} items before [{number}], counted from 0")
+            place, found = (*place, number), found[number]
+        elif isinstance(found, Mapping) and isinstance(word, str):
+            if word not in found and depth < len(words) - 1:
+                raise CaseError(
+                    f"{text}: there is no {word!r}{did_you_mean(word, found)}; it has: {_listed(found)}"
+                )
+            place, found = (*place, word), found.get(word)
+        else:
+            raise CaseError(f"{text}: there is nothing below {'.'.join(map(str, place))} of the case file")
+    return place
+
+
+def with_value(raw: Any, place: KeyPath, value: Any) -> Any:
+    """The tables with another value at a place; what does not lead there is shared, not copied."""
+    if not place:
+        return value
+    key, *rest = place
+    if isinstance(raw, Mapping):
+        return {**raw, key: with_value(raw.get(key), tuple(rest), value)}
+    return [with_value(each, tuple(rest), value) if i == key else each for i, each in enumerate(raw)]
+
+
+def _words(text: str) -> list[str | int]:
+    words, at = list[str | int](), 0
+    while at < len(text):
+        part = _PART.match(text, at)
+        if part is None or (at == 0 and text.startswith((".", "["))):
+            raise CaseError(
+                f"{text!r} is no path of a case file, such as joint.shaft.law.speed or load[0].vector[2]"
+            )
+        name, number = part.groups()
+        words.append(name if number is None else int(number))
+        at = part.end()
+    if not words:
+        raise CaseError("an empty path names nothing of a case file; such as joint.shaft.law.speed")
+    return words
+
+
+def _named(items: Sequence[Any], name: str, text: str) -> int:
+    names = [_name(each) for each in items]
+    if name not in names:
+        known = [each for each in names if each]
+        raise CaseError(
+            f"{text}: no item is named {name!r}{did_you_mean(name, known)}; "
+            f"named are: {', '.join(known) or 'none'}; the first item is [0]"
+        )
+    return names.index(name)
+
+
+def _name(item: Any) -> str:
+    if not isinstance(item, Mapping):
+        return ""
+    if "name" not in item and {"kind", "first", "second"} <= item.keys():
+        return joint_label(item["kind"], item["first"], item["second"])
+    return str(item.get("name", ""))
+
+
+def _listed(found: Mapping[str, Any]) -> str:
+    return ", ".join(found) or "nothing"

@@ -1,0 +1,113 @@
+"""`supple sweep`: run the cases of a table, and print how far a sweep has come."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import typer
+
+from supple.errors import ArgumentError
+from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
+from supple.sweeps import (
+    Cluster,
+    Executors,
+    LocalProcesses,
+    MpiProcesses,
+    SweepStatus,
+    make_plan,
+    plan_sweep,
+    read_sweep_file,
+    run_part_of_sweep,
+    run_sweep,
+    sweep_status,
+)
+from supple.sweeps.part_file import CaseStatus
+from supple.terminal import bar, error_console, print_table, progress_bars, say, words
+
+__all__ = ["chosen_executors", "print_status", "sweep_cases"]
+
+_MOST_SHOWN = 10
+_WORDS = {CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
+
+
+def chosen_executors(workers: int | None, cluster: str | None, mpi: bool) -> Executors:
+    """Where the tasks run; ArgumentError for more than one place."""
+    if sum([workers is not None, cluster is not None, mpi]) > 1:
+        raise ArgumentError("--workers, --cluster and --mpi each name where a sweep runs: give one of them")
+    if cluster is not None:
+        return Cluster(cluster)
+    return MpiProcesses() if mpi else LocalProcesses(workers)
+
+
+def share_of(text: str) -> tuple[int, int]:
+    """The number of a job and of all jobs, from K/N."""
+    try:
+        number, of = map(int, text.split("/"))
+    except ValueError:
+        number, of = 0, 0
+    if not 1 <= number <= of:
+        raise ArgumentError(f"--share takes K/N, such as 3/40: job 3 of 40; got {text}")
+    return number, of
+
+
+def sweep_cases(path: Path, folder: Path, executors: Executors, share: str | None, *, force: bool) -> None:
+    """Run the cases of a file of a sweep, those that are not done; exit with 3 or 4 as `SweepStatus` says.
+
+    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is done, and exits with 130 or 143.
+    """
+    with raising_terminated():
+        try:
+            status = _run(path, folder, executors, share, force=force)
+        except INTERRUPTIONS as error:
+            error_console.print(
+                words("stopped: ", "bold red")
+                + words(f"{folder} keeps what is done; the same command does the rest"),
+                soft_wrap=True,
+            )
+            number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
+            raise typer.Exit(128 + number) from error
+    _print(status, folder)
+    if share is None or not status.missing:
+        raise typer.Exit(status.exit_code)
+
+
+def _run(path: Path, folder: Path, executors: Executors, share: str | None, *, force: bool) -> SweepStatus:
+    job = None if share is None else share_of(share)
+    given = read_sweep_file(path)
+    plan = make_plan(given.case, given.table, given.output)
+    plan_sweep(plan, folder, force=force)
+    groups = "one group" if not plan.group.any() else f"{plan.group.max() + 1} groups"
+    say(f"{plan.n_cases} cases in {plan.n_shares} shares, {groups} of bodies and runs")
+    bars = progress_bars()
+    with bars:
+        report = bar(bars, "simulating cases")
+        if job is None:
+            return run_sweep(folder, executors, report)
+        run_part_of_sweep(folder, *job, report)
+    return sweep_status(folder)
+
+
+def print_status(folder: Path) -> None:
+    """Print how far the sweep in a folder has come; exit with 3 or 4 as `SweepStatus` says."""
+    status = sweep_status(folder)
+    _print(status, folder)
+    raise typer.Exit(status.exit_code)
+
+
+def _print(status: SweepStatus, folder: Path) -> None:
+    for text, number in status.warnings:
+        shares = "" if number == 1 else f" ({number} shares)"
+        say(f"warning: {text}{shares}")
+    if status.failed:
+        rows = [(str(each.case), _WORDS[each.status], each.cause) for each in status.failed[:_MOST_SHOWN]]
+        print_table("Cases without results", ("case", "what", "cause"), rows)
+        if len(status.failed) > _MOST_SHOWN:
+            say(f"and {len(status.failed) - _MOST_SHOWN} more, with their causes in read_sweep(..).cause")
+    killed = sum(each.status is CaseStatus.KILLED for each in status.failed)
+    say(
+        f"{status.n_cases} cases: {status.n_ran} ran, {len(status.failed) - killed} failed, "
+        f"{killed} killed their process, {status.n_cases - status.n_recorded} to do"
+        + (f"; {len(status.begun)} shares begun" if status.begun else "")
+    )
+    say(f"Results are in {folder}/")

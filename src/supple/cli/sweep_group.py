@@ -1,0 +1,19 @@
+"""The group of commands `supple sweep`, known before the solvers are loaded."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from typer.core import TyperGroup
+
+__all__ = ["SweepGroup"]
+
+
+class SweepGroup(TyperGroup):
+    """The commands of `sweep`; a file in place of one is run."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """The arguments, with the command `run` before a file or an option of it."""
+        if args and args[0] not in {*self.commands, "--help"}:
+            args = ["run", *args]
+        return super().parse_args(ctx, args)

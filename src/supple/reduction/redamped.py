@@ -1,0 +1,67 @@
+"""Another damping of a body that is reduced already: damping is a number of the run, not of the reduction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import Damping
+from supple.errors import ModelError
+from supple.reduction.reduced_body import ReducedBody
+
+__all__ = ["redamped"]
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 1e-9
+"""Of the damping that is taken away: what is left below is not the body's own."""
+
+
+def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
+    """The body with another damping of the same kind.
+
+        D = D_own + alpha V^T P^T M P V + beta V^T K V,      D(q) - D(0) proportional to beta
+
+    with P V = V - R a, a the motion of the interface `held`: the Gram matrix of the body holds all of it. Of
+    modal damping D follows from the modes of the same matrices. D_own is that of matrices from elsewhere.
+
+    before : the damping that the body was reduced with
+    Raises ModelError for another kind, another `held`, and where `before` has no beta and `after` has one.
+    """
+    if type(before) is not type(after) or before.held != after.held:
+        raise ModelError(
+            f"body '{body.name}' was reduced with another kind of damping, {before}, than {after}: reduce "
+            "it again"
+        )
+    mass = _mass_beside(body, before.held)
+    taken = np.asarray(before.matrix(body.stiffness, mass))
+    own = body.damping - taken
+    if np.abs(own).max(initial=0.0) <= ROUND_OFF * np.abs(taken).max(initial=0.0):
+        own = 0.0 * own
+    new, old = after.retardation_time, before.retardation_time
+    if new and not old and body.cubic is not None:
+        raise ModelError(
+            f"body '{body.name}' was reduced without damping by strain rate: reduce it with beta > 0"
+        )
+    factor = new / old if old else 0.0
+    return replace(
+        body,
+        damping=own + np.asarray(after.matrix(body.stiffness, mass)),
+        damping_cubic=None if body.damping_cubic is None else factor * body.damping_cubic,
+        damping_quartic=None if body.damping_quartic is None else factor * body.damping_quartic,
+    )
+
+
+def _mass_beside(body: ReducedBody, held: str | None) -> Array:
+    """V^T P^T M P V (r, r): of the motion seen from an interface; the identity without one."""
+    r = body.r
+    if held is None:
+        return np.eye(r)
+    place = body.interface(held)
+    rigid = np.eye(6)
+    rigid[:3, 3:] = np.cross(np.eye(3), place.position).T
+    seen = np.vstack([-np.linalg.solve(rigid, place.motion), np.eye(r)])
+    fields = np.r_[0:6, 6 + 3 * r : 6 + 4 * r]
+    return seen.T @ body.gram[np.ix_(fields, fields)] @ seen

@@ -1,0 +1,14 @@
+"""Sweeps: many cases of one case file, run anywhere, kept in one folder, read by the column."""
+
+from supple.sweeps.case_table import *
+from supple.sweeps.executors import *
+from supple.sweeps.plan import *
+from supple.sweeps.read_sweep import *
+from supple.sweeps.run_share import *
+from supple.sweeps.sweep_file import *
+from supple.sweeps.sweep_status import *
+from supple.sweeps.swept_group import *
+
+# isort: split
+# Last, for its function has the name of a module.
+from supple.sweeps.sweep import *

@@ -1,0 +1,50 @@
+"""Which values of a case are numbers of its run, and which make another body, another run or another program.
+
+Cases that differ in numbers of the run march together, in one compiled program, with bodies reduced once. All
+others are groups of their own: of bodies (thickness, basis), of the run (duration, step), of words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from supple.cases.body_kinds import kind_of
+from supple.importers.toml import KeyPath, Raw
+
+__all__ = ["DAMPING_NUMBERS", "is_number_of_run"]
+
+_FORCES = ("load", "joint", "spring", "element", "gravity", "tie")
+_PLACING = ("position", "rotation", "velocity", "centre_velocity", "angular_velocity")
+DAMPING_NUMBERS = ("alpha", "beta", "ratio")
+
+
+def is_number_of_run(place: KeyPath, value: Any, raw: Raw) -> bool:
+    """Whether cases may differ in the value at a place and march together.
+
+    raw : the tables of the case file
+    """
+    section, *rest = place
+    if section in _FORCES:
+        return _holds_numbers(value) or place[-2:] == ("law", "file")
+    if section != "body" or not _holds_numbers(value):
+        return False
+    number, key, *inner = rest
+    body = raw["body"][number]
+    if key in _PLACING or "rigid" in body:
+        return True
+    return key == "damping" and inner[-1] in DAMPING_NUMBERS and _is_damped_apart(body)
+
+
+def _is_damped_apart(body: Mapping[str, Any]) -> bool:
+    """Whether a body is reduced here and its damping is known afterwards: that of its elements."""
+    kind, reduction = kind_of(body), body.get("reduction", {})
+    whole = isinstance(reduction, Mapping) and reduction.get("basis") == "none"
+    others = {"condense", "modal", "explicit", "split"} & body.keys()
+    return kind is not None and kind.is_elastic and kind.has_elements and not others and not whole
+
+
+def _holds_numbers(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return all(map(_holds_numbers, value))
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,39 @@
+"""Statistics of channels over a run, a number each."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["STATISTICS", "channel_statistics"]
+
+Array = NDArray[np.float64]
+
+STATISTICS = ("mean", "minimum", "maximum", "standard deviation", "time of minimum", "time of maximum")
+"""In the order of `channel_statistics`; the last two are instants, in the unit of time."""
+
+
+def channel_statistics(times: Array, values: Array) -> Array:
+    """Statistics (6, c) of channels over the span of a run.
+
+        mean = 1/T integral y dt,   deviation^2 = 1/T integral (y - mean)^2 dt     (trapezoidal rule)
+
+    times : (t,) at least two;  values : (t, c)
+    """
+    weights = np.zeros(len(times))
+    weights[:-1] += 0.5 * np.diff(times)
+    weights[1:] += 0.5 * np.diff(times)
+    weights /= times[-1] - times[0]
+    mean = weights @ values
+    low, high = values.argmin(axis=0), values.argmax(axis=0)
+    columns = np.arange(values.shape[1])
+    return np.stack(
+        [
+            mean,
+            values[low, columns],
+            values[high, columns],
+            np.sqrt(weights @ (values - mean) ** 2),
+            times[low],
+            times[high],
+        ]
+    )

@@ -1,0 +1,147 @@
+"""The bodies of a group of cases, reduced once and kept by what they depend on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from supple import __version__
+from supple.body import BodyForm, Damping, LinearRayleighDamping, RayleighDamping
+from supple.cases.bodies import Body
+from supple.cases.case import Case
+from supple.cases.case_inputs import digests_of_files
+from supple.cases.damping import LinearRayleighRatio, RayleighRatio
+from supple.cases.reductions import FullOrder
+from supple.cases.static_case import starting_system
+from supple.cases.table import named_in
+from supple.error import correction_numbers, self_correct
+from supple.integrate import Validity
+from supple.machine import System
+from supple.reduction import ReducedBody, redamped
+from supple.simulation import keep_body
+from supple.simulation.kept_bodies import kept_path
+from supple.storage import read_reduced_body, write_json
+from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.file_errors import file_errors
+from supple.storage.run_inputs import digest_of
+from supple.storage.sealed_hdf5 import is_whole
+
+__all__ = ["GroupBodies", "bodies_of_group"]
+
+FORMAT = 1
+"""Of what is kept of reductions: another one is not read."""
+_RECORD = "reductions.json"
+
+
+@dataclass(frozen=True, eq=False)
+class GroupBodies:
+    """What the cases of a group share.
+
+    reduced : by name, damped as the representative case asks
+    rayleigh : alpha and beta of ratio damping, by body: they follow from the modes of its mesh
+    tables : of these bodies in the representative case
+    """
+
+    reduced: Mapping[str, ReducedBody]
+    rayleigh: Mapping[str, tuple[float, float]]
+    tables: Mapping[str, Body]
+
+    def damped(self, name: str, table: Body) -> ReducedBody:
+        """A body with the damping of a case."""
+        body, like = self.reduced[name], self.tables[name]
+        if table.damping == like.damping:
+            return body
+        before = self._damping(name, like, 1.0)
+        share = 1.0
+        if isinstance(like.damping, RayleighRatio | LinearRayleighRatio):
+            assert isinstance(table.damping, RayleighRatio | LinearRayleighRatio)
+            share = table.damping.ratio / like.damping.ratio if like.damping.ratio else 0.0
+        return redamped(body, before, self._damping(name, table, share))
+
+    def _damping(self, name: str, table: Body, share: float) -> Damping:
+        given: Any = table.damping
+        if not isinstance(given, RayleighRatio | LinearRayleighRatio):
+            return given.build()
+        alpha, beta = (share * factor for factor in self.rayleigh[name])
+        kind = RayleighDamping if isinstance(given, RayleighRatio) else LinearRayleighDamping
+        return kind(alpha, beta, given.held)
+
+
+def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
+    """The reduced bodies of a case, from the folder where they are kept, or reduced now and kept there.
+
+    A process that finds another one at it waits for that.
+
+    folder : of the sweep
+    Raises errors of reductions; SelfCorrectionError where an accuracy is not met.
+    """
+    tables = {table.name: table for table in case.parts.body if _is_reduced_here(table)}
+    if not tables:
+        return GroupBodies({}, {}, {})
+    own = folder / "bodies" / _digest(case, tables)
+    with file_errors("make the folder", own):
+        own.mkdir(parents=True, exist_ok=True)
+    if not _are_kept(own, tables):
+        with ExclusiveLock(own, wait=True):
+            if not _are_kept(own, tables):
+                _reduce(case, tables, own)
+    record = json.loads((own / _RECORD).read_text(encoding="utf-8"))
+    reduced = {name: read_reduced_body(kept_path(own, name)) for name in tables}
+    return GroupBodies(reduced, {name: tuple(own) for name, own in record["rayleigh"].items()}, tables)
+
+
+def _is_reduced_here(table: Body) -> bool:
+    return (
+        table.elastic is not None
+        and table.condense is None
+        and not table.is_explicit
+        and not isinstance(table.reduction, FullOrder)
+    )
+
+
+def _digest(case: Case, tables: Mapping[str, Body]) -> str:
+    """Of all that the reductions depend on; of bodies that correct themselves the whole case."""
+    if case.starts:
+        content: Any = {key: str(value) for key, value in case.inputs.items()}
+    else:
+        named = [name for table in tables.values() for name in _files(table)]
+        bodies = [table.model_dump(mode="json", exclude=_PLACING) for table in case.tables.body]
+        content = {"bodies": bodies, "files": digests_of_files(named, case.folder)}
+    text = json.dumps([FORMAT, __version__, content], sort_keys=True)
+    return digest_of(text.encode()).partition(":")[2][:16]
+
+
+_PLACING = {"position", "rotation", "velocity", "centre_velocity", "angular_velocity"}
+
+
+def _files(table: Body) -> list[str]:
+    """Of a body: names of the files that it is made of."""
+    given = named_in(Body, table.model_dump(mode="json"))
+    return [name for _, name, what in given if what == "file" and isinstance(name, str)]
+
+
+def _are_kept(folder: Path, tables: Mapping[str, Body]) -> bool:
+    return (folder / _RECORD).is_file() and all(is_whole(kept_path(folder, name)) for name in tables)
+
+
+def _reduce(case: Case, tables: Mapping[str, Body], folder: Path) -> None:
+    """Reduce the bodies of a case and keep them; the record comes last."""
+    rounds: list[Any] = []
+    system: System = case.system
+    if case.starts:
+        run = replace(case.run, validity=Validity())
+        corrected = self_correct(starting_system(case), run, case.starts, announce=rounds.append)
+        system = corrected.system
+    found: Mapping[str, BodyForm] = {placed.body.name: placed.body for placed in system.bodies}
+    rayleigh = {}
+    for name in tables:
+        body = found[name]
+        assert isinstance(body, ReducedBody)
+        keep_body(body, folder)
+        damping = body.full.damping if body.full is not None else None
+        if isinstance(damping, RayleighDamping | LinearRayleighDamping):
+            rayleigh[name] = (damping.alpha, damping.beta)
+    write_json(folder / _RECORD, {"rayleigh": rayleigh, "rounds": correction_numbers(rounds)})

@@ -1,0 +1,91 @@
+"""Cases that end the process that runs them: found by processes of their own, and recorded with the cause."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from supple.errors import ResultFileError
+from supple.other_processes import python_command, python_environment
+from supple.sweeps.part_file import CaseResult, CaseStatus, Part, read_part
+
+__all__ = ["isolated_share"]
+
+TRIES = 2
+"""Processes that a single case may end before it is recorded as the cause."""
+_REFUSED = 3
+"""Exit code of a process that states an error that is of no case."""
+
+
+def isolated_share(folder: Path, cases: Sequence[int]) -> Part:
+    """What cases come to, run by other processes: by one together, by two halves where it ends, and so on.
+
+    Raises ResultFileError where a process states an error of the machine or the disk.
+    """
+    with tempfile.TemporaryDirectory(prefix="supple-sweep-") as place:
+        part = _found(folder, cases, Path(place))
+    in_order = sorted(part.results, key=lambda each: each.case)
+    return Part(in_order, tuple(dict.fromkeys(part.warnings)))
+
+
+def _found(folder: Path, cases: Sequence[int], place: Path) -> Part:
+    target, code, words = place / f"{cases[0]}-{cases[-1]}.h5", 0, ""
+    for _ in range(TRIES if len(cases) == 1 else 1):
+        code, words = _process(folder, cases, target)
+        if code == 0:
+            return read_part(target)
+        if code == _REFUSED:
+            raise ResultFileError(words)
+    if len(cases) == 1:
+        return Part([CaseResult(cases[0], CaseStatus.KILLED, _cause(code, words))])
+    half = len(cases) // 2
+    parts = [_found(folder, own, place) for own in (cases[:half], cases[half:])]
+    return Part(
+        [each for own in parts for each in own.results], [each for own in parts for each in own.warnings]
+    )
+
+
+def _process(folder: Path, cases: Sequence[int], target: Path) -> tuple[int, str]:
+    """Exit code of a process that runs cases into a file, and the end of what it states."""
+    words = [str(folder), str(target), *map(str, cases)]
+    done = subprocess.run(
+        python_command("-m", __name__, *words),
+        env=python_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    lines = done.stderr.strip().splitlines()
+    return done.returncode, lines[-1] if lines else ""
+
+
+def _cause(code: int, words: str) -> str:
+    """Why a process ended."""
+    if code >= 0:
+        return f"its process ended with code {code}: {words}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = "unknown"
+    memory = ", as the system does where memory runs out" if name == "SIGKILL" else ""
+    return f"its process was ended by signal {-code} ({name}){memory}"
+
+
+def _main(folder: str, target: str, *cases: str) -> None:
+    from supple.errors import SuppleError
+    from supple.sweeps.part_file import write_part
+    from supple.sweeps.run_share import run_cases
+
+    try:
+        write_part(Path(target), run_cases(Path(folder), [int(case) for case in cases]))
+    except SuppleError as error:
+        print(error, file=sys.stderr)
+        sys.exit(_REFUSED)
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

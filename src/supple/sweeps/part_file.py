@@ -1,0 +1,168 @@
+"""Parts of a sweep on disk: what the cases of a share came to, one sealed HDF5 file a share.
+
+attributes      format, version, share; statistics: names, of the axis of that name
+cases           (k,) numbers
+status          (k,) of `CaseStatus`;  cause (k,) words, "" where it ran
+seconds         (k,) of its processor;  end_time (k,) that it reached
+estimated_error (k,) NaN where none was made
+steps, iterations (k,)
+statistics      (s, c, k): a statistic of a channel lies together
+channels/       name, unit, quantity, axes, place: (c,) each
+motions/N/      of kept cases: channels (t, c), and the arrays of its motion by path
+warnings        of the runs, each once
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ResultFileError
+from supple.storage.sealed_hdf5 import is_whole, open_sealed, writing_sealed
+from supple.sweeps.channel_statistics import STATISTICS
+
+__all__ = ["CaseResult", "CaseStatus", "Channels", "Part", "part_path", "read_part", "write_part"]
+
+FORMAT, VERSION = "supple-sweep-part", 1
+Array = NDArray[np.float64]
+
+
+class CaseStatus(IntEnum):
+    """What became of a case."""
+
+    RAN = 0
+    FAILED = 1
+    """Its run broke off, or its values describe no machine."""
+    KILLED = 2
+    """It ended the process that ran it, twice."""
+
+
+@dataclass(frozen=True)
+class Channels:
+    """What the columns of a case's readings are, (c,) each."""
+
+    name: tuple[str, ...] = ()
+    unit: tuple[str, ...] = ()
+    quantity: tuple[str, ...] = ()
+    axes: tuple[str, ...] = ()
+    place: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResult:
+    """What a case came to.
+
+    statistics : (s, c); None of a case that did not run to its end
+    motion : of a kept case, arrays by path
+    """
+
+    case: int
+    status: CaseStatus
+    cause: str = ""
+    seconds: float = 0.0
+    end_time: float = np.nan
+    estimated_error: float = np.nan
+    steps: int = 0
+    iterations: int = 0
+    statistics: Array | None = None
+    channels: Channels = field(default_factory=Channels)
+    motion: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """The cases of a share."""
+
+    results: Sequence[CaseResult]
+    warnings: Sequence[str] = ()
+
+
+_NUMBERS = {
+    "cases": ("case", np.int64),
+    "status": ("status", np.int8),
+    "seconds": ("seconds", np.float64),
+    "end_time": ("end_time", np.float64),
+    "estimated_error": ("estimated_error", np.float64),
+    "steps": ("steps", np.int64),
+    "iterations": ("iterations", np.int64),
+}
+"""Data sets with a number for each case: field and type."""
+
+
+def part_path(folder: Path, share: int) -> Path:
+    """The file of a share."""
+    return folder / "parts" / f"{share:05}.h5"
+
+
+def write_part(path: Path, part: Part) -> None:
+    """Write a part whole; ResultFileError where it cannot be written."""
+    results = part.results
+    channels = next((each.channels for each in results if each.statistics is not None), Channels())
+    numbers = [_statistics_of(each, channels) for each in results]
+    with writing_sealed(path) as file:
+        file.attrs.update({"format": FORMAT, "version": VERSION})
+        _store_words(file, "statistic", STATISTICS)
+        for name, (own, kind) in _NUMBERS.items():
+            file.create_dataset(name, data=np.array([getattr(each, own) for each in results], dtype=kind))
+        _store_words(file, "cause", [each.cause for each in results])
+        _store_words(file, "warnings", part.warnings)
+        file.create_dataset("statistics", data=np.stack(numbers, axis=-1))
+        for name, words in vars(channels).items():
+            _store_words(file, f"channels/{name}", words)
+        for each in results:
+            for where, array in each.motion.items():
+                file.create_dataset(f"motions/{each.case}/{where}", data=array, compression=1, shuffle=True)
+
+
+def _statistics_of(result: CaseResult, channels: Channels) -> Array:
+    """(s, c), NaN where there are none, or of other channels than those of the part."""
+    if result.statistics is None or result.channels != channels:
+        return np.full((len(STATISTICS), len(channels.name)), np.nan)
+    return result.statistics
+
+
+def _store_words(file: h5py.File, name: str, words: Sequence[str]) -> None:
+    file.create_dataset(name, data=list(words), shape=(len(words),), dtype=h5py.string_dtype())
+
+
+def read_part(path: Path) -> Part:
+    """All of a part but its motions; ResultFileError where it is missing or damaged."""
+    with open_sealed(path) as file:
+        if file.attrs.get("format") != FORMAT or int(file.attrs["version"]) > VERSION:
+            raise ResultFileError(f"{path} is no part of a sweep that this supple reads")
+        channels = Channels(
+            **{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in vars(Channels())}
+        )
+        columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items()}
+        cause, statistics = file["cause"].asstr()[()], file["statistics"][()]
+        results = []
+        for row, status in enumerate(columns["status"]):
+            known = {own: column[row].item() for own, column in columns.items()}
+            known |= {"status": CaseStatus(status), "cause": cause[row], "channels": channels}
+            ran = status == CaseStatus.RAN
+            motion = _motion(file, known["case"])
+            results.append(
+                CaseResult(**known, statistics=statistics[..., row] if ran else None, motion=motion)
+            )
+        return Part(results, tuple(file["warnings"].asstr()[()]))
+
+
+def _motion(file: h5py.File, case: int) -> dict[str, Array]:
+    found: dict[str, Array] = {}
+    group = file.get(f"motions/{case}")
+    if isinstance(group, h5py.Group):
+        group.visititems(
+            lambda name, own: found.update({name: own[()]}) if isinstance(own, h5py.Dataset) else None
+        )
+    return found
+
+
+def whole_parts(folder: Path, n_shares: int) -> list[int]:
+    """Numbers of the shares whose parts are there and whole."""
+    return [share for share in range(n_shares) if is_whole(part_path(folder, share))]

@@ -1,0 +1,275 @@
+"""The plan of a sweep: its cases, which of them march together, and the shares that tasks take.
+
+A folder holds one plan, `plan.h5`, written once. Every process reads it: a task is the folder and the number
+of a share. Shares follow from the table alone, not from the number of cores: the digits do not depend on
+where a sweep runs.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.cases.case_family import CaseFamily, case_family
+from supple.cases.case_inputs import digests_of_files
+from supple.cases.parameter_path import parameter_path
+from supple.cases.result_machine import path_from
+from supple.errors import CaseError, ResultFileError
+from supple.importers.toml import KeyPath
+from supple.storage.file_seal import seal_of
+from supple.storage.run_inputs import Inputs, changes, digest_of
+from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
+from supple.sweeps.body_numbers import DAMPING_NUMBERS, is_number_of_run
+from supple.sweeps.case_table import CaseTable
+from supple.sweeps.sweep_file import SweepOutput
+from supple.units import UnitSystem
+
+__all__ = ["SweepPlan", "make_plan", "plan_path", "read_plan", "write_plan"]
+
+FORMAT, VERSION = "supple-sweep-plan", 1
+LARGEST_SHARE = 512
+FEWEST_SHARES = 64
+"""So that many cores have work; where the cases suffice."""
+SMALLEST_SHARE = 16
+"""Cases that are marched by one call."""
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPlan:
+    """What is to be done.
+
+    case_file : its path, in the folder's plan as seen from there;  case_text : what stood in it
+    table : of the cases;  places : where its columns lead in the tables of the case
+    group : (n,) of each case: cases of one group have the same bodies, run and program
+    share : (n,) of each case: those of one share are of one group
+    output : what is kept
+    inputs : what the sweep depends on, by name
+    units : of the case
+    """
+
+    case_file: Path
+    case_text: str
+    table: CaseTable
+    places: Mapping[str, KeyPath]
+    group: IntArray
+    share: IntArray
+    output: SweepOutput
+    inputs: Inputs
+    units: UnitSystem
+
+    @property
+    def n_cases(self) -> int:
+        """Number of cases."""
+        return len(self.share)
+
+    @property
+    def n_shares(self) -> int:
+        """Number of shares."""
+        return int(self.share.max()) + 1
+
+    def cases_of(self, share: int) -> IntArray:
+        """Numbers of the cases of a share, ascending."""
+        return np.flatnonzero(self.share == share)
+
+    def values(self, case: int) -> dict[KeyPath, Any]:
+        """What a case has in place of the values of its file, by place."""
+        return {self.places[path]: value for path, value in self.table.row(case).items()}
+
+    def representative(self, group: int) -> int:
+        """The case of a group whose bodies are reduced for all: the first of those with the most damping.
+
+        The damping of the others is scaled from its own, which must not be zero then.
+        """
+        cases = np.flatnonzero(self.group == group)
+        damping = [
+            np.asarray(self.table.columns[path], dtype=float)[cases]
+            for path, place in self.places.items()
+            if place[0] == "body" and place[-1] in DAMPING_NUMBERS
+        ]
+        if not damping:
+            return int(cases[0])
+        most = np.lexsort([-own for own in reversed(damping)])
+        return int(cases[most[0]])
+
+    def keeps(self, case: int) -> bool:
+        """Whether the motion of a case is kept."""
+        keep = self.output.keep
+        return keep == "all" or (keep != "none" and case in self._kept)
+
+    @cached_property
+    def _kept(self) -> frozenset[int]:
+        return frozenset(number for number in self.output.keep if isinstance(number, int))
+
+    @cached_property
+    def family(self) -> CaseFamily:
+        """The case file, as it is now; CaseError where it is another than it was."""
+        family = case_family(self.case_file)
+        if family.text != self.case_text:
+            raise CaseError(
+                f"{self.case_file} was changed since the sweep was planned: run it again with --force"
+            )
+        return family
+
+
+def plan_path(folder: Path) -> Path:
+    """The file of the plan."""
+    return folder / "plan.h5"
+
+
+def make_plan(
+    case_file: Path, table: CaseTable, output: SweepOutput, texts: Mapping[str, str] | None = None
+) -> SweepPlan:
+    """The plan of a table of cases; the same for the same inputs.
+
+    texts : of other files that were read for it, by name
+
+    Raises
+    ------
+    CaseError   a path that leads nowhere; controllers, which have no place in a plan; a number to keep that
+                is no case
+    """
+    family = case_family(case_file)
+    if family.case.tables.control is not None:
+        raise CaseError(f"{case_file}: the cases of a sweep march without controllers; remove control")
+    if not len(table):
+        raise CaseError("a sweep needs at least one case")
+    if isinstance(output.keep, tuple) and (beyond := [each for each in output.keep if each >= len(table)]):
+        raise CaseError(f"keep names case {beyond[0]}, and the last of {len(table)} is {len(table) - 1}")
+    places = {path: parameter_path(path, family.raw) for path in table.columns}
+    apart = [
+        path
+        for path, column in table.columns.items()
+        if not all(is_number_of_run(places[path], value, family.raw) for value in column)
+    ]
+    group = _numbered(
+        [tuple(map(repr, row)) for row in zip(*(table.columns[path] for path in apart), strict=True)],
+        len(table),
+    )
+    share = _shares(group, output.cases_per_share)
+    inputs = _inputs(family, table, places) | {
+        name: digest_of(text.encode()) for name, text in (texts or {}).items()
+    }
+    inputs |= {"what is kept": output.model_dump_json()}
+    units = family.case.units
+    return SweepPlan(case_file.resolve(), family.text, table, places, group, share, output, inputs, units)
+
+
+def _numbered(keys: Sequence[Any], n: int) -> IntArray:
+    """Numbers from 0 in the order of first appearance; all 0 without keys."""
+    numbers: dict[Any, int] = {}
+    found = [numbers.setdefault(key, len(numbers)) for key in keys]
+    return np.array(found, dtype=np.int64) if found else np.zeros(n, dtype=np.int64)
+
+
+def _shares(group: IntArray, size: int | None) -> IntArray:
+    """Of each case: groups cut into shares of nearly one size, a multiple of what is marched at once."""
+    if size is None:
+        even = -(-len(group) // FEWEST_SHARES)
+        size = min(-(-even // SMALLEST_SHARE) * SMALLEST_SHARE, LARGEST_SHARE)
+    share, begun = np.empty(len(group), dtype=np.int64), 0
+    for own in range(int(group.max()) + 1):
+        cases = np.flatnonzero(group == own)
+        share[cases] = begun + np.arange(len(cases)) // size
+        begun = int(share[cases[-1]]) + 1
+    return share
+
+
+def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath]) -> dict[str, str]:
+    """What the results depend on: the text of the case, the table, and all files that any case reads."""
+    naming = [path for path, column in table.columns.items() if isinstance(column[0], str)]
+    files = set(family.files({}))
+    for path in naming:
+        for value in set(table.columns[path]):
+            files |= set(family.files({places[path]: value}))
+    found = {"the case": digest_of(family.text.encode()), "the table": digest_of(_table_text(table).encode())}
+    return found | digests_of_files(sorted(files), family.path.parent)
+
+
+def _table_text(table: CaseTable) -> str:
+    return json.dumps({path: list(column) for path, column in table.columns.items()})
+
+
+def write_plan(folder: Path, plan: SweepPlan) -> None:
+    """Write the plan, whole; ResultFileError where it cannot be written."""
+    with writing_sealed(plan_path(folder)) as file:
+        file.attrs.update(
+            {
+                "format": FORMAT,
+                "version": VERSION,
+                "case_file": path_from(folder, plan.case_file),
+                "case": plan.case_text,
+                "output": plan.output.model_dump_json(),
+                "inputs": json.dumps(dict(plan.inputs)),
+                "units": str(plan.units),
+                "paths": json.dumps(list(plan.table.columns)),
+                "places": json.dumps([plan.places[path] for path in plan.table.columns]),
+            }
+        )
+        file.create_dataset("group", data=plan.group)
+        file.create_dataset("share", data=plan.share)
+        for number, column in enumerate(plan.table.columns.values()):
+            _store_column(file, f"parameters/{number}", column)
+
+
+def _store_column(file: h5py.File, name: str, column: Sequence[Any]) -> None:
+    """Numbers as they are, all else as JSON."""
+    numbers = {type(value) for value in column}
+    if numbers <= {float} or numbers <= {int}:
+        file.create_dataset(name, data=np.array(column))
+    else:
+        file.create_dataset(name, data=[json.dumps(value) for value in column], dtype=h5py.string_dtype())
+
+
+def _read_column(dataset: h5py.Dataset) -> Sequence[Any]:
+    if dataset.dtype.kind in "fi":
+        return dataset[()].tolist()
+    return [json.loads(text) for text in dataset.asstr()[()]]
+
+
+def read_plan(folder: Path) -> SweepPlan:
+    """The plan in a folder; ResultFileError where there is none."""
+    path = plan_path(folder)
+    if not path.is_file():
+        raise ResultFileError(f"{folder} holds no sweep (no plan.h5); check the folder")
+    return _plan(path, seal_of(path))
+
+
+@lru_cache(maxsize=2)
+def _plan(path: Path, _: bytes) -> SweepPlan:
+    """The plan in a file with a seal: another one in its place has another."""
+    folder = path.parent
+    with open_sealed(path) as file:
+        known = file.attrs
+        if known.get("format") != FORMAT or int(known["version"]) > VERSION:
+            raise ResultFileError(
+                f"{path} is no plan of a sweep that this supple reads: use the one that wrote it"
+            )
+        paths = json.loads(known["paths"])
+        columns = {name: _read_column(file[f"parameters/{i}"]) for i, name in enumerate(paths)}
+        places = {name: tuple(place) for name, place in zip(paths, json.loads(known["places"]), strict=True)}
+        return SweepPlan(
+            (folder / known["case_file"]).resolve(),
+            known["case"],
+            CaseTable(columns),
+            places,
+            file["group"][()],
+            file["share"][()],
+            SweepOutput.model_validate_json(known["output"]),
+            json.loads(known["inputs"]),
+            UnitSystem.parsed(known["units"]),
+        )
+
+
+def changed_inputs(there: SweepPlan, here: SweepPlan) -> str:
+    """What differs between the inputs of two plans, in words; empty where nothing does."""
+    return changes(there.inputs, here.inputs)

@@ -1,0 +1,206 @@
+"""The results of a sweep as a data set, read by the column."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import ResultFileError
+from supple.optional_packages import optional_package
+from supple.storage.sealed_hdf5 import open_sealed
+from supple.sweeps.case_table import CaseTable
+from supple.sweeps.channel_statistics import STATISTICS
+from supple.sweeps.part_file import CaseStatus, part_path, whole_parts
+from supple.sweeps.plan import SweepPlan, read_plan
+
+__all__ = ["SweepColumns", "read_sweep", "write_parquet"]
+
+Array = NDArray[np.float64]
+
+_OF_CASES = ("seconds", "end_time", "estimated_error", "steps", "iterations")
+
+
+class SweepColumns:
+    """The results of a sweep on disk, a column at a time; cases without results are NaN.
+
+    folder : of the sweep
+
+    Raises
+    ------
+    ResultFileError     no sweep; a part that is damaged
+    """
+
+    def __init__(self, folder: Path | str) -> None:
+        self.folder = Path(folder)
+        self.plan: SweepPlan = read_plan(self.folder)
+        self.shares = whole_parts(self.folder, self.plan.n_shares)
+        self._cases = {share: self.plan.cases_of(share) for share in self.shares}
+        self.channels = self._channels()
+
+    @property
+    def table(self) -> CaseTable:
+        """The parameters of the cases."""
+        return self.plan.table
+
+    def statistic(self, statistic: int, channels: NDArray[np.intp] | slice | int = slice(None)) -> Array:
+        """A statistic of some channels, (n, c), or of one, (n,)."""
+        numbers = np.arange(len(self.channels["name"]))[channels]
+        found = np.full((self.plan.n_cases, *numbers.shape), np.nan)
+        for share in self.shares:
+            with open_sealed(part_path(self.folder, share), verify=False) as file:
+                names = file["channels/name"].asstr()[()]
+                data = file["statistics"]
+                if len(names) == len(self.channels["name"]) and np.array_equal(names, self.channels["name"]):
+                    found[self._cases[share]] = data[statistic, channels].T
+                else:
+                    found[self._cases[share]] = self._by_name(data[statistic], list(names), numbers)
+        return found
+
+    def _by_name(self, data: Array, names: list[str], numbers: Any) -> Array:
+        """Of a part with other channels: those it has."""
+        wanted = np.atleast_1d(self.channels["name"][numbers])
+        found = np.full((data.shape[1], len(wanted)), np.nan)
+        for place, name in enumerate(wanted):
+            if name in names:
+                found[:, place] = data[names.index(name)]
+        return found if np.ndim(numbers) else found[:, 0]
+
+    def of_cases(self, name: str) -> NDArray[Any]:
+        """A number or word of each case, by the name of its data set in a part."""
+        words = name == "cause"
+        missing: Any = {"cause": "not run yet", "status": -1, "steps": 0, "iterations": 0}.get(name, np.nan)
+        found = np.full(self.plan.n_cases, missing, dtype=object if words else None)
+        for share in self.shares:
+            with open_sealed(part_path(self.folder, share), verify=False) as file:
+                found[self._cases[share]] = file[name].asstr()[()] if words else file[name][()]
+        return found
+
+    def motion(self, case: int) -> dict[str, Array]:
+        """The arrays of a kept motion by path (`supple.storage.solution_arrays`), and its channels (t, c).
+
+        Raises ResultFileError where the motion of the case was not kept.
+        """
+        with open_sealed(part_path(self.folder, int(self.plan.share[case])), verify=False) as file:
+            found: dict[str, Array] = {}
+
+            def add(name: str, item: Any) -> None:
+                if isinstance(item, h5py.Dataset):
+                    found[name] = item[()]
+
+            group = file.get(f"motions/{case}")
+            if group is None:
+                raise ResultFileError(
+                    f"{self.folder} keeps no motion of case {case}: name it in keep, or simulate `swept_case`"
+                )
+            group.visititems(add)
+            return found
+
+    def _channels(self) -> dict[str, NDArray[Any]]:
+        """Of all parts by name, in the order of the first with any."""
+        kinds = ("name", "unit", "quantity", "axes", "place")
+        rows: dict[str, tuple[str, ...]] = {}
+        for share in self.shares:
+            with open_sealed(part_path(self.folder, share), verify=False) as file:
+                names = file["channels/name"].asstr()[()]
+                if all(name in rows for name in names):
+                    continue
+                for row in zip(*(file[f"channels/{kind}"].asstr()[()] for kind in kinds), strict=True):
+                    rows.setdefault(row[0], row)
+        return {
+            kind: np.array([row[i] for row in rows.values()], dtype=object) for i, kind in enumerate(kinds)
+        }
+
+
+def read_sweep(folder: Path | str) -> Any:
+    """The results of a sweep as an `xarray.Dataset`; its statistics are read when they are used.
+
+        ds = sp.read_sweep("results/speeds")
+        tip = ds.statistics.sel(channel="deflection blade.TIP.x", statistic="maximum")
+
+    statistics (case, channel, statistic), with unit, quantity, axes and place of each channel; per case
+    status (0 ran, 1 failed, 2 killed, -1 missing), cause, seconds, end_time, estimated_error, steps and
+    iterations; parameters are coordinates by their paths. Cases without results are NaN.
+
+    Raises
+    ------
+    ResultFileError         no sweep in the folder; a damaged part
+    MissingPackageError     without xarray
+    """
+    xarray = optional_package("xarray", "a data set", "xarray")
+    columns = SweepColumns(folder)
+    time = {"units": columns.plan.units.time} if columns.plan.units.time else {}
+    lazy = xarray.core.indexing.LazilyIndexedArray(_lazy_statistics(columns))
+    variables: dict[str, Any] = {
+        "statistics": (("case", "channel", "statistic"), lazy),
+        "status": (
+            "case",
+            columns.of_cases("status"),
+            {"meaning": "0 ran, 1 failed, 2 killed, -1 not run yet"},
+        ),
+        "cause": ("case", columns.of_cases("cause")),
+    }
+    for name in _OF_CASES:
+        own = {"seconds": {"units": "s", "of": "processor"}, "end_time": time}.get(name, {})
+        variables[name] = ("case", columns.of_cases(name), own)
+    coordinates: dict[str, Any] = {"case": np.arange(columns.plan.n_cases), "statistic": list(STATISTICS)}
+    coordinates["channel"] = columns.channels["name"]
+    for kind in ("unit", "quantity", "axes", "place"):
+        coordinates[kind] = ("channel", columns.channels[kind])
+    for path, column in columns.table.columns.items():
+        coordinates[path] = ("case", _as_array(column))
+    title = {"case_file": str(columns.plan.case_file), "missing": int((variables["status"][1] < 0).sum())}
+    return xarray.Dataset(variables, coords=coordinates, attrs=title)
+
+
+def _as_array(column: Any) -> NDArray[Any]:
+    if any(isinstance(value, list | dict) for value in column):
+        return np.array([str(value) for value in column], dtype=object)
+    return np.array(column) if not isinstance(column[0], str) else np.array(column, dtype=object)
+
+
+def _lazy_statistics(columns: SweepColumns) -> Any:
+    """Of the columns, what xarray asks for parts of."""
+    backends = optional_package("xarray.backends", "a data set", "xarray")
+    indexing = optional_package("xarray.core.indexing", "a data set", "xarray")
+
+    class Statistics(backends.BackendArray):
+        shape = (columns.plan.n_cases, len(columns.channels["name"]), len(STATISTICS))
+        dtype = np.dtype(np.float64)
+
+        def __getitem__(self, key: Any) -> Array:
+            outer = indexing.IndexingSupport.OUTER
+            return indexing.explicit_indexing_adapter(key, self.shape, outer, self._read)
+
+        def _read(self, key: tuple[Any, ...]) -> Array:
+            cases, channels, statistics = key
+            numbers = np.arange(len(STATISTICS))[statistics]
+            if np.ndim(numbers) == 0:
+                return columns.statistic(int(numbers), channels)[cases]
+            found = [columns.statistic(int(number), channels)[cases] for number in numbers]
+            return np.stack(found, axis=-1)
+
+    return Statistics()
+
+
+def write_parquet(dataset: Any, path: Path | str) -> None:
+    """Write the data set of a sweep as a Parquet file: a row a case, a column a parameter or a statistic.
+
+    Raises MissingPackageError where pyarrow is not installed.
+    """
+    pyarrow = optional_package("pyarrow", "a Parquet file", "parquet")
+    parquet = optional_package("pyarrow.parquet", "a Parquet file", "parquet")
+    by_case = [*dataset.coords, *(name for name in dataset.data_vars if dataset[name].dims == ("case",))]
+    columns = {name: dataset[name].values for name in by_case if dataset[name].dims == ("case",)}
+    for statistic in dataset.statistic.values:
+        values = dataset.statistics.sel(statistic=statistic).values
+        columns |= {
+            f"{name} {statistic}": own for name, own in zip(dataset.channel.values, values.T, strict=True)
+        }
+    parquet.write_table(pyarrow.table(columns), Path(path))
+
+
+_ = CaseStatus

@@ -1,0 +1,70 @@
+"""A task of a sweep: one share of its cases, by one process, into one file."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+from supple.errors import SuppleError, SuppleWarning
+from supple.other_processes import one_core
+from supple.storage.sealed_hdf5 import is_whole
+from supple.sweeps.attempts import Attempts
+from supple.sweeps.isolated_share import isolated_share
+from supple.sweeps.march_cases import NOT_OF_A_CASE, Began, march_cases
+from supple.sweeps.part_file import CaseResult, CaseStatus, Part, part_path, write_part
+from supple.sweeps.plan import read_plan
+from supple.sweeps.swept_group import swept_group
+
+__all__ = ["run_cases", "run_share"]
+
+
+def run_share(folder: str, share: int) -> None:
+    """Simulate the cases of a share and write their part; nothing where it is there already.
+
+    Any process that sees the folder can do it: what it needs is there. Words and numbers go in, and nothing
+    comes back. A share whose process ended twice is run by processes of its own, until the case at fault is
+    found (`isolated_share`).
+
+    Raises
+    ------
+    ResultFileError     the part cannot be written; the inputs of the sweep were changed
+    MemoryShortageError     not enough is left
+    """
+    where = Path(folder).resolve()
+    target = part_path(where, share)
+    if is_whole(target):
+        return
+    attempts = Attempts(where, share)
+    cases = read_plan(where).cases_of(share).tolist()
+    try:
+        part = isolated_share(where, cases) if attempts.are_many else run_cases(where, cases, attempts.begin)
+        write_part(target, part)
+    except BaseException:
+        attempts.withdraw()
+        raise
+    attempts.end()
+
+
+def _unmarked(_: Sequence[int]) -> None:
+    """No mark: whoever started this process sees how it ends."""
+
+
+def run_cases(folder: Path, cases: Sequence[int], began: Began = _unmarked) -> Part:
+    """What cases of one group come to, found by this process alone."""
+    plan = read_plan(folder)
+    words: dict[str, None] = {}
+    with one_core(), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", SuppleWarning)
+        try:
+            began(cases)
+            group = swept_group(folder, plan, int(plan.group[cases[0]]))
+            results = list(march_cases(group, cases, began))
+        except NOT_OF_A_CASE:
+            raise
+        except SuppleError as error:  # of the bodies of all of them
+            results = [CaseResult(number, CaseStatus.FAILED, str(error)) for number in cases]
+    for each in caught:
+        if issubclass(each.category, SuppleWarning):
+            words[str(each.message)] = None
+    return Part(results, tuple(words))

@@ -1,0 +1,171 @@
+"""Run a sweep: plan it once, then do what is missing of it, wherever its tasks run."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from pathlib import Path
+from typing import Any
+
+from supple.errors import ResultFileError, SuppleError
+from supple.integrate import Progress
+from supple.progress import by_fraction, with_progress_bar
+from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.file_errors import file_errors
+from supple.sweeps.attempts import Attempts
+from supple.sweeps.case_table import CaseTable
+from supple.sweeps.executors import Executors, Given, LocalProcesses
+from supple.sweeps.part_file import whole_parts
+from supple.sweeps.plan import SweepPlan, changed_inputs, make_plan, plan_path, read_plan, write_plan
+from supple.sweeps.run_share import run_share
+from supple.sweeps.sweep_file import SweepOutput
+from supple.sweeps.sweep_status import SweepStatus, sweep_status
+
+__all__ = ["plan_sweep", "run_part_of_sweep", "run_sweep", "sweep"]
+
+MOST_BREAKS_WITHOUT_PROGRESS = 2
+
+
+@with_progress_bar("sweep", by_fraction)
+def sweep(
+    case: Path | str,
+    table: CaseTable | Mapping[str, Sequence[Any]],
+    folder: Path | str,
+    *,
+    executor: Executor | None = None,
+    keep: str | Sequence[int] = "none",
+    force: bool = False,
+    progress: Progress | None = None,
+) -> SweepStatus:
+    """Simulate a case file with many values; the same call does what an earlier one has left undone.
+
+        sp.sweep("blade.toml", {"joint.shaft.law.speed": [1.0, 1.2, 1.4]}, "results/speeds")
+        ds = sp.read_sweep("results/speeds")
+
+    Parameters
+    ----------
+    case : of its file
+    table : a column of values for each path of the case file, a row for each case
+    folder : for the plan, the reduced bodies and the parts of the sweep
+    executor : where its tasks run; None: processes of this machine, a core each
+    keep : cases whose motion is kept besides their statistics: "none", "all" or their numbers from 0
+    force : begin anew, whatever the folder holds
+    progress : called with the finished fraction of the cases
+
+    Returns
+    -------
+    SweepStatus     cases that fail do not stop the others; they are recorded with their cause
+
+    Raises
+    ------
+    CaseError           a path that leads nowhere, columns of different lengths
+    ResultFileError     the folder holds another sweep, or one of other inputs; it cannot be written
+    SuppleError         processes that end before they begin: of a script, put what it does under
+                        `if __name__ == "__main__":`
+    """
+    folder = Path(folder)
+    table = table if isinstance(table, CaseTable) else CaseTable(table)
+    output = SweepOutput.model_validate({"keep": keep if isinstance(keep, str) else list(keep)})
+    plan_sweep(make_plan(Path(case), table, output), folder, force=force)
+    return run_sweep(folder, LocalProcesses() if executor is None else Given(executor), progress)
+
+
+def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
+    """Write the plan of a sweep where there is none; another one that is there is refused, or replaced.
+
+    Raises ResultFileError where the sweep in the folder has other inputs, unless by `force`.
+    """
+    with file_errors("make the folder", folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with ExclusiveLock(folder, wait=True):
+        if plan_path(folder).exists() and not force:
+            changed = changed_inputs(read_plan(folder), plan)
+            if changed:
+                raise ResultFileError(
+                    f"{folder} holds a sweep of other inputs ({changed}): --force begins anew, -o FOLDER "
+                    "elsewhere"
+                )
+            return
+        for name in ("parts", "attempts"):
+            shutil.rmtree(folder / name, ignore_errors=True)
+        write_plan(folder, plan)
+
+
+def run_sweep(folder: Path, executors: Executors, progress: Progress | None = None) -> SweepStatus:
+    """Do what is missing of the sweep in a folder.
+
+    Parameters, results and errors as for `sweep`.
+    """
+    plan = read_plan(folder)
+    counts = [len(plan.cases_of(share)) for share in range(plan.n_shares)]
+    done = set(whole_parts(folder, plan.n_shares))
+    missing = sorted(set(range(plan.n_shares)) - done)
+
+    def report() -> None:
+        if progress is not None:
+            progress(sum(counts[share] for share in done) / plan.n_cases)
+
+    breaks = 0
+    while missing:
+        report()
+        marks = _marks(folder, missing)
+        before = len(done)
+        errors: list[BaseException] = []
+        with executors.opened() as executor:
+            for share, error in _shares_run(executor, folder, missing):
+                if error is None:
+                    done.add(share)
+                    report()
+                elif _is_death(error):
+                    errors.append(error)
+                else:
+                    raise error
+        missing = sorted(set(range(plan.n_shares)) - done)
+        # Processes that end leave a mark, until their share is run by processes of its own.
+        breaks = 0 if len(done) > before or _marks(folder, missing) > marks else breaks + 1
+        if missing and breaks >= MOST_BREAKS_WITHOUT_PROGRESS:
+            raise SuppleError(
+                f"the processes of the sweep end before they begin ({errors[-1]}): of a script, put what it "
+                'does under if __name__ == "__main__":'
+            ) from errors[-1]
+    report()
+    return sweep_status(folder)
+
+
+def _is_death(error: BaseException) -> bool:
+    """Whether a process ended, rather than its task with an error."""
+    return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"  # of Dask
+
+
+def _marks(folder: Path, shares: Iterable[int]) -> int:
+    return sum(len(Attempts(folder, share).marks) for share in shares)
+
+
+def _shares_run(
+    executor: Executor, folder: Path, shares: Sequence[int]
+) -> Iterable[tuple[int, BaseException | None]]:
+    """Shares as they are finished, each with the error that ended it."""
+    tasks: dict[Future[None], int] = {}
+    try:
+        for share in shares:
+            tasks[executor.submit(run_share, str(folder.resolve()), share)] = share
+    except BrokenExecutor as error:  # while they were handed out
+        if not tasks:
+            yield shares[0], error
+    for task in as_completed(tasks):
+        yield tasks[task], task.exception()
+
+
+def run_part_of_sweep(folder: Path, number: int, of: int, progress: Progress | None = None) -> None:
+    """Do what one of several jobs has to do of the sweep in a folder, in this process: shares k, k + n, ...
+
+    number : k, from 1;  of : n
+    Raises ResultFileError as `run_share`.
+    """
+    plan = read_plan(folder)
+    own = range(number - 1, plan.n_shares, of)
+    for place, share in enumerate(own):
+        run_share(str(folder), share)
+        if progress is not None:
+            progress((place + 1) / len(own))

@@ -1,0 +1,267 @@
+"""The file of a sweep (TOML): the case file it varies, the table of its cases, and what is kept of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from supple.cases.read_case import checked_file
+from supple.errors import CaseError
+from supple.importers.csv_table import CsvTable, read_csv_table
+from supple.importers.plain_number import plain_integer, plain_number
+from supple.importers.text_file import file_lines
+from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Positive, Raw, checked, listed_mistakes
+from supple.sweeps.case_table import (
+    CaseTable,
+    Distribution,
+    LatinHypercube,
+    Normal,
+    Sobol,
+    Uniform,
+    Weibull,
+    crossed,
+    full_factorial,
+    sampled,
+)
+
+__all__ = ["SweepFile", "SweepOutput", "read_sweep_file"]
+
+MOST_CASES = 10_000_000
+
+
+class SweepOutput(CheckedTable):
+    """What is kept of the cases besides the statistics of their channels."""
+
+    keep: Literal["none", "all"] | Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(strict=False)] = (
+        Field("none", description="cases whose motion is kept: all, none, or their numbers from 0")
+    )
+    cases_per_share: int | None = Field(
+        None,
+        ge=1,
+        le=1000,
+        description="cases that one task simulates and one file holds; left out: by their number",
+    )
+
+
+class _Sample(CheckedTable):
+    """Parameters that are drawn together."""
+
+    method: Literal["latin-hypercube", "sobol"]
+    number: int = Field(ge=1, le=MOST_CASES, description="of points")
+    seed: int = Field(0, ge=0)
+    of: dict[str, Any] = Field(min_length=1, description="a range or distribution for each path")
+
+
+class _SweepTables(CheckedTable):
+    """The whole file."""
+
+    case: str = Field(description="case file, beside this one")
+    table: str | None = Field(None, description="CSV file beside this one: a column a path, a row a case")
+    vary: dict[str, Any] = Field(default_factory=dict, description="values of each path, all combined")
+    sample: _Sample | None = None
+    output: SweepOutput = Field(default_factory=lambda: SweepOutput.model_validate({}))
+
+
+class _Range(CheckedTable):
+    """Evenly spaced values."""
+
+    first: int | float = Field(alias="from")
+    last: int | float = Field(alias="to")
+    number: int | None = Field(None, ge=1, le=MOST_CASES)
+    step: int | float | None = Field(None, gt=0)
+
+    def values(self) -> list[float] | list[int]:
+        """Whole numbers where the range is one of whole numbers, as of the size of a basis."""
+        if self.number is not None:
+            values = np.linspace(self.first, self.last, self.number)
+        else:
+            assert self.step is not None
+            number = int(np.floor((self.last - self.first) / self.step * (1 + 1e-12))) + 1
+            values = self.first + self.step * np.arange(number)
+        whole = (
+            isinstance(self.first, int) and isinstance(self.last, int) and np.all(values == np.round(values))
+        )
+        return values.astype(int).tolist() if whole else values.tolist()
+
+
+class _Pattern(CheckedTable):
+    """Numbered names, such as those of files of wind seeds."""
+
+    pattern: str = Field(description="a text with {} where the number stands, such as wind-{:03}.csv")
+    first: int = Field(1, alias="from")
+    last: int = Field(alias="to", description="last number")
+
+    def values(self) -> list[str]:
+        return [self.pattern.format(number) for number in range(self.first, self.last + 1)]
+
+
+class _Between(CheckedTable):
+    low: float = Field(alias="from")
+    high: float = Field(alias="to")
+
+    def build(self) -> Distribution:
+        return Uniform(self.low, self.high)
+
+
+class _Normal(CheckedTable):
+    mean: float
+    deviation: Positive
+
+    def build(self) -> Distribution:
+        return Normal(self.mean, self.deviation)
+
+
+class _Weibull(CheckedTable):
+    scale: Positive
+    shape: Positive
+
+    def build(self) -> Distribution:
+        return Weibull(self.scale, self.shape)
+
+
+@dataclass(frozen=True)
+class SweepFile:
+    """A checked file of a sweep.
+
+    path, text : of the file;  case : path of the case file
+    files : those that it reads besides
+    """
+
+    path: Path
+    text: str
+    case: Path
+    table: CaseTable
+    output: SweepOutput
+    files: tuple[Path, ...]
+
+
+def read_sweep_file(path: str | Path) -> SweepFile:
+    """Read the file of a sweep; its table is not yet compared with the case.
+
+    Raises
+    ------
+    CaseError           mistakes, one line each with line number and remedy
+    ImportFormatError   a CSV file that cannot be read
+    """
+    path = Path(path)
+
+    def completed(raw: Raw) -> tuple[Raw, Sequence[tuple[KeyPath, str]]]:
+        return raw, [*_mistakes_of_values(raw), *_names_something(raw, path.parent)]
+
+    text, tables, lines = checked_file(path, _SweepTables, completed)
+    parts, files = [], []
+    if tables.table is not None:
+        files.append(path.parent / tables.table)
+        parts.append(_of_csv(files[0]))
+    if tables.sample is not None:
+        parts.append(_of_sample(tables.sample))
+    if tables.vary:
+        parts.append(full_factorial({name: _listed_values(own) for name, own in tables.vary.items()}))
+    number = int(np.prod([len(part) for part in parts], dtype=object))
+    if not 1 <= number <= MOST_CASES:
+        message = f"the table has {number} cases; give between 1 and {MOST_CASES}"
+        raise CaseError(listed_mistakes(path, lines, [(("vary",), message)]))
+    return SweepFile(path, text, path.parent / tables.case, crossed(*parts), tables.output, tuple(files))
+
+
+def _names_something(raw: Raw, folder: Path) -> Mistakes:
+    if not {"table", "sample", "vary"} & raw.keys():
+        yield (), "a sweep varies something: give [vary], [sample] or table = FILE.csv"
+    for key in ("case", "table"):
+        name = raw.get(key)
+        if isinstance(name, str) and not (folder / name).is_file():
+            yield (key,), f"there is no file {folder / name}; file names are relative to this file"
+
+
+def _mistakes_of_values(raw: Raw) -> Mistakes:
+    vary, sample = raw.get("vary"), raw.get("sample")
+    for name, given in vary.items() if isinstance(vary, Mapping) else ():
+        yield from ((("vary", name, *place), words) for place, words in _mistakes_of_list(given))
+    of = sample.get("of") if isinstance(sample, Mapping) else None
+    for name, given in of.items() if isinstance(of, Mapping) else ():
+        yield from ((("sample", "of", name, *place), words) for place, words in _table_of_draws(given)[1])
+
+
+def _mistakes_of_list(given: Any) -> Iterator[tuple[KeyPath, str]]:
+    if isinstance(given, list):
+        if not given:
+            yield (), "the list is empty; give at least one value"
+        elif len(kinds := {_kind(value) for value in given}) > 1:
+            yield (), f"values of one kind are needed, got {' and '.join(sorted(kinds))}"
+        return
+    if not isinstance(given, Mapping):
+        yield (), "give a list of values, or {from = .., to = .., number = ..}"
+        return
+    made, mistakes = _table_of_values(given)
+    yield from mistakes
+    if isinstance(made, _Range):
+        if (made.number is None) == (made.step is None):
+            yield (), "give either number or step"
+        elif made.step is not None and made.last < made.first:
+            yield ("to",), f"{made.last} is before {made.first}"
+    elif isinstance(made, _Pattern):
+        try:
+            values = made.values()
+        except (ValueError, IndexError, KeyError) as error:
+            yield ("pattern",), f"numbers cannot stand in it ({error}); such as wind-{{:03}}.csv"
+        else:
+            if len(set(values)) < max(len(values), 1):
+                yield ("pattern",), "it has no {} for the number, or from is after to"
+
+
+def _table_of_values(given: Mapping[str, Any]) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
+    return checked(_Pattern if "pattern" in given else _Range, given, [])
+
+
+def _table_of_draws(given: Any) -> tuple[Any, Sequence[tuple[KeyPath, str]]]:
+    if not isinstance(given, Mapping):
+        return None, [
+            ((), "give a range {from = .., to = ..}, {mean = .., deviation = ..} or {scale = .., shape = ..}")
+        ]
+    kind = _Normal if "mean" in given else _Weibull if "scale" in given else _Between
+    return checked(kind, given, [])
+
+
+def _kind(value: Any) -> str:
+    """In words; whole numbers may stand among others."""
+    if isinstance(value, bool):
+        return "true or false"
+    if isinstance(value, int | float):
+        return "numbers"
+    return {str: "words", list: "lists", dict: "tables"}.get(type(value), "others")
+
+
+def _listed_values(given: Any) -> list[Any]:
+    if not isinstance(given, Mapping):
+        return list(given)
+    made, _ = _table_of_values(given)
+    return made.values()
+
+
+def _of_sample(table: _Sample) -> CaseTable:
+    method = Sobol if table.method == "sobol" else LatinHypercube
+    of = {name: _table_of_draws(given)[0].build() for name, given in table.of.items()}
+    return sampled(of, method(table.number, table.seed))
+
+
+def _of_csv(path: Path) -> CaseTable:
+    """Columns of numbers where all words of a column are, else of words."""
+    head = next((line for line in file_lines(path) if line.strip() and not line.startswith("#")), "")
+    names = [word.strip().strip('"') for word in head.split(",")]
+    read = read_csv_table(path, required=names)
+    return CaseTable({name: _column(read, name) for name in names})
+
+
+def _column(read: CsvTable, name: str) -> Sequence[Any]:
+    words = read.words(name)
+    for kind in (plain_integer, plain_number):
+        try:
+            return [kind(word) for word in words]
+        except ValueError:
+            continue
+    return words

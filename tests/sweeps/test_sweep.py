@@ -1,0 +1,160 @@
+"""A sweep is its cases simulated one by one: the same numbers, kept, found again and done once."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+
+import numpy as np
+import pytest
+from fixtures.swept_pendulum import TABLE
+from scipy.integrate import solve_ivp
+
+from supple.cases import read_case
+from supple.errors import CaseError, ResultFileError
+from supple.quantities import read_sensors
+from supple.simulation import simulate
+from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case
+from supple.sweeps.channel_statistics import STATISTICS, channel_statistics
+from supple.sweeps.part_file import CaseStatus, part_path
+from supple.sweeps.plan import make_plan, read_plan
+from supple.sweeps.read_sweep import SweepColumns
+from supple.sweeps.sweep_file import SweepOutput
+
+
+class Here:
+    """An executor that runs tasks at once, in this process."""
+
+    def __init__(self):
+        self.tasks = 0
+
+    def submit(self, task, *arguments):
+        future = Future()
+        self.tasks += 1
+        try:
+            future.set_result(task(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def test_statistics_are_those_of_a_sine():
+    times = np.linspace(0.0, 1.0, 1001)
+    found = channel_statistics(times, np.stack([3.0 + 2.0 * np.sin(2 * np.pi * times), times], axis=1))
+    by_name = dict(zip(STATISTICS, found[:, 0], strict=True))
+    assert by_name["mean"] == pytest.approx(3.0, abs=1e-12)
+    assert by_name["standard deviation"] == pytest.approx(np.sqrt(2.0), rel=1e-12)
+    assert (by_name["minimum"], by_name["time of minimum"]) == pytest.approx((1.0, 0.75))
+    assert (by_name["maximum"], by_name["time of maximum"]) == pytest.approx((5.0, 0.25))
+    assert found[:, 1] == pytest.approx([0.5, 0.0, 1.0, 1 / np.sqrt(12), 0.0, 1.0], rel=1e-6)
+
+
+def test_a_sweep_is_its_cases_one_by_one(pendulum, tmp_path):
+    folder = tmp_path / "out"
+    status = sweep(pendulum, TABLE, folder, executor=Here(), keep=[4])
+    assert (status.n_ran, status.missing, status.failed, status.exit_code) == (6, (), (), 0)
+    read = read_sweep(folder)
+    for number in range(6):
+        own = swept_case(folder, number)
+        solution = simulate(own.system, own.run)
+        columns = read_sensors(own.quantities, own.system, solution).columns()
+        expected = channel_statistics(columns.times, columns.values)
+        # Mapped over cases the program rounds otherwise, and Newton's iteration ends a step earlier or later.
+        assert np.abs(read.statistics[number].values.T - expected).max() < 1e-10 * np.abs(expected).max()
+    assert list(read["body.bob.rigid.mass"].values) == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0]
+    tension = read.statistics.sel(channel="joint hinge.Fx")
+    assert tension.unit == "N"
+    # Every mass swings alike: forces are as the masses, but for the inertia about the centre, 0.1.
+    angle = pendulum_angle(mass=3.0, gravity=4.0)
+    kept = SweepColumns(folder).motion(4)
+    assert kept["channels"].shape == (21, len(read.channel))
+    bob = SweepColumns(folder).motion(4)["bodies/bob/position"]
+    assert kept["times"][-1] == pytest.approx(0.2)
+    assert np.arcsin(-bob[-1, 2]) == pytest.approx(pendulum_angle(mass=3.0, gravity=9.81), rel=1e-4)
+    assert angle < pendulum_angle(mass=3.0, gravity=9.81)
+    with pytest.raises(ResultFileError, match="keeps no motion of case 0"):
+        SweepColumns(folder).motion(0)
+
+
+def pendulum_angle(mass, gravity):
+    """Of the pendulum after 0.2 s: (0.1 + m) phi'' = m g cos(phi), to ten digits."""
+
+    def rates(_, state):
+        return [state[1], mass * gravity * np.cos(state[0]) / (0.1 + mass)]
+
+    return solve_ivp(rates, (0.0, 0.2), [0.0, 0.0], rtol=1e-10, atol=1e-12).y[0, -1]
+
+
+def test_the_same_call_does_what_is_missing_and_nothing_else(pendulum, tmp_path):
+    folder, table = tmp_path / "out", CaseTable({"gravity[2]": np.linspace(-9.81, -1.0, 40).tolist()})
+    sweep(pendulum, table, folder, executor=Here())
+    assert read_plan(folder).n_shares == 3
+    again = Here()
+    sweep(pendulum, table, folder, executor=again)
+    assert again.tasks == 0
+    expected = read_sweep(folder).statistics.values
+    whole = part_path(folder, 1).read_bytes()
+    part_path(folder, 1).write_bytes(whole[:-200])
+    part_path(folder, 2).unlink()
+    assert sweep_status(folder).missing == (1, 2)
+    assert sweep_status(folder).exit_code == 4
+    assert np.isnan(read_sweep(folder).statistics.values[16:]).all()
+    assert set(read_sweep(folder).cause.values[16:]) == {"not run yet"}
+    sweep(pendulum, table, folder, executor=again)
+    assert again.tasks == 2
+    assert np.array_equal(read_sweep(folder).statistics.values, expected), "to the last bit"
+
+
+def test_a_sweep_of_other_inputs_is_refused(pendulum, tmp_path):
+    folder, table = tmp_path / "out", CaseTable({"gravity[2]": [-9.81, -5.0]})
+    sweep(pendulum, table, folder, executor=Here())
+    with pytest.raises(ResultFileError, match=r"holds a sweep of other inputs \(the table"):
+        sweep(pendulum, CaseTable({"gravity[2]": [-9.81, -6.0]}), folder, executor=Here())
+    pendulum.write_text(pendulum.read_text().replace("step = 0.01", "step = 0.005"))
+    with pytest.raises(ResultFileError, match=r"other inputs \(the case"):
+        sweep(pendulum, table, folder, executor=Here())
+    assert sweep(pendulum, table, folder, executor=Here(), force=True).n_ran == 2
+    assert set(read_sweep(folder).steps.values) == {40}
+
+
+def test_a_case_that_fails_is_recorded_and_the_others_go_on(pendulum, tmp_path):
+    table = CaseTable({"body.bob.rigid.mass": [1.0, -1.0, 2.0]})
+    status = sweep(pendulum, table, tmp_path / "out", executor=Here())
+    assert status.n_ran == 2
+    assert status.exit_code == 3
+    (failed,) = status.failed
+    assert (failed.case, failed.status) == (1, CaseStatus.FAILED)
+    assert "mass" in failed.cause
+    read = read_sweep(tmp_path / "out")
+    assert np.isnan(read.statistics.values[1]).all()
+    assert np.isfinite(read.statistics.values[[0, 2]]).all()
+
+
+def test_cases_of_other_bodies_or_runs_are_groups_of_their_own(pendulum):
+    table = CaseTable({"gravity[2]": [-1.0, -2.0, -3.0, -4.0], "simulation.duration": [0.2, 0.1, 0.2, 0.1]})
+    plan = make_plan(pendulum, table, SweepOutput.model_validate({}))
+    assert plan.group.tolist() == [0, 1, 0, 1]
+    assert plan.share.tolist() == [0, 1, 0, 1]
+    plan = make_plan(pendulum, CaseTable({"gravity[2]": [-1.0] * 3000}), SweepOutput.model_validate({}))
+    sizes = np.bincount(plan.share)
+    assert set(sizes[:-1]) == {48}
+    assert sizes.sum() == 3000
+    by_seven = SweepOutput.model_validate({"cases_per_share": 7})
+    plan = make_plan(pendulum, CaseTable({"gravity[2]": [-1.0] * 20}), by_seven)
+    assert np.bincount(plan.share).tolist() == [7, 7, 6]
+
+
+def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path):
+    with pytest.raises(CaseError, match="no item is named 'bo'"):
+        sweep(pendulum, {"body.bo.rigid.mass": [1.0]}, tmp_path / "out")
+    with pytest.raises(CaseError, match="keep names case 7"):
+        sweep(pendulum, {"gravity[2]": [-1.0]}, tmp_path / "out", keep=[7])
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_table_of_a_case_file_is_that_of_its_own_run(pendulum, tmp_path):
+    """The case in the middle has the file's own mass: what it reads is what the file's own run reads."""
+    sweep(pendulum, {"body.bob.rigid.mass": [1.0, 2.0]}, tmp_path / "out", executor=Here())
+    case = read_case(pendulum)
+    solution = simulate(case.system, case.run)
+    force = read_sweep(tmp_path / "out").statistics.sel(channel="joint hinge.Fz", statistic="maximum")[1]
+    assert float(force) == pytest.approx(solution.joint_forces["hinge"][:, 2].max(), rel=1e-12)
