@@ -70,7 +70,7 @@ class SweepPage:
     title: str
     parameters: Mapping[str, Sequence[Any]]
     channels: Sequence[ChannelOfCases]
-    results: Mapping[str, Sequence[Any]] = field(default_factory=lambda: MappingProxyType({}))
+    results: Mapping[str, Sequence[Any] | Array] = field(default_factory=lambda: MappingProxyType({}))
     spectra: Sequence[LoadSpectrum] = ()
     exponents: Sequence[float] = ()
     sections: Sequence[Section] = ()
