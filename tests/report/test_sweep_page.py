@@ -219,7 +219,7 @@ def test_a_click_on_a_point_is_on_its_case(browser):
 def test_spectra_in_cycles_and_in_shares_of_damage(browser):
     choose(browser, "measure", "cumulated cycles")
     assert browser.run("return sweep.spectrum.values") == [10003, 3]
-    choose(browser, "measure", "share of the damage, exponent 4")
+    choose(browser, "measure", "shares of damage, m = 4")
     assert browser.run("return sweep.spectrum.values") == pytest.approx([0.25, 0.75])
 
 

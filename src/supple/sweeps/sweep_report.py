@@ -56,21 +56,28 @@ class Extreme(NamedTuple):
 def sweep_extremes(folder: Path | str) -> list[Extreme]:
     """The smallest and the largest value of each channel over all cases of a sweep, with case and instant.
 
+    Channels that have one value throughout, such as forces across the plane of a mechanism, have none. Of
+    cases that reach the same value it is the first.
+
     Raises ResultFileError where the folder holds no sweep.
     """
     return list(_extremes(SweepColumns(folder)))
 
 
 def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
-    names = list(columns.channels["name"])
-    for statistic, sign in (("minimum", -1.0), ("maximum", 1.0)):
-        values = sign * columns.statistic(columns.statistics.index(statistic))
-        instants = columns.statistic(columns.statistics.index(f"time of {statistic}"))
-        best = np.where(np.isnan(values), -np.inf, values).argmax(axis=0)
-        for place, (name, case) in enumerate(zip(names, best.tolist(), strict=True)):
-            if not np.isnan(values[case, place]):
-                value = sign * values[case, place]
-                yield Extreme(name, statistic, float(value), case, float(instants[case, place]))
+    names, statistics = list(columns.channels["name"]), columns.statistics
+    values = {each: columns.statistic(statistics.index(each)) for each in ("minimum", "maximum")}
+    low = np.where(np.isnan(values["minimum"]), np.inf, values["minimum"]).argmin(axis=0)
+    high = np.where(np.isnan(values["maximum"]), -np.inf, values["maximum"]).argmax(axis=0)
+    places = np.arange(len(names))
+    # False as well where no case has a value.
+    moves = values["minimum"][low, places] < values["maximum"][high, places]
+    for statistic, cases in (("minimum", low), ("maximum", high)):
+        instants = columns.statistic(statistics.index(f"time of {statistic}"))
+        for place in np.flatnonzero(moves).tolist():
+            case = int(cases[place])
+            value = float(values[statistic][case, place])
+            yield Extreme(names[place], statistic, value, case, float(instants[case, place]))
 
 
 @checked_arguments
