@@ -15,7 +15,7 @@ from supple.quantities import read_sensors
 from supple.simulation import simulate
 from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case
 from supple.sweeps.channel_statistics import STATISTICS, channel_statistics
-from supple.sweeps.part_file import CaseStatus, part_path
+from supple.sweeps.part_file import CaseStatus, part_path, read_part
 from supple.sweeps.plan import make_plan, read_plan
 from supple.sweeps.read_sweep import SweepColumns
 from supple.sweeps.sweep_file import SweepOutput
@@ -127,6 +127,22 @@ def test_a_case_that_fails_is_recorded_and_the_others_go_on(pendulum, tmp_path):
     read = read_sweep(tmp_path / "out")
     assert np.isnan(read.statistics.values[1]).all()
     assert np.isfinite(read.statistics.values[[0, 2]]).all()
+
+
+def test_a_run_that_breaks_off_is_recorded_with_its_time_and_residual(pendulum, tmp_path):
+    """A torque that turns the bob by more than digits hold: Newton's method does not converge, here alone."""
+    text = pendulum.read_text() + (
+        '\n[[load]]\nkind = "torque"\nat = "bob.pin"\nvector = [0.0, 1.0, 0.0]\n'
+        'law = { kind = "ramp", value = 0.0, duration = 0.1 }\n'
+    )
+    pendulum.write_text(text)
+    table = CaseTable({"load[0].law.value": [0.0, 1e40, 1.0]})
+    status = sweep(pendulum, table, tmp_path / "out", executor=Here())
+    (failed,) = status.failed
+    assert failed.case == 1
+    assert "t = " in failed.cause
+    assert "residual" in failed.cause
+    assert read_part(part_path(tmp_path / "out", 0)).results[1].end_time < 0.2
 
 
 def test_cases_of_other_bodies_or_runs_are_groups_of_their_own(pendulum):
