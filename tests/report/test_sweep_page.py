@@ -40,7 +40,11 @@ def page(**changes):
     )
     known = {
         "title": "sweep <of> a blade",
-        "parameters": {"wind.speed": SPEED, "file": [f"wind-{i % 3}.csv" for i in range(N)]},
+        "parameters": {
+            "wind.speed": SPEED,
+            "angle": np.arange(N) * 0.1,
+            "file": [f"wind-{i % 3}.csv" for i in range(N)],
+        },
         "channels": [root],
         "results": {"status": ["failed" if i == 7 else "ran" for i in range(N)]},
         "spectra": [LoadSpectrum("root.My", "N m", np.array([1.0, 10.0]), np.array([1e4, 3.0]))],
@@ -150,6 +154,9 @@ def test_a_click_on_a_head_sorts_with_missing_values_last(browser):
         ("wind.speed", "= 12", np.flatnonzero(SPEED == 12)),
         ("wind.speed", "7.5 .. 1.2e1", np.flatnonzero((SPEED > 7) & (SPEED <= 12))),
         ("root.My, maximum (N m)", "< 20", np.flatnonzero(LARGEST < 20)),
+        ("angle", "= 0.3", [3]),
+        ("angle", "> 0.3", range(3, N)),  # 0.30000000000000004
+        ("case", "17", [17]),
         ("file", "D-1", np.arange(1, N, 3)),
         ("status", "fail", [7]),
         ("wind.speed", "> fast", None),
