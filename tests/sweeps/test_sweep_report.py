@@ -82,3 +82,8 @@ def test_the_case_with_the_most_extremes_has_a_report(pendulum, tmp_path):
     assert f"pendulum let go level, case {case}" in text
     mass = TABLE.row(int(case))["body.bob.rigid.mass"]
     assert f"body.bob.rigid.mass = {mass}" in text
+    # A page written later keeps it; a sweep that begins anew does not.
+    _, sweep_data, _ = shown(write_sweep_report(folder))
+    assert sweep_data["reports"] == {case: address}
+    sweep(pendulum, CaseTable({"gravity[2]": [-1.0]}), folder, executor=Here(), force=True)
+    assert not (folder / address).exists()

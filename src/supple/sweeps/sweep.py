@@ -92,7 +92,7 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
                     "elsewhere"
                 )
             return
-        for name in ("parts", "attempts"):
+        for name in ("parts", "attempts", "cases"):
             shutil.rmtree(folder / name, ignore_errors=True)
         write_plan(folder, plan)
 

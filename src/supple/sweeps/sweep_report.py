@@ -25,6 +25,7 @@ from supple.report import (
 from supple.report.page import Section
 from supple.results.run_tables import TextTable
 from supple.simulation import simulate
+from supple.storage.file_errors import file_errors
 from supple.sweeps.part_file import CaseStatus
 from supple.sweeps.read_sweep import SweepColumns
 from supple.sweeps.swept_group import swept_case
@@ -36,6 +37,8 @@ Array = NDArray[np.float64]
 _STATES = {CaseStatus.RAN: "ran", CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
 _NOT_RUN = "not run yet"
 _MOST_FAILURES = 20
+_REPORTS = "cases"
+"""Folder of the reports of single cases; a sweep that begins anew removes it."""
 _FIRST = ("maximum", "minimum")
 """Statistics that the table of cases begins with."""
 
@@ -84,8 +87,8 @@ def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
 def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Progress | None = None) -> Path:
     """Write `sweep.html` into the folder of a sweep: its cases with plots, extremes and spectra.
 
-    The cases with the most extremes are simulated again, and their reports written beside it, in `cases/`:
-    the extremes lead to them.
+    The cases with the most extremes are simulated again, and their reports written beside it, in `cases/`,
+    unless they are there: the extremes lead to all that are.
 
     Parameters
     ----------
@@ -99,15 +102,17 @@ def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Prog
     folder = Path(folder)
     columns = SweepColumns(folder)
     extremes = Counter(extreme.case for extreme in (_extremes(columns) if n_reports else ()))
-    reports: dict[int, str] = {}
-    for case, _ in extremes.most_common(n_reports):
-        target = folder / "cases" / f"{case:05}.html"
-        target.parent.mkdir(exist_ok=True)
-        varied = "\n".join(f"{path} = {value}" for path, value in columns.table.row(case).items())
-        _write_case_report(folder, case, target, varied)
-        reports[case] = target.relative_to(folder).as_posix()
+    wanted = extremes.most_common(n_reports)
+    for done, (case, _) in enumerate(wanted):
         if progress is not None:
-            progress(len(reports) / min(n_reports, len(extremes)))
+            progress(done / len(wanted))
+        target = folder / _REPORTS / f"{case:05}.html"
+        if not target.exists():
+            varied = "\n".join(f"{path} = {value}" for path, value in columns.table.row(case).items())
+            with file_errors("make the folder", target.parent):
+                target.parent.mkdir(exist_ok=True)
+            _write_case_report(folder, case, target, varied)
+    reports = {int(own.stem): f"{_REPORTS}/{own.name}" for own in sorted((folder / _REPORTS).glob("*.html"))}
     return write_sweep_page(folder / "sweep.html", _page(columns, reports))
 
 
