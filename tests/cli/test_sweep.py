@@ -34,7 +34,9 @@ def test_jobs_share_a_sweep_and_the_status_says_how_far_it_is(cases, tmp_path):
     assert "4 cases in 2 shares, one group of bodies and runs" in first
     assert "4 cases: 2 ran, 0 failed, 0 killed their process, 2 to do" in first
     assert "2 to do" in call("sweep", "status", folder, code=4)
+    assert not (folder / "sweep.html").exists()
     second = call("sweep", cases, "-o", folder, "--share", "2/2", code=3)
+    assert (folder / "sweep.html").exists()
     assert "Cases without results" in second
     assert "mass" in second
     assert "3 ran, 1 failed" in call("sweep", "status", folder, code=3)
@@ -53,6 +55,16 @@ def test_jobs_share_a_sweep_and_the_status_says_how_far_it_is(cases, tmp_path):
 def test_options_that_do_not_fit_are_refused(cases, tmp_path, options, message):
     assert message in call("sweep", cases, "-o", tmp_path / "out", *options, code=2)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+def test_the_page_has_as_many_reports_as_it_is_asked_for(cases, tmp_path):
+    folder = tmp_path / "out"
+    call("sweep", cases, "-o", folder, "--share", "1/1", code=3)
+    (folder / "sweep.html").unlink()
+    assert "The page is" in call("sweep", "page", folder, "--reports", "1")
+    (report,) = (folder / "cases").iterdir()
+    assert f"cases/{report.name}" in (folder / "sweep.html").read_text(encoding="utf-8")
 
 
 def test_a_folder_without_a_sweep_is_named(tmp_path):

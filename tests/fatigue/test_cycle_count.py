@@ -96,7 +96,7 @@ def test_one_sine_has_its_cycles():
     assert cycles.counts.sum() == pytest.approx(10.5)
 
 
-@pytest.mark.parametrize("history", [[0.0, np.nan, 1.0], [np.inf], np.zeros((0, 3)), 1.0])
+@pytest.mark.parametrize("history", [[0.0, np.nan, 1.0], [np.inf], np.zeros((0, 3)), np.zeros((5, 0)), 1.0])
 def test_what_cannot_be_counted_is_refused(history):
     with pytest.raises(ModelError):
         rainflow(history)

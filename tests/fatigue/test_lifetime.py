@@ -11,6 +11,7 @@ WIND = Weibull(11.28, 2.0)
 
 def test_the_distribution():
     assert WIND.below([-1.0, 0.0, 11.28, np.inf]) == pytest.approx([0, 0, 1 - np.exp(-1), 1])
+    assert WIND.quantiles(WIND.below([3.0, 11.0])) == pytest.approx([3.0, 11.0])
     speeds = np.linspace(0, 80, 4001)
     mean = np.trapezoid(1 - WIND.below(speeds), speeds)
     assert mean == pytest.approx(11.28 * np.sqrt(np.pi) / 2, rel=1e-6)

@@ -160,6 +160,23 @@ def sweep_status(
         print_status(folder)
 
 
+@sweep_app.command("page")
+def sweep_page(
+    folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
+    reports: Annotated[
+        int, typer.Option(min=0, help="Cases with the most extremes that are simulated again, for a report.")
+    ] = 3,
+    debug: Debug = False,
+) -> None:
+    """Write the page of a sweep (HTML): table, plots, extremes, and reports of the extreme cases."""
+    from supple.algebra.jax_settings import keep_compiled_programs
+    from supple.cli.sweep import write_page
+
+    with reported_errors(debug=debug), reported_warnings():
+        keep_compiled_programs()
+        write_page(folder, reports)
+
+
 @app.command()
 def reduce(
     case: CaseFile,

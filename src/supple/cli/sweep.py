@@ -21,11 +21,12 @@ from supple.sweeps import (
     run_part_of_sweep,
     run_sweep,
     sweep_status,
+    write_sweep_report,
 )
 from supple.sweeps.part_file import CaseStatus
 from supple.terminal import bar, error_console, print_table, progress_bars, say, words
 
-__all__ = ["chosen_executors", "print_status", "sweep_cases"]
+__all__ = ["chosen_executors", "print_status", "sweep_cases", "write_page"]
 
 _MOST_SHOWN = 10
 _WORDS = {CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
@@ -67,6 +68,8 @@ def sweep_cases(path: Path, folder: Path, executors: Executors, share: str | Non
             )
             number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT
             raise typer.Exit(128 + number) from error
+    if not status.missing:
+        write_sweep_report(folder)
     _print(status, folder)
     if share is None or not status.missing:
         raise typer.Exit(status.exit_code)
@@ -86,6 +89,14 @@ def _run(path: Path, folder: Path, executors: Executors, share: str | None, *, f
             return run_sweep(folder, executors, report)
         run_part_of_sweep(folder, *job, report)
     return sweep_status(folder)
+
+
+def write_page(folder: Path, n_reports: int) -> None:
+    """Write the page of the sweep in a folder, and the reports of the cases with the most extremes."""
+    bars = progress_bars()
+    with bars:
+        path = write_sweep_report(folder, n_reports, progress=bar(bars, "writing the page"))
+    say(f"The page is {path}")
 
 
 def print_status(folder: Path) -> None:

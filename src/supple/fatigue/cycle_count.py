@@ -92,7 +92,7 @@ def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycle
     """
     check_numbers("rainflow, values", values)
     histories = np.asarray(values, dtype=np.float64)
-    if histories.ndim == 0 or len(histories) == 0:
+    if histories.ndim == 0 or histories.size == 0:
         raise ModelError(f"rainflow: expected samples along the first axis, got shape {histories.shape}")
     if not np.isfinite(histories).all():
         raise ModelError("rainflow: a history holds a number that is not finite; count up to it")

@@ -33,6 +33,10 @@ class Weibull:
         """Probability (...) of a speed below `speed` (...)."""
         return -np.expm1(-((np.maximum(speed, 0.0) / self.scale) ** self.shape))
 
+    def quantiles(self, shares: Array) -> Array:
+        """Speeds below which these shares of all lie: v = scale (-ln(1 - F))^(1 / shape)."""
+        return self.scale * (-np.log1p(-shares)) ** (1 / self.shape)
+
 
 @dataclass(frozen=True, eq=False)
 class Lifetime:

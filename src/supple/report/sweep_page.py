@@ -17,7 +17,7 @@ from supple.report.packed_arrays import PackedArrays
 from supple.report.page import Assets, Section, html_text, write_text
 from supple.units import labelled
 
-__all__ = ["ChannelOfCases", "LoadSpectrum", "SweepPage", "write_sweep_page"]
+__all__ = ["ChannelOfCases", "LoadSpectrum", "SweepPage", "channels_that_fit", "write_sweep_page"]
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _ASSETS = Assets(
     ("arrays", "colours", "cases", "sweep_tables", "sweep_plots", "sweep"),
 )
 _NUMBERS = 2**22
-"""Numbers of a page, 32 MiB before deflating: a browser opens it in seconds."""
+"""Most numbers of a page, 32 MiB before deflating: a browser opens it in seconds."""
 _EXTREMES = ("minimum", "time of minimum", "maximum", "time of maximum")
 
 
@@ -36,7 +36,7 @@ class ChannelOfCases:
     """What a channel came to in the cases.
 
     statistics : (n,) by name, NaN of cases without results; with minimum, time of minimum, maximum and time
-        of maximum the page lists its extremes
+        of maximum the page lists its extremes, unless it stands still
     """
 
     name: str
@@ -70,7 +70,7 @@ class SweepPage:
     title: str
     parameters: Mapping[str, Sequence[Any]]
     channels: Sequence[ChannelOfCases]
-    results: Mapping[str, Sequence[Any]] = field(default_factory=lambda: MappingProxyType({}))
+    results: Mapping[str, Sequence[Any] | Array] = field(default_factory=lambda: MappingProxyType({}))
     spectra: Sequence[LoadSpectrum] = ()
     exponents: Sequence[float] = ()
     sections: Sequence[Section] = ()
@@ -87,11 +87,17 @@ class SweepPage:
         return lengths.pop()
 
 
+def channels_that_fit(n_cases: int, n_others: int, n_statistics: int) -> int:
+    """How many channels a page may have, at least one, for a browser to open it in seconds.
+
+    n_others : columns that are of no channel
+    """
+    return max(1, (_NUMBERS // max(n_cases, 1) - n_others) // n_statistics)
+
+
 @checked_arguments
 def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
     """Write the page of a sweep; its content policy forbids every request, and every script but its own.
-
-    Channels beyond what a browser opens in seconds are left out; the page states how many.
 
     Raises
     ------
@@ -104,15 +110,11 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
     columns += [_Column(name, "result", column) for name, column in page.results.items()]
     columns += [_Column(name, "parameter", column) for name, column in page.parameters.items()]
     shown: list[dict[str, Any]] = []
-    left_out = 0
     for channel in page.channels:
         own = list(_columns(channel, page.time))
-        if n * (len(columns) + len(own)) > _NUMBERS:
-            left_out += 1
-            continue
         places = {name: len(columns) + i for i, name in enumerate(channel.statistics)}
         columns += own
-        if all(name in places for name in _EXTREMES):
+        if all(name in places for name in _EXTREMES) and _moves(channel):
             low, low_time, high, high_time = (places[name] for name in _EXTREMES)
             shown.append(
                 {
@@ -122,10 +124,6 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
                     "largest": {"column": high, "instant": high_time},
                 }
             )
-    sections = [*page.sections]
-    if left_out:
-        line = f"{left_out} of {len(page.channels)} channels are left out: read_sweep reads all of them."
-        sections.append(Section("Size of the page", [line]))
     head = {
         "time": page.time,
         "sweep": {
@@ -137,7 +135,14 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
             "reports": {str(case): address for case, address in page.reports.items()},
         },
     }
-    return write_text(path, html_text(_ASSETS, page.title, sections, head, arrays))
+    return write_text(path, html_text(_ASSETS, page.title, page.sections, head, arrays))
+
+
+def _moves(channel: ChannelOfCases) -> bool:
+    """Whether a channel has more than one value over all cases."""
+    low, high = channel.statistics["minimum"], channel.statistics["maximum"]
+    known = ~np.isnan(low)
+    return bool(known.any()) and bool(np.min(low[known]) < np.max(high[known]))
 
 
 class _Column(NamedTuple):

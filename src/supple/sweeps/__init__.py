@@ -2,10 +2,13 @@
 
 from supple.sweeps.case_table import *
 from supple.sweeps.executors import *
+from supple.sweeps.fatigue_loads import *
 from supple.sweeps.plan import *
 from supple.sweeps.read_sweep import *
 from supple.sweeps.run_share import *
+from supple.sweeps.sobol_indices import *
 from supple.sweeps.sweep_file import *
+from supple.sweeps.sweep_report import *
 from supple.sweeps.sweep_status import *
 from supple.sweeps.swept_group import *
 

@@ -13,6 +13,7 @@ from scipy import stats
 from scipy.stats import qmc
 
 from supple.errors import CaseError
+from supple.fatigue import Weibull
 
 __all__ = [
     "CaseTable",
@@ -85,18 +86,6 @@ class Normal:
     def quantiles(self, shares: Array) -> Array:
         """At x = mean + deviation Phi^-1(p)."""
         return stats.norm.ppf(shares, self.mean, self.deviation)
-
-
-@dataclass(frozen=True)
-class Weibull:
-    """P(x < v) = 1 - exp(-(v / scale)^shape), as of wind speeds; [IEC61400-1] has shape 2."""
-
-    scale: float
-    shape: float
-
-    def quantiles(self, shares: Array) -> Array:
-        """At x = scale (-ln(1 - p))^(1 / shape)."""
-        return self.scale * (-np.log1p(-shares)) ** (1 / self.shape)
 
 
 class Sampling(Protocol):

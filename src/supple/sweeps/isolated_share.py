@@ -11,7 +11,9 @@ from pathlib import Path
 
 from supple.errors import ResultFileError
 from supple.other_processes import python_command, python_environment
+from supple.sweeps.fatigue_loads import summed_spectra
 from supple.sweeps.part_file import CaseResult, CaseStatus, Part, read_part
+from supple.sweeps.plan import read_plan
 
 __all__ = ["isolated_share"]
 
@@ -29,7 +31,8 @@ def isolated_share(folder: Path, cases: Sequence[int]) -> Part:
     with tempfile.TemporaryDirectory(prefix="supple-sweep-") as place:
         part = _found(folder, cases, Path(place))
     in_order = sorted(part.results, key=lambda each: each.case)
-    return Part(in_order, tuple(dict.fromkeys(part.warnings)))
+    names = read_plan(folder).output.statistics
+    return Part(in_order, tuple(dict.fromkeys(part.warnings)), names, part.spectrum)
 
 
 def _found(folder: Path, cases: Sequence[int], place: Path) -> Part:
@@ -45,7 +48,9 @@ def _found(folder: Path, cases: Sequence[int], place: Path) -> Part:
     half = len(cases) // 2
     parts = [_found(folder, own, place) for own in (cases[:half], cases[half:])]
     return Part(
-        [each for own in parts for each in own.results], [each for own in parts for each in own.warnings]
+        [each for own in parts for each in own.results],
+        [each for own in parts for each in own.warnings],
+        spectrum=summed_spectra([own.spectrum for own in parts]),
     )
 
 

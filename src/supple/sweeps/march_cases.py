@@ -6,6 +6,8 @@ import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from supple.errors import MemoryShortageError, MissingPackageError, ResultFileError, SuppleError
 from supple.integrate import Kinematic, Solution
 from supple.quantities import read_sensors
@@ -135,9 +137,15 @@ def _result(group: SweptGroup, number: int, own: SweptCase, solution: Solution, 
         tuple(each.axes for each in columns.channels),
         tuple(each.place for each in columns.channels),
     )
+    statistics, spectrum = channel_statistics(columns.times, columns.values), result.spectrum
+    fatigue = group.plan.output.fatigue
+    if fatigue is not None:
+        loads, spectrum = fatigue.of(columns.names, columns.times, columns.values)
+        statistics = np.concatenate([statistics, loads])
     return replace(
         result,
-        statistics=channel_statistics(columns.times, columns.values),
+        statistics=statistics,
+        spectrum=spectrum,
         channels=channels,
         motion=to_arrays(solution) | {"channels": columns.values} if keeps else {},
     )

@@ -7,6 +7,7 @@ seconds         (k,) of its processor;  end_time (k,) that it reached
 estimated_error (k,) NaN where none was made
 steps, iterations (k,)
 statistics      (s, c, k): a statistic of a channel lies together
+spectrum        (m, 3): channel, class of ranges, cycles of all cases; of `FatigueLoads`
 channels/       name, unit, quantity, axes, place: (c,) each
 motions/N/      of kept cases: channels (t, c), and the arrays of its motion by path
 warnings        of the runs, each once
@@ -59,6 +60,7 @@ class CaseResult:
     """What a case came to.
 
     statistics : (s, c); None of a case that did not run to its end
+    spectrum : (m, 3) of its cycles; of a case read back it is within that of the part
     motion : of a kept case, arrays by path
     """
 
@@ -71,16 +73,22 @@ class CaseResult:
     steps: int = 0
     iterations: int = 0
     statistics: Array | None = None
+    spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
     channels: Channels = field(default_factory=Channels)
     motion: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """The cases of a share."""
+    """The cases of a share.
+
+    statistic : names of the statistics;   spectrum : (m, 3) of all cases
+    """
 
     results: Sequence[CaseResult]
     warnings: Sequence[str] = ()
+    statistic: Sequence[str] = STATISTICS
+    spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 _NUMBERS = {
@@ -104,15 +112,16 @@ def write_part(path: Path, part: Part) -> None:
     """Write a part whole; ResultFileError where it cannot be written."""
     results = part.results
     channels = next((each.channels for each in results if each.statistics is not None), Channels())
-    numbers = [_statistics_of(each, channels) for each in results]
+    numbers = [_statistics_of(each, channels, len(part.statistic)) for each in results]
     with writing_sealed(path) as file:
         file.attrs.update({"format": FORMAT, "version": VERSION})
-        _store_words(file, "statistic", STATISTICS)
+        _store_words(file, "statistic", part.statistic)
         for name, (own, kind) in _NUMBERS.items():
             file.create_dataset(name, data=np.array([getattr(each, own) for each in results], dtype=kind))
         _store_words(file, "cause", [each.cause for each in results])
         _store_words(file, "warnings", part.warnings)
         file.create_dataset("statistics", data=np.stack(numbers, axis=-1))
+        file.create_dataset("spectrum", data=part.spectrum)
         for name, words in vars(channels).items():
             _store_words(file, f"channels/{name}", words)
         for each in results:
@@ -120,10 +129,10 @@ def write_part(path: Path, part: Part) -> None:
                 file.create_dataset(f"motions/{each.case}/{where}", data=array, compression=1, shuffle=True)
 
 
-def _statistics_of(result: CaseResult, channels: Channels) -> Array:
+def _statistics_of(result: CaseResult, channels: Channels, number: int) -> Array:
     """(s, c), NaN where there are none, or of other channels than those of the part."""
     if result.statistics is None or result.channels != channels:
-        return np.full((len(STATISTICS), len(channels.name)), np.nan)
+        return np.full((number, len(channels.name)), np.nan)
     return result.statistics
 
 
@@ -150,7 +159,8 @@ def read_part(path: Path) -> Part:
             results.append(
                 CaseResult(**known, statistics=statistics[..., row] if ran else None, motion=motion)
             )
-        return Part(results, tuple(file["warnings"].asstr()[()]))
+        words, names = (tuple(file[name].asstr()[()]) for name in ("warnings", "statistic"))
+        return Part(results, words, names, file["spectrum"][()])
 
 
 def _motion(file: h5py.File, case: int) -> dict[str, Array]:

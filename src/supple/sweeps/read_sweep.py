@@ -13,7 +13,7 @@ from supple.errors import ResultFileError
 from supple.optional_packages import optional_package
 from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.case_table import CaseTable
-from supple.sweeps.channel_statistics import STATISTICS
+from supple.sweeps.fatigue_loads import range_of, summed_spectra
 from supple.sweeps.part_file import CaseStatus, part_path, whole_parts
 from supple.sweeps.plan import SweepPlan, read_plan
 
@@ -42,6 +42,11 @@ class SweepColumns:
         self.channels = self._channels()
 
     @property
+    def statistics(self) -> tuple[str, ...]:
+        """Names of the statistics."""
+        return self.plan.output.statistics
+
+    @property
     def table(self) -> CaseTable:
         """The parameters of the cases."""
         return self.plan.table
@@ -68,6 +73,22 @@ class SweepColumns:
             if name in names:
                 found[:, place] = data[names.index(name)]
         return found if np.ndim(numbers) else found[:, 0]
+
+    def spectra(self) -> dict[str, tuple[Array, Array]]:
+        """Rainflow cycles of all cases by channel: middle of the classes of ranges (b,), cycles (b,)."""
+        places = {name: number for number, name in enumerate(self.channels["name"])}
+        parts = []
+        for share in self.shares:
+            with open_sealed(part_path(self.folder, share), verify=False) as file:
+                rows, names = file["spectrum"][()], file["channels/name"].asstr()[()]
+                rows[:, 0] = [places[names[int(number)]] for number in rows[:, 0]]
+                parts.append(rows)
+        rows = summed_spectra(parts)
+        return {
+            name: (range_of(own[:, 1]), own[:, 2])
+            for name, number in places.items()
+            if len(own := rows[rows[:, 0] == number])
+        }
 
     def of_cases(self, name: str) -> NDArray[Any]:
         """A number or word of each case, by the name of its data set in a part."""
@@ -146,13 +167,18 @@ def read_sweep(folder: Path | str) -> Any:
     for name in _OF_CASES:
         own = {"seconds": {"units": "s", "of": "processor"}, "end_time": time}.get(name, {})
         variables[name] = ("case", columns.of_cases(name), own)
-    coordinates: dict[str, Any] = {"case": np.arange(columns.plan.n_cases), "statistic": list(STATISTICS)}
+    coordinates: dict[str, Any] = {
+        "case": np.arange(columns.plan.n_cases),
+        "statistic": list(columns.statistics),
+    }
     coordinates["channel"] = columns.channels["name"]
     for kind in ("unit", "quantity", "axes", "place"):
         coordinates[kind] = ("channel", columns.channels[kind])
     for path, column in columns.table.columns.items():
         coordinates[path] = ("case", _as_array(column))
     title = {"case_file": str(columns.plan.case_file), "missing": int((variables["status"][1] < 0).sum())}
+    if columns.plan.output.fatigue is not None:
+        title["fatigue"] = columns.plan.output.fatigue.conventions
     return xarray.Dataset(variables, coords=coordinates, attrs=title)
 
 
@@ -168,7 +194,7 @@ def _lazy_statistics(columns: SweepColumns) -> Any:
     indexing = optional_package("xarray.core.indexing", "a data set", "xarray")
 
     class Statistics(backends.BackendArray):
-        shape = (columns.plan.n_cases, len(columns.channels["name"]), len(STATISTICS))
+        shape = (columns.plan.n_cases, len(columns.channels["name"]), len(columns.statistics))
         dtype = np.dtype(np.float64)
 
         def __getitem__(self, key: Any) -> Array:
@@ -177,7 +203,7 @@ def _lazy_statistics(columns: SweepColumns) -> Any:
 
         def _read(self, key: tuple[Any, ...]) -> Array:
             cases, channels, statistics = key
-            numbers = np.arange(len(STATISTICS))[statistics]
+            numbers = np.arange(len(columns.statistics))[statistics]
             if np.ndim(numbers) == 0:
                 return columns.statistic(int(numbers), channels)[cases]
             found = [columns.statistic(int(number), channels)[cases] for number in numbers]

@@ -10,6 +10,7 @@ from supple.errors import SuppleError, SuppleWarning
 from supple.other_processes import one_core
 from supple.storage.sealed_hdf5 import is_whole
 from supple.sweeps.attempts import Attempts
+from supple.sweeps.fatigue_loads import summed_spectra
 from supple.sweeps.isolated_share import isolated_share
 from supple.sweeps.march_cases import NOT_OF_A_CASE, Began, march_cases
 from supple.sweeps.part_file import CaseResult, CaseStatus, Part, part_path, write_part
@@ -67,4 +68,5 @@ def run_cases(folder: Path, cases: Sequence[int], began: Began = _unmarked) -> P
     for each in caught:
         if issubclass(each.category, SuppleWarning):
             words[str(each.message)] = None
-    return Part(results, tuple(words))
+    spectrum = summed_spectra([each.spectrum for each in results])
+    return Part(results, tuple(words), plan.output.statistics, spectrum)

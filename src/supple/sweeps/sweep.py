@@ -16,6 +16,7 @@ from supple.storage.file_errors import file_errors
 from supple.sweeps.attempts import Attempts
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.executors import Executors, Given, LocalProcesses
+from supple.sweeps.fatigue_loads import FatigueLoads
 from supple.sweeps.part_file import whole_parts
 from supple.sweeps.plan import SweepPlan, changed_inputs, make_plan, plan_path, read_plan, write_plan
 from supple.sweeps.run_share import run_share
@@ -35,6 +36,7 @@ def sweep(
     *,
     executor: Executor | None = None,
     keep: str | Sequence[int] = "none",
+    fatigue: FatigueLoads | None = None,
     force: bool = False,
     progress: Progress | None = None,
 ) -> SweepStatus:
@@ -50,6 +52,7 @@ def sweep(
     folder : for the plan, the reduced bodies and the parts of the sweep
     executor : where its tasks run; None: processes of this machine, a core each
     keep : cases whose motion is kept besides their statistics: "none", "all" or their numbers from 0
+    fatigue : damage-equivalent loads that are kept of the cases
     force : begin anew, whatever the folder holds
     progress : called with the finished fraction of the cases
 
@@ -66,7 +69,9 @@ def sweep(
     """
     folder = Path(folder)
     table = table if isinstance(table, CaseTable) else CaseTable(table)
-    output = SweepOutput.model_validate({"keep": keep if isinstance(keep, str) else list(keep)})
+    output = SweepOutput.model_validate(
+        {"keep": keep if isinstance(keep, str) else list(keep), "fatigue": fatigue}
+    )
     plan_sweep(make_plan(Path(case), table, output), folder, force=force)
     return run_sweep(folder, LocalProcesses() if executor is None else Given(executor), progress)
 
@@ -87,7 +92,7 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
                     "elsewhere"
                 )
             return
-        for name in ("parts", "attempts"):
+        for name in ("parts", "attempts", "cases"):
             shutil.rmtree(folder / name, ignore_errors=True)
         write_plan(folder, plan)
 

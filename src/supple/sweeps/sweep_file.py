@@ -28,6 +28,8 @@ from supple.sweeps.case_table import (
     full_factorial,
     sampled,
 )
+from supple.sweeps.channel_statistics import STATISTICS
+from supple.sweeps.fatigue_loads import FatigueLoads
 
 __all__ = ["SweepFile", "SweepOutput", "read_sweep_file"]
 
@@ -46,6 +48,12 @@ class SweepOutput(CheckedTable):
         le=1000,
         description="cases that one task simulates and one file holds; left out: by their number",
     )
+    fatigue: FatigueLoads | None = Field(None, description="damage-equivalent loads of channels")
+
+    @property
+    def statistics(self) -> tuple[str, ...]:
+        """Names of the statistics of a channel."""
+        return STATISTICS + (() if self.fatigue is None else self.fatigue.statistics)
 
 
 class _Sample(CheckedTable):

@@ -57,12 +57,16 @@ const NUMBER = String.raw`[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?`;
 const COMPARED = new RegExp(`^(>=|<=|>|<|=)\\s*(${NUMBER})$`, "i");
 const BETWEEN = new RegExp(`^(${NUMBER})\\s*\\.\\.\\s*(${NUMBER})$`, "i");
 const ALONE = new RegExp(`^${NUMBER}$`, "i");
+// Equal is what reads alike, but for whole numbers.
+const alike = (column, bound) => {
+  const text = shownNumber(bound, 6);
+  return (x) => x === bound || (!column.whole && shownNumber(x, 6) === text);
+};
 const COMPARISONS = {
   ">": (bound) => (x) => x > bound,
   "<": (bound) => (x) => x < bound,
   ">=": (bound) => (x) => x >= bound,
   "<=": (bound) => (x) => x <= bound,
-  "=": (bound) => (x) => x === bound,
 };
 
 // A test of values; undefined where the text means nothing.
@@ -73,8 +77,8 @@ function filterOf(column, text) {
     return (code) => Boolean(passes[code]);
   }
   const compared = COMPARED.exec(text);
-  if (compared) return COMPARISONS[compared[1]](+compared[2]);
+  if (compared) return compared[1] === "=" ? alike(column, +compared[2]) : COMPARISONS[compared[1]](+compared[2]);
   const between = BETWEEN.exec(text);
   if (between) return (x) => x >= +between[1] && x <= +between[2];
-  return ALONE.test(text) ? COMPARISONS["="](+text) : undefined;
+  return ALONE.test(text) ? alike(column, +text) : undefined;
 }

@@ -47,7 +47,7 @@ class Sweep {
     );
     options(choice("measure"), [
       ["NaN", "cumulated cycles"],
-      ...data.exponents.map((m) => [m, `share of the damage, exponent ${m}`]),
+      ...data.exponents.map((m) => [m, `shares of damage, m = ${m}`]),
     ]);
     for (const name of ["channel", "measure"]) choice(name).onchange = () => this.drawSpectrum();
     this.draw();

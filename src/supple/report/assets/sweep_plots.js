@@ -196,7 +196,7 @@ class Spectrum extends Plot {
     const label = unit ? `range of ${name} (${unit})` : `range of ${name}`;
     this.draw(
       {
-        scales: { x: { time: false, range: rangeOf }, y: cycles ? { distr: 3 } : { range: (_, __, high) => [0, 1.05 * high] } },
+        scales: { x: { time: false, distr: 3 }, y: cycles ? { distr: 3 } : { range: (_, __, high) => [0, 1.05 * high] } },
         axes: [axisOf(label, 40), axisOf(cycles ? "cycles of a larger range" : "share of the damage", 68)],
         series: [
           { label },

@@ -1,0 +1,200 @@
+"""The page of a sweep, and the reports of the cases with the most extremes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.arguments import checked_arguments
+from supple.cases.page import coloured_elements
+from supple.integrate import Progress
+from supple.quantities import read_sensors, tracked_places
+from supple.report import (
+    ChannelOfCases,
+    LoadSpectrum,
+    SweepPage,
+    channels_that_fit,
+    write_report,
+    write_sweep_page,
+)
+from supple.report.page import Section
+from supple.results.run_tables import TextTable
+from supple.simulation import simulate
+from supple.storage.file_errors import file_errors
+from supple.sweeps.part_file import CaseStatus
+from supple.sweeps.read_sweep import SweepColumns
+from supple.sweeps.swept_group import swept_case
+
+__all__ = ["Extreme", "sweep_extremes", "write_sweep_report"]
+
+Array = NDArray[np.float64]
+
+_STATES = {CaseStatus.RAN: "ran", CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
+_NOT_RUN = "not run yet"
+_MOST_FAILURES = 20
+_REPORTS = "cases"
+"""Folder of the reports of single cases; a sweep that begins anew removes it."""
+_FIRST = ("maximum", "minimum")
+"""Statistics that the table of cases begins with."""
+
+
+class Extreme(NamedTuple):
+    """The smallest or the largest value of a channel over all cases.
+
+    statistic : "minimum" or "maximum"
+    """
+
+    channel: str
+    statistic: str
+    value: float
+    case: int
+    time: float
+
+
+def sweep_extremes(folder: Path | str) -> list[Extreme]:
+    """The smallest and the largest value of each channel over all cases of a sweep, with case and instant.
+
+    Channels that have one value throughout, such as forces across the plane of a mechanism, have none. Of
+    cases that reach the same value it is the first.
+
+    Raises ResultFileError where the folder holds no sweep.
+    """
+    return list(_extremes(SweepColumns(folder)))
+
+
+def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
+    names, statistics = list(columns.channels["name"]), columns.statistics
+    values = {each: columns.statistic(statistics.index(each)) for each in ("minimum", "maximum")}
+    low = np.where(np.isnan(values["minimum"]), np.inf, values["minimum"]).argmin(axis=0)
+    high = np.where(np.isnan(values["maximum"]), -np.inf, values["maximum"]).argmax(axis=0)
+    places = np.arange(len(names))
+    # False as well where no case has a value.
+    moves = values["minimum"][low, places] < values["maximum"][high, places]
+    for statistic, cases in (("minimum", low), ("maximum", high)):
+        instants = columns.statistic(statistics.index(f"time of {statistic}"))
+        for place in np.flatnonzero(moves).tolist():
+            case = int(cases[place])
+            value = float(values[statistic][case, place])
+            yield Extreme(names[place], statistic, value, case, float(instants[case, place]))
+
+
+@checked_arguments
+def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Progress | None = None) -> Path:
+    """Write `sweep.html` into the folder of a sweep: its cases with plots, extremes and spectra.
+
+    The cases with the most extremes are simulated again, and their reports written beside it, in `cases/`,
+    unless they are there: the extremes lead to all that are.
+
+    Parameters
+    ----------
+    n_reports : cases to be simulated again
+    progress : called with the finished fraction of them
+
+    Raises
+    ------
+    ResultFileError     no sweep in the folder, files that changed, a page that cannot be written
+    """
+    folder = Path(folder)
+    columns = SweepColumns(folder)
+    extremes = Counter(extreme.case for extreme in (_extremes(columns) if n_reports else ()))
+    wanted = extremes.most_common(n_reports)
+    for done, (case, _) in enumerate(wanted):
+        if progress is not None:
+            progress(done / len(wanted))
+        target = folder / _REPORTS / f"{case:05}.html"
+        if not target.exists():
+            varied = "\n".join(f"{path} = {value}" for path, value in columns.table.row(case).items())
+            with file_errors("make the folder", target.parent):
+                target.parent.mkdir(exist_ok=True)
+            _write_case_report(folder, case, target, varied)
+    reports = {int(own.stem): f"{_REPORTS}/{own.name}" for own in sorted((folder / _REPORTS).glob("*.html"))}
+    return write_sweep_page(folder / "sweep.html", _page(columns, reports))
+
+
+def _write_case_report(folder: Path, number: int, target: Path, varied: str) -> None:
+    """Simulate a case again, and write its report."""
+    swept = swept_case(folder, number)
+    case, system = swept.case, swept.system
+    solution = simulate(system, swept.run, check=False)
+    places = {name: case.place(name) for name in case.parts.output.track}
+    write_report(
+        target,
+        system,
+        solution,
+        case.meshes,
+        title=f"{case.title or case.path.stem}, case {number}",
+        tracked=tracked_places(system, solution, places, case.bases),
+        readings=read_sensors(case.sensors, system, solution),
+        elements=coloured_elements(case, system),
+        bases=case.bases,
+        inputs={case.path.name: case.text, "what varies": varied},
+        units=case.units,
+    )
+
+
+def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
+    plan, units = columns.plan, columns.plan.family.case.units
+    status, errors = columns.of_cases("status"), columns.of_cases("estimated_error")
+    results = {
+        "status": [_STATES.get(code, _NOT_RUN) for code in status.tolist()],
+        "seconds of a processor": columns.of_cases("seconds"),
+        **({} if np.isnan(errors).all() else {"estimated error": errors}),
+    }
+    fatigue = plan.output.fatigue
+    names = [*_FIRST, *(name for name in columns.statistics if name not in _FIRST)]
+    n_channels = channels_that_fit(plan.n_cases, len(results) + len(plan.table.columns), len(names))
+    kept = slice(0, n_channels)
+    numbers = {name: columns.statistic(columns.statistics.index(name), kept) for name in names}
+    channels = [
+        ChannelOfCases(name, unit, _of_channel(numbers, place))
+        for place, (name, unit) in enumerate(
+            zip(columns.channels["name"][kept], columns.channels["unit"][kept], strict=True)
+        )
+    ]
+    unit_of = dict(zip(columns.channels["name"], columns.channels["unit"], strict=True))
+    spectra = [LoadSpectrum(name, unit_of[name], *own) for name, own in columns.spectra().items()]
+    return SweepPage(
+        title=f"{plan.family.case.title or plan.case_file.stem}: {plan.n_cases} cases",
+        parameters=plan.table.columns,
+        channels=channels,
+        results=results,
+        spectra=spectra,
+        exponents=() if fatigue is None else fatigue.exponents,
+        sections=[_summary(columns, status, errors, n_channels)],
+        reports=reports,
+        time=units.time,
+    )
+
+
+def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
+    """Statistics of a channel, but those that were asked for other channels."""
+    return {
+        name: own[:, place]
+        for name, own in numbers.items()
+        if not (name.startswith("damage-equivalent") and np.isnan(own[:, place]).all())
+    }
+
+
+def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_channels: int) -> Section:
+    counts = {word: int((status == code).sum()) for code, word in [*_STATES.items(), (-1, _NOT_RUN)]}
+    said = ", ".join(f"{number} {word}" for word, number in counts.items() if number)
+    estimated = int((~np.isnan(errors)).sum())
+    if estimated:
+        error = f"Largest estimated error {np.nanmax(errors):.3g}, of {estimated} of {len(errors)} cases."
+    else:
+        error = "The errors of the cases were not estimated."
+    lines = [f"{len(status)} cases of {columns.plan.case_file.name}: {said}.", error]
+    if columns.plan.output.fatigue is not None:
+        lines.append(f"Fatigue: {columns.plan.output.fatigue.conventions}.")
+    left_out = len(columns.channels["name"]) - n_channels
+    if left_out > 0:
+        lines.append(f"{left_out} channels are not on the page: read_sweep reads all of them.")
+    failed = np.flatnonzero(status > 0)[:_MOST_FAILURES]
+    causes = columns.of_cases("cause") if len(failed) else ()
+    rows = [(str(case), _STATES[CaseStatus(status[case])], causes[case]) for case in failed.tolist()]
+    return Section("Sweep", lines, [TextTable("Cases without results", ("case", "what", "cause"), rows)])

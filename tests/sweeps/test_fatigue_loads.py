@@ -1,0 +1,81 @@
+"""Damage-equivalent loads of the cases of a sweep: those of their histories, kept, read and summed."""
+
+import numpy as np
+import pytest
+from fixtures.swept_pendulum import TABLE
+from pydantic import ValidationError
+from sweeps.test_sweep import Here
+
+from supple.fatigue import Residue, damage_equivalent_load, rainflow
+from supple.sweeps import CaseTable, FatigueLoads, read_sweep, read_sweep_file, sweep
+from supple.sweeps.fatigue_loads import class_of, range_of, summed_spectra
+from supple.sweeps.read_sweep import SweepColumns
+
+LOADS = FatigueLoads(exponents=[4, 10], channels=["joint *"], reference_frequency=2.0, residue="closed")
+NAMES = ["damage-equivalent range, m = 4", "damage-equivalent range, m = 10"]
+
+
+@pytest.fixture
+def swept(pendulum, tmp_path):
+    folder = tmp_path / "out"
+    sweep(pendulum, TABLE, folder, executor=Here(), keep="all", fatigue=LOADS)
+    return folder
+
+
+def test_loads_are_those_of_the_kept_histories(swept):
+    columns, read = SweepColumns(swept), read_sweep(swept)
+    assert list(read.statistic.values[-2:]) == NAMES
+    assert "2 reference cycles a unit of time" in read.attrs["fatigue"]
+    assert "residue as closed" in read.attrs["fatigue"]
+    joint = np.array([name.startswith("joint ") for name in read.channel.values])
+    for case in range(6):
+        cycles = rainflow(columns.motion(case)["channels"], Residue.CLOSED)
+        for name, exponent in zip(NAMES, (4, 10), strict=True):
+            expected = damage_equivalent_load(cycles, exponent, 2.0 * 0.2).ranges
+            found = read.statistics.sel(statistic=name).values[case]
+            assert found[joint] == pytest.approx(expected[joint], rel=1e-12)
+            assert np.isnan(found[~joint]).all()
+    assert joint.sum() >= 3
+
+
+def test_spectra_hold_the_cycles_of_all_cases(swept):
+    columns = SweepColumns(swept)
+    spectra = columns.spectra()
+    assert spectra
+    assert all(name.startswith("joint ") for name in spectra)
+    name, (ranges, counts) = next(iter(spectra.items()))
+    place = list(columns.channels["name"]).index(name)
+    histories = np.stack([columns.motion(case)["channels"][:, place] for case in range(6)], axis=1)
+    cycles = rainflow(histories, Residue.CLOSED)
+    seen = cycles.ranges > 1e-3 * cycles.largest(cycles.ranges)[cycles.channels]
+    assert counts.sum() == cycles.counts[seen].sum()
+    assert np.all(np.diff(ranges) > 0)
+    assert ranges[-1] == pytest.approx(cycles.ranges.max(), rel=0.06)
+
+
+def test_classes_of_ranges():
+    ranges = np.geomspace(1e-7, 1e9, 400)
+    assert np.abs(np.log10(range_of(class_of(ranges)) / ranges)).max() <= 0.5 / 20 + 1e-9
+    rows = np.array([[1, 5, 2.0], [0, -3, 1.0]])
+    assert summed_spectra([rows, rows]).tolist() == [[0, -3, 2.0], [1, 5, 4.0]]
+    assert summed_spectra([]).shape == (0, 3)
+
+
+def test_without_them_nothing_is_added(pendulum, tmp_path):
+    sweep(pendulum, CaseTable({"gravity[2]": [-9.81]}), tmp_path / "out", executor=Here())
+    assert not SweepColumns(tmp_path / "out").spectra()
+    assert "fatigue" not in read_sweep(tmp_path / "out").attrs
+
+
+def test_the_table_of_the_file(pendulum, tmp_path):
+    path = tmp_path / "cases.toml"
+    path.write_text(
+        f'case = "{pendulum.name}"\n[vary]\n"gravity[2]" = [-9.81]\n'
+        '[output.fatigue]\nexponents = [4, 10]\nchannels = ["joint *"]\n'
+        'residue = "closed"\nreference_frequency = 2.0\n'
+    )
+    assert read_sweep_file(path).output.fatigue == LOADS
+    assert read_sweep_file(path).output.statistics[-2:] == tuple(NAMES)
+    for wrong in ({"exponents": []}, {"exponents": [-1]}, {"exponents": [4], "residue": "open"}):
+        with pytest.raises(ValidationError):
+            FatigueLoads.model_validate(wrong)

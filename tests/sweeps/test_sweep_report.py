@@ -1,0 +1,89 @@
+"""The page of a sweep is made of its folder; extremes lead to reports of their cases."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from fixtures.swept_pendulum import TABLE
+from sweeps.test_sweep import Here
+
+from supple.errors import ResultFileError
+from supple.report.packed_arrays import Packing, unpacked
+from supple.sweeps import CaseTable, FatigueLoads, read_sweep, sweep, sweep_extremes, write_sweep_report
+
+
+def shown(path):
+    """Head of the page, and its columns by name."""
+    text = path.read_text(encoding="utf-8")
+    head = json.loads(re.search(r'<script id="head" type="application/json">(.*?)</script>', text).group(1))
+    data = re.search(r'<script id="data" type="text/plain">(.*?)</script>', text).group(1)
+    columns = {}
+    for column in head["sweep"]["columns"]:
+        known = column["values"]
+        values = unpacked(data, Packing(known["start"], tuple(known["shape"]), known["kind"]))
+        words = column["words"]
+        columns[column["label"]] = [words[int(code)] for code in values] if words else values
+    return text, head["sweep"], columns
+
+
+def test_the_page_holds_parameters_statistics_and_spectra(pendulum, tmp_path):
+    folder = tmp_path / "out"
+    sweep(pendulum, TABLE, folder, executor=Here(), fatigue=FatigueLoads(exponents=[4], channels=["joint *"]))
+    text, sweep_data, columns = shown(write_sweep_report(folder))
+    read = read_sweep(folder)
+    assert list(columns["body.bob.rigid.mass"]) == list(read["body.bob.rigid.mass"].values)
+    force = read.statistics.sel(channel="joint hinge.Fx")
+    assert np.array_equal(columns["joint hinge.Fx, maximum (N)"], force.sel(statistic="maximum").values)
+    load = force.sel(statistic="damage-equivalent range, m = 4").values
+    assert np.array_equal(columns["joint hinge.Fx, damage-equivalent range, m = 4 (N)"], load)
+    assert len(sweep_data["spectra"]) >= 1
+    assert sweep_data["exponents"] == [4]
+    assert sweep_data["reports"] == {}
+    assert "6 cases of pendulum.toml: 6 ran." in text
+    assert "residue as half cycles" in text
+
+
+def test_failed_cases_are_named_with_their_cause(pendulum, tmp_path):
+    folder = tmp_path / "out"
+    sweep(pendulum, CaseTable({"body.bob.rigid.mass": [1.0, -1.0]}), folder, executor=Here())
+    text, _, columns = shown(write_sweep_report(folder))
+    assert columns["status"] == ["ran", "failed"]
+    assert "1 ran, 1 failed" in text
+    assert "mass" in re.search(r"<td>1</td><td>failed</td><td>(.*?)</td>", text, re.DOTALL).group(1)
+    assert np.isnan(columns["joint hinge.Fx, maximum (N)"][1])
+
+
+def test_extremes_are_those_of_the_data_set(pendulum, tmp_path):
+    folder = tmp_path / "out"
+    sweep(pendulum, TABLE, folder, executor=Here())
+    read = read_sweep(folder)
+    found = {(each.channel, each.statistic): each for each in sweep_extremes(folder)}
+    assert ("joint hinge.Mx", "maximum") not in found  # zero in every case
+    low, high = (read.statistics.sel(statistic=name).values for name in ("minimum", "maximum"))
+    assert len(found) == 2 * (low.min(axis=0) < high.max(axis=0)).sum()
+    largest = read.statistics.sel(channel="joint hinge.Fx", statistic="maximum").values
+    extreme = found["joint hinge.Fx", "maximum"]
+    assert (extreme.value, extreme.case) == (largest.max(), largest.argmax())
+    times = read.statistics.sel(channel="joint hinge.Fx", statistic="time of maximum").values
+    assert extreme.time == times[extreme.case]
+    with pytest.raises(ResultFileError):
+        sweep_extremes(tmp_path)
+
+
+@pytest.mark.slow
+def test_the_case_with_the_most_extremes_has_a_report(pendulum, tmp_path):
+    folder = tmp_path / "out"
+    sweep(pendulum, TABLE, folder, executor=Here())
+    _, sweep_data, _ = shown(write_sweep_report(folder, n_reports=1))
+    ((case, address),) = sweep_data["reports"].items()
+    assert address == f"cases/{int(case):05}.html"
+    text = (folder / address).read_text(encoding="utf-8")
+    assert f"pendulum let go level, case {case}" in text
+    mass = TABLE.row(int(case))["body.bob.rigid.mass"]
+    assert f"body.bob.rigid.mass = {mass}" in text
+    # A page written later keeps it; a sweep that begins anew does not.
+    _, sweep_data, _ = shown(write_sweep_report(folder))
+    assert sweep_data["reports"] == {case: address}
+    sweep(pendulum, CaseTable({"gravity[2]": [-1.0]}), folder, executor=Here(), force=True)
+    assert not (folder / address).exists()
