@@ -1,5 +1,6 @@
 """The page in a browser: it plays, is picked and scrubbed, shows what the run has, and asks for nothing."""
 
+import base64
 import io
 import json
 import shutil
@@ -236,6 +237,30 @@ def test_deleted_elements_vanish_from_what_can_be_picked(browser, tmp_path):
         for row in range(3)
     ]
     assert seen == [36, 32, 24]
+    # And from the picture: without marks and outlines, from where it stands in full, ever less is drawn.
+    browser.run("const p = report.player; p.view.look('-y'); p.shown.undeformed = p.shown.edges = false")
+    drawn = []
+    for row in range(3):
+        browser.run(f"report.player.seekRow({row}); report.player.draw()")
+        picture = browser.picture()
+        drawn.append(int((picture != picture[0, picture.shape[1] // 2]).any(axis=2).sum()))
+    assert drawn[0] > drawn[1] > drawn[2]
+
+
+def test_the_printed_page_shows_the_picture_as_it_stands(opened):
+    browser, *_ = opened
+    browser.run("report.player.seekRow(20)")
+    printed = browser.driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": False})
+    assert base64.b64decode(printed["data"]).startswith(b"%PDF")
+    source = browser.run("return document.getElementById('still').src")
+    still = np.asarray(Image.open(io.BytesIO(base64.b64decode(source.split(",")[1]))).convert("RGBA"))
+    assert len(np.unique(still.reshape(-1, 4), axis=0)) > 50
+    # It takes the place of the canvas, whose contents browsers do not print.
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    for name, display in (("still", "block"), ("view", "none"), ("controls", "none")):
+        style = f"getComputedStyle(document.getElementById('{name}')).display"
+        assert browser.run(f"return {style}") == display
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
 def test_a_notebook_plays_it_in_a_frame(browser, tmp_path, clamped_blade):

@@ -25,7 +25,7 @@ def page_path(folder: Path) -> Path:
 
 def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
     """What a page draws bodies by: as pictures do, and beams of unknown sections as lines."""
-    return case.meshes | {name: look for name, look in case.drawn.items() if look is not None}
+    return {**case.meshes, **{name: look for name, look in case.drawn.items() if look is not None}}
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
