@@ -89,7 +89,7 @@ def plate(page: Path) -> dict[str, Any]:
         )
         scales = {"deflection": FieldScale("deflection (m)", 1.0, 0.0, body.largest_displacement)}
         low, high = mesh.nodes.min(axis=0), mesh.nodes.max(axis=0)
-        machine = MovingMachine(times, [body], [], [], [], [], scales, low, high, np.array([0.0, 0.0, 1.0]))
+        machine = MovingMachine(times, [body], [], [], [], [], scales, low, high, np.eye(3)[2], 1.0)
         write_page(page, Page("plate", [], machine))
         return body
 

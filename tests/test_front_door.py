@@ -90,11 +90,7 @@ def test_no_name_hides_a_sub_package():
 def test_names_are_listed():
     assert set(sp.__all__) <= set(dir(sp))
     assert len(set(sp.__all__)) == len(sp.__all__)
-<<<<<<< HEAD
     assert 60 <= len(sp.__all__) <= 110  # the names of four methods, of what leaves a run, and of sweeps
-=======
-    assert 60 <= len(sp.__all__) <= 110  # the names of four methods, of what leaves a run, and of many runs
->>>>>>> fatigue
 
 
 def test_type_checkers_see_the_same_names():

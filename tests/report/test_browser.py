@@ -1,5 +1,6 @@
 """The page in a browser: it plays, is picked and scrubbed, shows what the run has, and asks for nothing."""
 
+import base64
 import io
 import json
 import shutil
@@ -11,8 +12,11 @@ from fixtures.moving_machines import MESH, N_TIMES, beam_frame, eroding, two_bod
 from PIL import Image
 
 import supple as sp
+from supple.linearization import CampbellDiagram
 from supple.quantities import deflections, observer_of
-from supple.report import write_report
+from supple.report import write_campbell_report, write_report
+from supple.report.moving_machine import moving_machine
+from supple.report.page import Clip, Page, write_page
 from supple.results import body_surface
 from supple.units import SI
 
@@ -236,6 +240,63 @@ def test_deleted_elements_vanish_from_what_can_be_picked(browser, tmp_path):
         for row in range(3)
     ]
     assert seen == [36, 32, 24]
+    # And from the picture: without marks and outlines, from where it stands in full, ever less is drawn.
+    browser.run("const p = report.player; p.view.look('-y'); p.shown.undeformed = p.shown.edges = false")
+    drawn = []
+    for row in range(3):
+        browser.run(f"report.player.seekRow({row}); report.player.draw()")
+        picture = browser.picture()
+        drawn.append(int((picture != picture[0, picture.shape[1] // 2]).any(axis=2).sum()))
+    assert drawn[0] > drawn[1] > drawn[2]
+
+
+def test_the_printed_page_shows_the_picture_as_it_stands(opened):
+    browser, *_ = opened
+    browser.run("report.player.seekRow(20)")
+    printed = browser.driver.execute_cdp_cmd("Page.printToPDF", {"printBackground": False})
+    assert base64.b64decode(printed["data"]).startswith(b"%PDF")
+    source = browser.run("return document.getElementById('still').src")
+    still = np.asarray(Image.open(io.BytesIO(base64.b64decode(source.split(",")[1]))).convert("RGBA"))
+    assert len(np.unique(still.reshape(-1, 4), axis=0)) > 50
+    # It takes the place of the canvas, whose contents browsers do not print.
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    for name, display in (("still", "block"), ("view", "none"), ("controls", "none")):
+        style = f"getComputedStyle(document.getElementById('{name}')).display"
+        assert browser.run(f"return {style}") == display
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+def test_clips_repeat_and_have_their_own_note(browser, tmp_path, clamped_blade):
+    """As modes do: the last instant leads on to the first, and the place in the period is a phase."""
+    machine = moving_machine(*two_bodies(clamped_blade), {"blade": MESH})
+    clips = [Clip(f"mode {k + 1}", 20 * k, 20, f"{k + 1} Hz, damping 2 %", repeats=True) for k in range(2)]
+    browser.open(write_page(tmp_path / "modes.html", Page("modes", [], machine, clips)))
+    choose = "const c = document.getElementById('clip'); c.value = 1; c.dispatchEvent(new Event('change'))"
+    browser.run(choose)
+    assert browser.run("return document.getElementById('clip-note').textContent") == "2 Hz, damping 2 %"
+    assert browser.run("return report.player.frame.before") == 20
+    browser.run("report.player.seek(0.975 * report.player.length)")
+    frame = browser.run("return report.player.frame")
+    assert (frame["before"], frame["after"]) == (39, 20)
+    assert frame["share"] == pytest.approx(0.5, abs=0.01)
+    assert browser.run("return document.getElementById('now').textContent") == "phase 351\u00b0"
+
+
+def test_curves_of_a_campbell_diagram_are_named_at_the_pointer(browser, tmp_path):
+    rates, lines = np.linspace(0.0, 2.0, 5), np.array([[2.0, 5.0]] * 5) * 2 * np.pi
+    diagram = CampbellDiagram(
+        rates, 1j * lines, np.ones((4, 2)), axes="that turn", names=("flap 1", "edge 1")
+    )
+    browser.open(write_campbell_report(tmp_path / "campbell.html", diagram, units=SI))
+    for name, height in (("flap 1", 2.0), ("edge 1", 5.0)):
+        script = f"""
+            const {{ graph }} = report.curves.charts[0], {{ over }} = graph; over.scrollIntoView();
+            const at = [graph.valToPos(graph.data[0][2], 'x'), graph.valToPos({height}, 'y')];
+            return [over, at[0] - over.clientWidth / 2, at[1] - over.clientHeight / 2]"""
+        over, right, down = browser.run(script)
+        webdriver.ActionChains(browser.driver).move_to_element_with_offset(over, right, down + 3).perform()
+        told = "const tip = report.curves.charts[0].graph.over.querySelector('.tip'); return tip.textContent"
+        browser.wait(f"{told} == '{name}: {height:g}'", seconds=5.0)
 
 
 def test_a_notebook_plays_it_in_a_frame(browser, tmp_path, clamped_blade):

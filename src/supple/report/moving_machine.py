@@ -31,6 +31,8 @@ _SAMPLED = 60
 """Instants at which the extent of the motion is looked at."""
 _LINK_THICKNESS = 0.012
 """Of the machine's extent: of the bars that a rigid body is drawn with."""
+_ARROW_LENGTH = 0.16
+"""Of the machine's extent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,7 @@ class MovingMachine:
 
     times : (t,);   scales : of the fields that colour it, by name, "deflection" among them
     low, high : (3,) corners of all that is seen at any instant;   up : (3,) against gravity, or z
+    arrow_length : of the largest force, moment and contact force
     """
 
     times: Array
@@ -75,6 +78,7 @@ class MovingMachine:
     low: Array
     high: Array
     up: Array
+    arrow_length: float
 
 
 def moving_machine(
@@ -115,8 +119,8 @@ def moving_machine(
     seen += [body.positions(solution.bodies[name].at(rows)).reshape(-1, 3) for name, body in rigid.items()]
     seen += [solution.bodies[name].position[rows] for name in rigid]
     points = np.concatenate(seen)
-    low, high = points.min(axis=0), points.max(axis=0)
-    extent = float(np.linalg.norm(high - low)) or 1.0
+    extent = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
+    reached = np.concatenate([points, *_arrow_tails(arrows, _ARROW_LENGTH * extent, rows)])
     bodies = [
         *elastic,
         *(rigid_links(body, solution.bodies[name], _LINK_THICKNESS * extent) for name, body in rigid.items()),
@@ -134,10 +138,21 @@ def moving_machine(
         arrows,
         list(_obstacles(system, solution, points)),
         _scales(elastic, colourings, units),
-        low,
-        high,
+        reached.min(axis=0),
+        reached.max(axis=0),
         up,
+        _ARROW_LENGTH * extent,
     )
+
+
+def _arrow_tails(arrows: Sequence[Arrow], length: float, rows: IntArray) -> Iterator[Array]:
+    """Where arrows begin (t, 3): each ends at its place, and the largest of its kind has the whole length."""
+    largest: dict[str, float] = {}
+    for arrow in arrows:
+        size = float(np.linalg.norm(arrow.values, axis=1).max(initial=0.0))
+        largest[arrow.kind] = max(size, largest.get(arrow.kind, 0.0))
+    for arrow in arrows:
+        yield arrow.place.points[rows] - length * arrow.values[rows] / (largest[arrow.kind] or 1.0)
 
 
 def _possible(

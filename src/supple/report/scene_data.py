@@ -39,6 +39,7 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
         "middle": middle.tolist(),
         "half": (0.5 * (machine.high - machine.low)).tolist(),
         "up": machine.up.tolist(),
+        "arrowLength": machine.arrow_length,
         "bodies": [_body_data(body, middle, arrays) for body in machine.bodies],
         "joints": [
             {

@@ -55,9 +55,9 @@ def surface_of(body: BodyForm, look: Look | None, motion: Any) -> VisibleSurface
     alive = motion.arrays().get("alive")
     if alive is not None and not np.all(alive):
         return _eroding_surface(body, alive)
-    mesh = look.mesh if isinstance(look, FiniteElementModel) else look
-    if look is None or mesh is None:
+    if look is None:
         return VisibleSurface(SurfacePoints.of_nodes(np.arange(len(body.nodes))), _none(3))
+    mesh = look.mesh if isinstance(look, FiniteElementModel) else look
     has_sections = isinstance(look, FiniteElementModel) and CellType.LINE2 in mesh.cells
     if not (has_sections or any(kind.dimension > 1 for kind in mesh.cells)):
         points, triangles, lines = SurfacePoints.of_nodes(np.arange(mesh.n_nodes)), _none(3), [mesh.links]

@@ -89,6 +89,7 @@ class Marks {
       second: new Place(each.second, block, bodies),
     });
     this.extent = extent;
+    this.arrowLength = scene.arrowLength;
     this.joints = scene.joints.map(placed);
     this.links = scene.links.map(placed);
     this.arrows = scene.arrows.map((each) => ({
@@ -152,7 +153,7 @@ class Marks {
       colour = ARROW_COLOURS[arrow.kind];
     if (!(size > 1e-6 * this.largest[arrow.kind])) return;
     const tip = arrow.place.at(frame, gain).point,
-      length = 0.16 * this.extent * (size / this.largest[arrow.kind]);
+      length = this.arrowLength * (size / this.largest[arrow.kind]);
     const along = value.divideScalar(size),
       tail = tip.clone().addScaledVector(along, -length);
     const across = new Vector3(along.y, along.z, along.x)
