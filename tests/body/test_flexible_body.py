@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pickle
+import sys
 
 import numpy as np
 import pytest
@@ -171,3 +172,18 @@ def test_what_it_holds_is_read_only(body):
         body.interface("tip").node_ids,
     ):
         assert not array.flags.writeable
+
+
+def test_frequencies_are_those_of_the_modes_and_are_sought_once(body, monkeypatch):
+    """Held and in mean axes apart; more than were found are sought anew; a copy knows none."""
+    held, mean = (frame.constraint(body) for frame in (NodalFixedFrame("root"), MeanAxisFrame()))
+    expected = np.sqrt(body.lowest_modes(4, held).values)
+    in_mean_axes = body.lowest_frequencies(4, mean)
+    assert abs(in_mean_axes / expected - 1).min() > 0.1
+    np.testing.assert_allclose(body.lowest_frequencies(6, held)[:4], expected, rtol=1e-9)
+    copy = pickle.loads(pickle.dumps(body))
+    monkeypatch.setattr(sys.modules["supple.body.flexible_body"], "lowest_modes", None)
+    np.testing.assert_allclose(body.lowest_frequencies(2, held), expected[:2], rtol=1e-9)
+    np.testing.assert_array_equal(body.lowest_frequencies(4, mean), in_mean_axes)
+    with pytest.raises(TypeError):
+        copy.lowest_frequencies(2, held)

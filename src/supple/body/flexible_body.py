@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from supple.algebra import ConstrainedFactor, Eigenpairs, GroundedFactor, constrained_factor, lowest_modes
+from supple.algebra.constraint_rows import constraint_rows
 from supple.body.checks import checked_grounded_stiffness
 from supple.body.interface import BodyInterface, interface_named
 from supple.body.internal_force import LinearForce, QuadraticStrainForce
@@ -137,10 +139,33 @@ class FlexibleBody(Summarized):
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
         """The lowest modes on D q = 0, D (m, n), proven complete; of the free body without D."""
-        return lowest_modes(
-            self.stiffness, self.mass, n_modes, constraint=constraint, grounded=self.grounded_stiffness
+        rows = constraint_rows(constraint, self.n)
+        found = lowest_modes(
+            self.stiffness, self.mass, n_modes, constraint=rows, grounded=self.grounded_stiffness
         )
+        known, held = self._known_values, _digest(rows)
+        known[held] = max(known.get(held, found.values), found.values, key=len)
+        return found
+
+    def lowest_frequencies(
+        self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None
+    ) -> NDArray[np.float64]:
+        """Those of the modes, (n_modes,), rad/s: of modes found before, where these are enough."""
+        values = self._known_values.get(_digest(constraint_rows(constraint, self.n)), np.zeros(0))
+        if len(values) < n_modes:
+            values = self.lowest_modes(n_modes, constraint).values
+        return np.sqrt(np.maximum(values[:n_modes], 0.0))
+
+    @cached_property
+    def _known_values(self) -> dict[bytes, NDArray[np.float64]]:
+        """By the rows that constrain them: the eigenvalues that were found."""
+        return {}
 
     def __getstate__(self) -> dict[str, Any]:
         # Factors live in the memory of a solver library and cannot travel between processes: made anew.
-        return {key: value for key, value in self.__dict__.items() if key != "grounded_stiffness"}
+        made_anew = ("grounded_stiffness", "_known_values")
+        return {key: value for key, value in self.__dict__.items() if key not in made_anew}
+
+
+def _digest(rows: NDArray[np.float64]) -> bytes:
+    return sha256(rows.tobytes()).digest()

@@ -128,7 +128,7 @@ class FullBody(FloatingForm):
     def lowest_frequency(self) -> float:
         """Of the undeformed body fixed in its frame, rad/s."""
         constraint = self.frame.constraint(self.body)
-        return float(np.sqrt(self.body.lowest_modes(1, constraint).values[0]))
+        return float(self.body.lowest_frequencies(1, constraint)[0])
 
     @property
     def rotation_limit(self) -> float:

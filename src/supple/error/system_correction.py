@@ -228,12 +228,14 @@ def _enriched(
         quantity = problem.target(name).quantity(name)
         # The indicator is a length; in other quantities the limit is the same share of the displacement.
         size = quantity.size(model.system, run.solution)
-        share = allowed[name] / size if size else 0.0
+        moved = size
+        if not isinstance(quantity, WholeBody):
+            moved = WholeBody(name).size(model.system, run.solution)
         found[name] = MissedMotion(
             float(estimate.corrections[name].rms.max()),
             enriched.singular_values,
             _error(quantity, name, run, estimate),
-            estimate.error.bodies[name].is_doubtful(share * WholeBody(name).size(model.system, run.solution)),
+            estimate.error.bodies[name].is_doubtful(allowed[name] / size * moved if size else 0.0),
         )
     besides: Mapping[str, float] = {}
     if all(found[name].error <= error for name, error in allowed.items()):  # it may be the last

@@ -58,7 +58,7 @@ def quantity_distance(
     for rows in blocks_of_times(len(solution.times)):
         found = quantity.at_points(system, solution.at(rows))
         apart = found - quantity.at_points(other_system, other.at(rows))
-        largest = max(largest, float(np.mean(np.sum(apart**2, axis=2), axis=1).max()))
+        largest = max(largest, float(np.mean(_squares(apart), axis=1).max()))
     return float(np.sqrt(largest))
 
 
@@ -102,11 +102,21 @@ def largest_displacement(
         displaced = body.expand(coordinates[rows])[:, nodes]
         if body.interfaces:
             base = body.interfaces[0]
-            moved = coordinates[rows] @ base.motion.T
-            turned = np.cross(moved[:, None, 3:], body.nodes[nodes] - base.position)
-            displaced = displaced - moved[:, None, :3] - turned
-        sizes.append(np.linalg.norm(displaced, axis=2).max())
+            fields = _rigid_fields(body.nodes[nodes] - base.position)
+            displaced = displaced - np.tensordot(coordinates[rows] @ base.motion.T, fields, axes=1)
+        sizes.append(np.sqrt(_squares(displaced).max()))
     return float(max(sizes))
+
+
+def _rigid_fields(arms: Array) -> Array:
+    """Displacements (6, k, 3) at places (k, 3) by unit translations, then by small rotations."""
+    axes = np.eye(3)[:, None]
+    return np.concatenate([np.broadcast_to(axes, (3, *arms.shape)), np.cross(axes, arms)])
+
+
+def _squares(vectors: Array) -> Array:
+    """Squared lengths (t, k) of vectors (t, k, c)."""
+    return np.einsum("tkc,tkc->tk", vectors, vectors)
 
 
 def blocks_of_times(n: int) -> list[slice]:

@@ -17,7 +17,7 @@ from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities.force_sensors import joint_loads, joint_meanings
 from supple.quantities.stress_history import largest_stress
 from supple.quantities.tracked_motion import TrackedMotion
-from supple.reduction import Locking, ReducedBody, body_modes, clamped_modes
+from supple.reduction import Locking, ReducedBody, clamped_modes
 from supple.results.explicit_fields import largest_part_stress
 from supple.results.explicit_numbers import march_numbers, part_numbers
 from supple.results.run_start import start_numbers
@@ -147,9 +147,8 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
         in_frame = body.frequencies[:N_FREQUENCIES]
         held = {name: modes.frequencies for name, modes in clamped.items()}
     else:
-        own, constraint = full.body, full.frame.constraint(full.body)
-        in_frame = body_modes(own, constraint, n_modes=N_FREQUENCIES).frequencies
-        held = {i.name: body_modes(own, i.motion, n_modes=N_FREQUENCIES).frequencies for i in full.interfaces}
+        in_frame = _lowest(full, full.frame.constraint(full.body))
+        held = {i.name: _lowest(full, i.motion) for i in full.interfaces}
     proven, hertz = body.report.certificate, units.frequency_shown.unit
     locking = body.report.locking
     return {
@@ -169,6 +168,11 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
         **({} if locking is None else {"locking": _locking_numbers(locking)}),
         "seconds": dict(body.report.seconds),
     }
+
+
+def _lowest(full: FullBody, constraint: Any) -> np.ndarray:
+    """Frequencies of the whole body, rad/s; fewer where it has no more."""
+    return full.body.lowest_frequencies(min(N_FREQUENCIES, full.body.n - constraint.shape[0]), constraint)
 
 
 def _numbers_of_intrinsic(body: IntrinsicBody, units: UnitSystem, _: Any) -> dict[str, Any]:

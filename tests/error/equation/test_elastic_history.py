@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from error.equation.machines import soft_strip
+from scipy.linalg import eigh
 
 from supple.error.equation import elastic_history
 from supple.error.equation.elastic_history import (
@@ -54,6 +55,22 @@ def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
         size = np.abs(whole).max()
         np.testing.assert_allclose(told, whole, atol=1e-5 * size)
         np.testing.assert_allclose(told - material, geometric, atol=1e-5 * size)
+
+
+def test_fewer_instants_are_taken_where_they_give_the_tangents_of_all(along):
+    """Of less deformation: in no direction more than a thousandth of the stiffness at rest is missed."""
+    body, motion, onto, coordinates, _ = along
+    onto = onto - body.rigid_modes @ np.linalg.lstsq(body.rigid_modes, onto, rcond=None)[0]
+    stiffness = onto.T @ (body.stiffness @ onto)
+    sizes = []
+    for scale in (1.0, 0.03, 1e-6):
+        tangents = tangent_history(body, motion, scale * coordinates, onto)
+        sizes.append(len(tangents.whole))
+        for row in range(1, N_STEPS, 5):
+            exact = onto.T @ (body.assembly.tangent(scale * motion @ coordinates[row]) @ onto) - stiffness
+            missed = np.tensordot(tangents.weights[row], tangents.whole, axes=1) - exact
+            assert np.abs(eigh(missed, stiffness, eigvals_only=True)).max() < 1e-3
+    assert sizes[2] == elastic_history.AT_ONCE < sizes[0]
 
 
 def test_the_force_of_strain_rates_is_that_of_the_elements(along):

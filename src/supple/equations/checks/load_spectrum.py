@@ -200,7 +200,7 @@ def _frequencies(body: FlexibleBody, frame: Frame, band: float, at_least: int) -
     most = min(body.n - len(constraint), MOST_MODES)
     n = min(at_least, most)
     while True:
-        found = np.sqrt(body.lowest_modes(n, constraint).values)
+        found = body.lowest_frequencies(n, constraint)
         if found[-1] > band or n == most:
             return found
         n = min(2 * n, most)

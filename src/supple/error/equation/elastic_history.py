@@ -33,6 +33,10 @@ SMALLEST_RATE = 3e-3
 """The same of what strain rates add: of damping, which is a few hundredths of stiffness; ten times as much
 changes estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
+AT_ONCE = 8
+"""Instants whose tangents show whether those before already give them."""
+PROVEN = 1e-4
+"""Of the stiffness at rest, in any direction: what tangents from the instants before may miss of the next."""
 FACTOR_ROWS = 256
 
 
@@ -140,7 +144,8 @@ def tangent_history(
 ) -> TangentHistory:
     """Tangents along q = X g(t) from those at a few instants, chosen so that all others follow from them.
 
-    The monomials (g, g g) of the run are factored with column pivoting, which picks the instants.
+    The monomials (g, g g) of the run are factored with column pivoting, which picks the instants, those that
+    differ most from all before first. Where the next ones follow from those before, the others do.
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     material : bool     whether the part through the strains is wanted as well, as damping by their rate does
@@ -154,17 +159,41 @@ def tangent_history(
     monomials = np.hstack([g, pair_products(g, g)])
     chosen = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
     at_rest = _projected(body.stiffness, onto)
+    unit = _unit_stiffness(at_rest)
+    through_strains, whole = np.zeros((0, k, k)), np.zeros((0, k, k))
+    for start in range(0, len(chosen), AT_ONCE):
+        instants = chosen[start : start + AT_ONCE]
+        of_strains, more = _gained_at(body, motion @ coordinates[instants].T, onto, at_rest, material)
+        through_strains = np.concatenate([through_strains, of_strains])
+        foreseen = weights_of_instants(monomials, chosen[:start], monomials[instants])
+        missed = unit.T @ (more - np.tensordot(foreseen, whole, axes=1)) @ unit
+        whole = np.concatenate([whole, more])
+        if np.linalg.norm(missed, axis=(1, 2)).max() <= PROVEN:
+            break
+    weights = weights_of_instants(monomials, chosen[: len(whole)], monomials)
+    return TangentHistory(whole, through_strains, weights)
+
+
+def _gained_at(
+    body: FlexibleBody, q: Array, onto: Array, at_rest: Array, material: bool
+) -> tuple[Array, Array]:
+    """What tangents gain at coordinates q (n, c): through the strains, if that is wanted, and as a whole."""
     through_strains, whole = [], []
-    for i in chosen:
-        q = motion @ coordinates[i]
+    for at in q.T:
         if not material:
-            whole.append(_projected(body.assembly.tangent(q), onto) - at_rest)
+            whole.append(_projected(body.assembly.tangent(at), onto) - at_rest)
             continue
-        of_strains, of_stress = (_projected(part, onto) for part in body.assembly.tangent_parts(q))
+        of_strains, of_stress = (_projected(part, onto) for part in body.assembly.tangent_parts(at))
         through_strains.append(of_strains - at_rest)
         whole.append(of_strains + of_stress - at_rest)
-    weights = weights_of_instants(monomials, chosen, monomials)
-    return TangentHistory(np.array(whole), np.reshape(through_strains, (-1, k, k)), weights)
+    return np.reshape(through_strains, (-1, *at_rest.shape)), np.array(whole)
+
+
+def _unit_stiffness(stiffness: Array) -> Array:
+    """Columns (k, k) to which a stiffness is the unit matrix; zero where it has none."""
+    values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
+    stiff = values > np.finfo(float).eps * len(values) * values[-1]
+    return vectors * np.where(stiff, 1 / np.sqrt(np.where(stiff, values, 1.0)), 0.0)
 
 
 @dataclass(frozen=True, eq=False)
