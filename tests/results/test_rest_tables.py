@@ -28,6 +28,7 @@ def test_a_state_is_listed_by_place_axis_and_value():
                 "last deflection": np.array([0.0, 0.0, -0.25]),
             },
             "hub.axle": {"seen from": "", "elastic": False, "last position": np.array([0.0, 2.0, 0.0])},
+            "hub.pin": {"seen from": "", "elastic": False, "last position": np.array([-2e-20, 0.0, 0.0])},
         },
     }
     _, joints, positions, deflections = rest_tables(numbers)
@@ -39,6 +40,7 @@ def test_a_state_is_listed_by_place_axis_and_value():
     ]
     assert positions.heads == ("place", "global axis", "position, m")
     assert positions.rows[2:4] == [["", "z", "-0.5"], ["hub.axle", "x", "0"]]
+    assert positions.rows[6] == ["hub.pin", "x", "0"]  # beside places of 2 m
     assert deflections.heads == ("place", "seen from", "axis", "deflection, m")
     assert deflections.rows == [["bar.tip", "bar.root", "x", "0"], ["", "", "y", "0"], ["", "", "z", "-0.25"]]
     words = " ".join(word for table in rest_tables(numbers) for word in (table.title, *table.heads))

@@ -38,11 +38,12 @@ def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
 def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
     """Where tracked places are, along global axes, and how far those of elastic bodies are deflected."""
     length, places = numbers["units"].get("length", ""), numbers["tracked"]
+    everywhere = [place["last position"] for place in places.values()]
     positions, deflections = [], []
     for name, place in places.items():
-        positions += _by_axis([name], without_noise(place["last position"]))
+        positions += _by_axis([name], without_noise(place["last position"], like=everywhere))
         if place["elastic"]:
-            moved = without_noise(place["last deflection"], like=place["last position"])
+            moved = without_noise(place["last deflection"], like=everywhere)
             deflections += _by_axis([name, place["seen from"]], moved)
     return [
         TextTable("Positions", ("place", "global axis", headed("position", length)), positions),
@@ -79,7 +80,7 @@ def rest_error_table(numbers: Mapping[str, Any]) -> TextTable:
     ]
     heads = (
         *("error of", headed("RMS over nodes", length), headed("worst node", length)),
-        *(headed("largest displacement", length), "worst, %", "strain, %", "second sweep / first"),
+        *(headed("of displacements up to", length), "worst, %", "strain, %", "second sweep / first"),
     )
     return TextTable("Error of the basis at rest", heads, rows)
 

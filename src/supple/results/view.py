@@ -8,6 +8,7 @@ import numpy as np
 
 from supple.errors import ModelError
 from supple.results.camera import Camera
+from supple.units import plain_number
 
 __all__ = ["View", "enlarged_words"]
 
@@ -37,4 +38,6 @@ AS_IT_IS = View()
 
 def enlarged_words(factor: float) -> str:
     """Such as "deflection enlarged 75.1 times"."""
-    return "deflection true to scale" if factor == 1.0 else f"deflection enlarged {factor:.3g} times"
+    return (
+        "deflection true to scale" if factor == 1.0 else f"deflection enlarged {plain_number(factor)} times"
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
@@ -29,8 +29,10 @@ Array = NDArray[np.float64]
 Array8 = NDArray[np.uint8]
 
 _PIXELS_PER_INCH = 100
-_BAR_PIXELS = 72
-"""Height of the strip with the colour bar, its numbers and its label."""
+_STRIP = 72
+"""Pixels below the page: the axis cross, the colour bar with its numbers and its label, the length bar."""
+_LINE = 16
+"""Pixels of a line of text, above the page."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,29 +71,31 @@ class Stage:
         self._scale = ScalarMappable(cmap=colormaps[COLOUR_MAP].with_extremes(bad=SURFACE_COLOUR))
         if moving.values is not None:
             self._scale.set_norm(Normalize(np.nanmin(moving.values), np.nanmax(moving.values)))
-        self._figure, self._axes = _sheet(page, self._scale, label)
-        self._canvas = FigureCanvasAgg(self._figure)
-        carry(self._axes, page)
-        self._image = _Pixels(self._figure.bbox.height - page.n_rows)
-        self._axes.add_artist(self._image)
-        self._glyphs = None if moving.glyphs is None else DrawnGlyphs(self._axes, moving.glyphs, camera)
+        lines = max(len(text.splitlines()) for text in (caption, moving.clock(0)))
+        self._sheet = _sheet(page, _LINE * lines + _LINE // 2)
+        self._canvas = FigureCanvasAgg(self._sheet.figure)
+        self._image = _Pixels()
+        axes = self._sheet.page
+        axes.add_artist(self._image)
+        self._glyphs = None if moving.glyphs is None else DrawnGlyphs(axes, moving.glyphs, camera)
         if undeformed is not None and moving.skin is not None:
-            draw_outline(self._axes, undeformed, moving.skin, camera)
-        draw_cross(self._axes, camera)
-        draw_length_bar(self._axes, page, units)
-        corner: dict[str, Any] = {"transform": self._axes.transAxes, "va": "top"}
-        self._axes.text(0.02, 0.97, caption, ha="left", **corner)
-        self._clock = self._axes.text(0.98, 0.97, "", ha="right", **corner)
+            draw_outline(axes, undeformed, moving.skin, camera)
+        self._sheet.below(page, camera, self._scale, label, units)
+        self._sheet.head.text(0.02, 0.9, caption, ha="left", va="top")
+        self._clock = self._sheet.head.text(0.98, 0.9, "", ha="right", va="top")
         self._gone = camera.project(moving.paths)[0]
         self._paths = [
-            self._axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0]
+            axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0]
             for _ in range(self._gone.shape[1])
         ]
-        # What does not move, the bar and its numbers, is drawn once.
-        self._axes.set_visible(False)
+        # What does not move is drawn once.
+        self._moving_axes = self._sheet.page, self._sheet.head
+        for each in self._moving_axes:
+            each.set_visible(False)
         self._canvas.draw()
-        self._axes.set_visible(True)
-        self._still = self._canvas.copy_from_bbox(self._figure.bbox)
+        for each in self._moving_axes:
+            each.set_visible(True)
+        self._still = self._canvas.copy_from_bbox(self._sheet.figure.bbox)
 
     def frame(self, number: int) -> Array8:
         """The pixels (rows, columns, 3) of a frame."""
@@ -113,7 +117,8 @@ class Stage:
         for k, line in enumerate(self._paths):
             line.set_data(*self._gone[: moving.reached[number], k].T)
         self._canvas.restore_region(self._still)
-        self._axes.draw(self._canvas.get_renderer())
+        for each in self._moving_axes:
+            each.draw(self._canvas.get_renderer())
         return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
 
@@ -122,9 +127,8 @@ class _Pixels(Artist):
 
     zorder = 2.0
 
-    def __init__(self, bottom: float) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._bottom = round(bottom)
         self.rows: Array8 | None = None
         """(rows, columns, 4), from the bottom row"""
 
@@ -133,19 +137,37 @@ class _Pixels(Artist):
         if self.rows is None:
             return
         context = renderer.new_gc()
-        renderer.draw_image(context, 0, self._bottom, self.rows)
+        renderer.draw_image(context, 0, _STRIP, self.rows)
         context.restore()
 
 
-def _sheet(page: Page, scale: ScalarMappable, label: str) -> tuple[Figure, Axes]:
-    """Axes as large as the page, pixel for pixel, over a bar of the colours where they have a label."""
-    bar = _BAR_PIXELS if label else 0
-    n_rows = page.n_rows + bar
-    figure = Figure(
-        figsize=(page.n_columns / _PIXELS_PER_INCH, n_rows / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH
-    )
-    axes = figure.add_axes((0.0, bar / n_rows, 1.0, page.n_rows / n_rows))
-    if label:
-        rim = figure.add_axes((0.25, 0.72 * bar / n_rows, 0.5, 0.16 * bar / n_rows))
-        figure.colorbar(scale, cax=rim, orientation="horizontal", label=label)
-    return figure, axes
+class _Sheet(NamedTuple):
+    """A figure with axes as large as the page, pixel for pixel, a head above and a strip below."""
+
+    figure: Figure
+    page: Axes
+    head: Axes
+    strip: Axes
+
+    def below(self, page: Page, camera: Camera, scale: ScalarMappable, label: str, units: UnitSystem) -> None:
+        """The axis cross, the length bar, and the bar of the colours where they have a label."""
+        high = np.array([page.high[0], page.low[1]])
+        strip = Page(page.low - np.array([0.0, _STRIP * page.pixel]), high, page.n_columns)
+        carry(self.strip, strip)
+        draw_cross(self.strip, camera)
+        draw_length_bar(self.strip, strip, units)
+        if label:
+            rim = self.strip.inset_axes((0.25, 0.72, 0.5, 0.16))
+            self.figure.colorbar(scale, cax=rim, orientation="horizontal", label=label)
+
+
+def _sheet(page: Page, head: int) -> _Sheet:
+    """Head : pixels of the head."""
+    n_rows = page.n_rows + head + _STRIP
+    size = page.n_columns / _PIXELS_PER_INCH, n_rows / _PIXELS_PER_INCH
+    figure = Figure(figsize=size, dpi=_PIXELS_PER_INCH)
+    shown = figure.add_axes((0.0, _STRIP / n_rows, 1.0, page.n_rows / n_rows))
+    carry(shown, page)
+    top = figure.add_axes((0.0, 1.0 - head / n_rows, 1.0, head / n_rows))
+    top.set_axis_off()
+    return _Sheet(figure, shown, top, figure.add_axes((0.0, 0.0, 1.0, _STRIP / n_rows)))

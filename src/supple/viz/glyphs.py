@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from numpy.typing import NDArray
 
@@ -163,16 +164,15 @@ class DrawnGlyphs:
         for drawn, places in zip(self._marks, self._places, strict=True):
             drawn.set_offsets(places[instant])
 
-    def legend(self, axes: Axes) -> Legend | None:
-        """What each mark means, once a kind, under the axes; none without marks."""
+    def legend(self, figure: Figure) -> Legend | None:
+        """What each mark means, once a kind, at the foot of a figure; none without marks."""
         if not self._marks:
             return None
         first = {style.name: drawn for style, drawn in zip(self._styles, self._marks, strict=True)}
-        return axes.legend(
+        return figure.legend(
             list(first.values()),
             list(first),
-            loc="upper center",
-            bbox_to_anchor=(0.5, 0.0),
+            loc="outside lower center",
             ncols=min(4, len(first)),
             columnspacing=1.4,
             handletextpad=0.4,

@@ -38,6 +38,10 @@ __all__ = ["NodalField", "displacement_magnitude", "plot_mesh"]
 Array = NDArray[np.float64]
 
 N_COLUMNS = 1260
+BAR_GAP = 0.15
+"""Inch between a picture and its colour bar."""
+_CORNER = 0.1
+"""Side of the axis cross, as a share of the width of a picture."""
 _ARROW = {
     "arrowstyle": "-|>",
     "mutation_scale": 6.0,
@@ -128,7 +132,8 @@ def draw_surface(
     seen = [nodes, rest] if glyphs is None else [nodes, rest, glyphs.points[0]]
     camera = camera or Camera.three_quarter(np.concatenate(seen[1:]))
     margin = 0.04 if glyphs is None else 0.08  # marks reach beyond their places
-    page = page_around(camera.project(np.concatenate(seen))[0], N_COLUMNS, margin=margin)
+    plane = camera.project(np.concatenate(seen))[0]
+    page = _with_free_corners(page_around(plane, N_COLUMNS, margin=margin), plane)
     height = TEXT_WIDTH * page.n_rows / page.n_columns
     marked = glyphs is not None and bool(glyphs.marks)
     figure = new_figure(height + 0.7 * (colour_by is not None) + 0.3 * bool(title) + 0.3 * marked)
@@ -139,7 +144,10 @@ def draw_surface(
         values = checked_values(colour_by, len(nodes))
         if scale is None:
             colours.set_norm(Normalize(np.nanmin(values), np.nanmax(values)))
-        figure.colorbar(colours, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30)
+        pad = BAR_GAP / height
+        figure.colorbar(
+            colours, ax=axes, location="bottom", label=colour_by.label, shrink=0.5, aspect=30, pad=pad
+        )
     picture = np.zeros((page.n_rows, page.n_columns, 4))
     if skin is not None:
         picture = render(
@@ -149,11 +157,20 @@ def draw_surface(
             draw_outline(axes, undeformed, skin, camera)
     show(axes, picture, page)
     if glyphs is not None:
-        DrawnGlyphs(axes, glyphs, camera).legend(axes)
+        DrawnGlyphs(axes, glyphs, camera).legend(figure)
     draw_cross(axes, camera)
     draw_length_bar(axes, page, units)
     axes.set_title(title)
     return figure, axes, camera
+
+
+def _with_free_corners(page: Page, plane: Array) -> Page:
+    """The page, with a strip below for axis cross and length bar where points (n, 2) lie in their corners."""
+    width = page.high[0] - page.low[0]
+    right, up = ((plane - page.low) / width).T
+    if not np.any((up < _CORNER) & ((right < _CORNER) | (right > 1.0 - 2.0 * _CORNER))):
+        return page
+    return Page(page.low - np.array([0.0, _CORNER * width]), page.high, page.n_columns)
 
 
 def check_nodes(nodes: Array, skin: Skin) -> None:

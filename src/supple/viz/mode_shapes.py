@@ -15,7 +15,7 @@ from supple.mesh.skin import Skin
 from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, measured, plain_number
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
-from supple.viz.mesh_plot import check_nodes, draw_cross, draw_outline
+from supple.viz.mesh_plot import BAR_GAP, check_nodes, draw_cross, draw_outline
 from supple.viz.shaded_surface import page_around, render, show
 from supple.viz.style import COLOUR_MAP, TEXT_WIDTH, new_figure, save_figure, textbook_style
 
@@ -83,7 +83,8 @@ def plot_mode_shapes(
     page = page_around(everything, round(cell * _PIXELS_PER_INCH), margin=margin, least_aspect=0.2)
     colours = ScalarMappable(Normalize(0.0, 1.0), COLOUR_MAP)
     with textbook_style():
-        figure = new_figure(n_rows * (cell * page.n_rows / page.n_columns + 0.22) + 0.9)
+        height = n_rows * (cell * page.n_rows / page.n_columns + 0.22)
+        figure = new_figure(height + 0.9)
         grid = figure.subplots(n_rows, n_columns, squeeze=False).ravel()
         for i, (axes, shape, name) in enumerate(zip(grid, shapes, titles, strict=False)):
             picture = render(
@@ -101,7 +102,9 @@ def plot_mode_shapes(
             axes.set_title(name, fontsize=8.5, pad=2.0)
         for axes in grid[len(modes) :]:
             axes.set_axis_off()
-        draw_cross(grid[0], camera)
+        corner = figure.add_axes((0.0, 0.0, 1.0, 1.0), zorder=-1.0)
+        corner.set_axis_off()
+        draw_cross(corner, camera)
         figure.colorbar(
             colours,
             ax=list(grid),
@@ -109,6 +112,7 @@ def plot_mode_shapes(
             label="displacement, share of the largest",
             shrink=0.4,
             aspect=30,
+            pad=BAR_GAP / height,
         )
         drawn = f"largest displacement drawn as {100 * amplitude:.3g} % of the size"
         figure.suptitle(f"{title}; {drawn}" if title else drawn, fontsize=9.0)
