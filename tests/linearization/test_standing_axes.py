@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from supple.body import MeanAxisFrame, NodalFixedFrame, RigidBody, RigidInterface, flexible_body
-from supple.errors import ModelError
+from supple.errors import BasisWarning, ModelError
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import (
     TranslationPort,
@@ -17,6 +18,7 @@ from supple.linearization import (
     linearize,
     machine_modes,
     mode_names,
+    standing_axes,
     state_space,
     whirl,
 )
@@ -34,10 +36,12 @@ from supple.machine import (
     TorsionSpringDamper,
 )
 from supple.mesh import CellType, cylinder, strip
-from supple.reduction import CraigBampton, NoDerivatives, NoLoads, reduce
+from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
 from supple_benchmarks.validation.rotors import LALANNE, lalanne_frequencies, lalanne_rotor, rotor_body
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+PITCH = Rotation.from_rotvec([0.3, 0, 0]).as_matrix()
+"""Of a blade about its own axis: bending across the plane of the rotor and in it go together."""
 
 
 def bearings(name, stiffness, damping=(0.0, 0.0)):
@@ -139,6 +143,64 @@ def test_lalannes_rotor_by_the_machine_itself():
         assert nearest == pytest.approx(published, rel=2e-3)
 
 
+@pytest.mark.slow
+def test_the_error_of_a_rotor_on_unlike_bearings_is_that_of_its_basis():
+    """All coordinates in fixed axes, which share nothing with multi-blade ones or turned shapes."""
+    body = rotor_body(lalanne_rotor(), 0.05, {"left": 0.0, "right": 1.3}).linearized()
+    reduced = reduce(body, MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives(), loads=NoLoads)
+    machine = System([reduced], loads=bearings(reduced.name, (5e7, 7e7), (5e2, 7e2)))
+    linear = linearize(machine, spin=Spin(25_000 * np.pi / 30, X))
+    with pytest.warns(BasisWarning, match="are missing"):
+        modes = machine_modes(linear, 8)
+    error, exact = modes.error, lalanne_frequencies(MeanAxisFrame())
+    found = np.array([*error.eigenvalues, *error.missed]).imag / (2 * np.pi)
+    assert len(error.missed) == 1
+    assert np.max(np.min(abs(exact[:7, None] - found), axis=1) / exact[:7]) < 1e-5
+    off = abs(modes.eigenvalues - error.eigenvalues)[1:] / abs(error.eigenvalues[1:])
+    assert error.relative[1:] == pytest.approx(off)
+    assert error.relative.max() > 0.1
+
+
+@pytest.mark.slow
+def test_the_error_of_blades_on_a_tower_is_that_of_their_basis():
+    """The same blades with all their coordinates as a basis, in the same axes."""
+    model = shell_model(strip(1.0, 0.1, 3, 2), HomogeneousSection(Isotropic(2e9, 0.3, 2000.0), 0.02))
+    angles = 2 * np.pi * np.arange(3) / 3
+    points = {f"h{i}": 0.1 * np.array([np.cos(a), np.sin(a), 0]) for i, a in enumerate(angles)}
+    still = np.zeros(3), np.eye(3)
+
+    def machine(basis):
+        bodies = [
+            RigidBody("nacelle", 3.0, *still, {"c": np.zeros(3)}),
+            RigidBody("hub", 1.0, *still, {"c": np.zeros(3), **points}),
+        ]
+        joints = [
+            PrescribedRotation(
+                first="nacelle.c", second="hub.c", axis=Z, angle=ConstantRate(1.0), name="drive"
+            )
+        ]
+        for i, angle in enumerate(angles):
+            elastic = flexible_body(f"blade{i}", model, [RigidInterface("root", "root")]).linearized()
+            own = reduce(elastic, NodalFixedFrame("root"), basis, derivatives=NoDerivatives(), loads=NoLoads)
+            turned = Rotation.from_rotvec([0, 0, angle]).as_matrix() @ PITCH
+            bodies.append(Placed(own, position=points[f"h{i}"], rotation=turned))
+            joints.append(Fixed(first=f"hub.h{i}", second=f"blade{i}.root", name=f"fit{i}"))
+        tower = Bushing(first="ground", second="nacelle.c", stiffness=(4e3, 9e3, 2e4, 3e3, 2e3, 4e3))
+        return System(bodies, joints, [tower])
+
+    spin = Spin(15.0, Z, bodies=["hub", "blade0", "blade1", "blade2"])
+    with pytest.warns(BasisWarning, match="off by"):
+        modes = machine_modes(linearize(machine(CraigBampton(2)), spin=spin), 10)
+    complete = linearize(machine(CompleteBasis()), spin=spin, fulls=())
+    assert complete.axes == modes.machine.axes == "standing in space"
+    exact = machine_modes(complete, 16).eigenvalues
+    known = np.isfinite(modes.error.relative)
+    assert known.sum() >= 8
+    nearest = np.min(abs(modes.error.eigenvalues[known, None] - exact), axis=1)
+    assert np.max(nearest / abs(modes.error.eigenvalues[known])) < 1e-5
+    assert modes.error.relative[known].max() > 1e-3
+
+
 def turned_shaft(stiffness):
     """A shaft of hexahedra with a rigid disc at its end; four equal sectors of elements."""
     mesh = cylinder(0.05, 1.0, 2, 1, 5, CellType.HEXA8)
@@ -183,6 +245,19 @@ def test_floquet_finds_what_axes_that_stand_do(monkeypatch):
             inputs=[TranslationPort("disc.hub", (0, 1, 0))],
             outputs=[TranslationPort("disc.hub", (0, 1, 0))],
         )
+
+
+def test_multi_blade_coordinates_of_many_blades_have_the_derivatives_of_their_waves():
+    """Of 90 blades waves of up to 44 around: more than 64 angles of a turn hold."""
+    number, order = 90, 44
+    columns = standing_axes.Columns([slice(i, i + 1) for i in range(number)], [])
+    fine = 3 * number
+    angles = 2 * np.pi * np.arange(fine) / fine
+    waves = standing_axes._Coordinates.of_fine(
+        standing_axes._multi_blade(columns, [list(range(number))], angles), 10
+    )
+    at = angles[:: fine // 10, None] + 2 * np.pi * np.arange(number) / number
+    np.testing.assert_allclose(waves.second[:, :, 2 * order - 1], -(order**2) * np.cos(order * at), atol=1e-8)
 
 
 class TestGroundResonance:

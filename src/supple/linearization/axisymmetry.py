@@ -9,7 +9,7 @@ import scipy.linalg
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-__all__ = ["turn_generator"]
+__all__ = ["turn_generator", "waves_around"]
 
 Array = np.ndarray
 
@@ -17,7 +17,7 @@ SAME_PLACE = 1e-6
 """Of the size of a body: where turned nodes may lie from others."""
 SAME_SHAPE = 1e-6
 """Of a shape: what the columns of a body may lack of it turned."""
-MOST_SECTORS = 360
+MOST_SECTORS, MOST_WAVES = 360, 6
 ON_AXIS = 8
 """Parts of a turn that stand for all of it where every node is on the axis."""
 
@@ -37,15 +37,11 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     basis = getattr(body, "nodal_basis", None)
     if basis is None:
         return None
-    turned = _turned_by_a_sector(body, axis, point)
+    turned = _turned_by_a_sector(body.nodes, axis, point)
     if turned is None:
         return None
     order, sectors = turned
-    rotation = Rotation.from_rotvec(2 * np.pi / sectors * axis).as_matrix()
-    fields = basis.reshape(len(body.nodes), -1, 3, basis.shape[1])
-    image = np.empty_like(fields)
-    image[order] = np.einsum("ij,npjr->npir", rotation, fields)
-    flat = image.reshape(basis.shape)
+    flat = _image(basis, order, sectors, axis)
     matrix = np.linalg.lstsq(basis, flat, rcond=None)[0]
     if np.abs(basis @ matrix - flat).max() > SAME_SHAPE * np.abs(basis).max():
         return None
@@ -55,9 +51,41 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     return logarithm.real * sectors / (2 * np.pi)
 
 
-def _turned_by_a_sector(body: Any, axis: Array, point: Array) -> tuple[Array, int] | None:
+def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Array:
+    """Parts (N p, j) of fields (N p, k) on nodes that are alike all around, by their number of waves.
+
+        P_n x = (1 / S) sum_k exp(- 2 pi i n k / S) R^k x,     R a turn by one of S sectors
+
+    Real and imaginary parts are a shape and the same turned by a quarter of a wave: the columns hold every
+    shape with the same one turned. More than `MOST_WAVES`, and as many as half the sectors, which have no
+    turned one, are left out. Nodes that are not alike all around leave the fields as they are.
+    """
+    turned = _turned_by_a_sector(nodes, axis, point)
+    if turned is None:
+        return fields
+    order, sectors = turned
+    waves = np.arange(min((sectors - 1) // 2, MOST_WAVES) + 1)
+    sums, image = np.zeros((len(waves), *fields.shape), dtype=complex), fields
+    for k in range(sectors):
+        sums += np.exp(-2j * np.pi * waves * k / sectors)[:, None, None] * image / sectors
+        image = _image(image, order, sectors, axis)
+    sizes = np.linalg.norm(sums, axis=(1, 2))
+    kept = sums[sizes > SAME_SHAPE * sizes.max(initial=0.0)]
+    return np.hstack([*kept.real, *kept.imag])
+
+
+def _image(fields: Array, order: Array, sectors: int, axis: Array) -> Array:
+    """Fields (N p, k) turned by one sector."""
+    rotation = Rotation.from_rotvec(2 * np.pi / sectors * axis).as_matrix()
+    by_node = fields.reshape(len(order), -1, 3, fields.shape[1])
+    image = np.empty_like(by_node)
+    image[order] = np.einsum("ij,npjr->npir", rotation, by_node)
+    return image.reshape(fields.shape)
+
+
+def _turned_by_a_sector(nodes: Array, axis: Array, point: Array) -> tuple[Array, int] | None:
     """The node in whose place each comes by the least turn that maps the mesh onto itself, and its number."""
-    places = body.nodes - point
+    places = nodes - point
     size = float(np.ptp(places, axis=0).max()) or 1.0
     radii = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)
     if radii.max() <= SAME_PLACE * size:

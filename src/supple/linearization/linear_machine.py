@@ -17,6 +17,7 @@ from supple.summary import Summarized, Summary, listed
 
 if TYPE_CHECKING:
     from supple.linearization.sparse_machine import SparseMachine
+    from supple.linearization.standing_error import StandingTurn
     from supple.simulation.full_rest import RestError
 
 __all__ = ["LinearMachine"]
@@ -34,12 +35,14 @@ class FullMachine:
     expansion : sparse (N, n)   from motions `p` of the reduced machine to those of the full one
     bodies   : by name, the coordinates of a reduced body among the N of the full machine
     rest     : RestError        what the bases cost at the equilibrium, by name
+    standing : StandingTurn | None      of a machine that is seen from axes that stand, over its turn
     """
 
     machine: SparseMachine
     expansion: Any
     bodies: Mapping[str, slice]
     rest: Mapping[str, RestError]
+    standing: StandingTurn | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from supple.errors import ModelError
 from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import CONSTANT, in_standing_axes
+from supple.linearization.standing_error import StandingTurn
 from supple.linearization.turned_machine import equations_turned_on
 from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
@@ -76,6 +78,7 @@ def linearize(
             f"{frictions[0].label}: how the friction of what slides follows its force is not linearised; "
             "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
         )
+    known, search = known_fulls(system, fulls), search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     equations = found.equations.linear_equations(found.state, time)
     sparse = None
@@ -92,7 +95,10 @@ def linearize(
             refusal = _refusal(what, change)
             if sparse is not None:
                 raise ModelError(refusal)
-            return in_standing_axes(found, time, spin, refusal)
+            standing = in_standing_axes(found, time, spin, refusal)
+            if standing.periodic is not None:
+                return standing
+            return replace(standing, full=_full_machine(found, known, time, spin, search, is_in_space=True))
     if sparse is not None:
         return sparse
     return LinearMachine(
@@ -105,7 +111,7 @@ def linearize(
         basis=basis,
         full_mass=equations.mass,
         control=projected.control,
-        full=_full_machine(found, known_fulls(system, fulls), time, spin, search or StaticSearch()),
+        full=_full_machine(found, known, time, spin, search),
     )
 
 
@@ -115,6 +121,8 @@ def _full_machine(
     time: float,
     spin: Spin | None,
     search: StaticSearch,
+    *,
+    is_in_space: bool = False,
 ) -> FullMachine | None:
     """The machine about the equilibrium that it has with all coordinates; None where that is not known."""
     full = full_rest(found, fulls, time, search)
@@ -134,7 +142,12 @@ def _full_machine(
             bodies[name] = slice(part.start + 6, part.stop)
         blocks.append(own)
     machine = SparseMachine(placed_at_rest(full.found), spin, time, equations)
-    return FullMachine(machine, csr_array(block_diag(blocks)), bodies, errors)
+    standing = None
+    if is_in_space and spin is not None:
+        vectors = {name: basis.vectors for name, basis in full.bases.items()}
+        own = {name: body for name, body in fulls.items() if name in vectors}
+        standing = StandingTurn(full.found, time, spin, own, vectors)
+    return FullMachine(machine, csr_array(block_diag(blocks)), bodies, errors, standing)
 
 
 class _Projected(NamedTuple):

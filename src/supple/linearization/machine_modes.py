@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,11 +11,12 @@ import scipy.linalg
 
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
-from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.linear_machine import Array, FullMachine, LinearMachine
 from supple.linearization.mode_error import ModeError, mode_error
 from supple.linearization.periodic import floquet_modes
 from supple.linearization.slowest_motions import slowest_motions
 from supple.linearization.sparse_machine import SparseMachine
+from supple.linearization.standing_error import slowest_in_standing_axes
 from supple.summary import Summarized, Summary
 
 __all__ = ["MachineModes", "machine_modes"]
@@ -139,7 +141,7 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
     modes = MachineModes(machine, values, y * turned, z * turned)
     if machine.full is None or n_modes is None:
         return modes
-    error = mode_error(machine.full, values, modes.shapes, _slowest)
+    error = mode_error(machine.full, values, modes.shapes, _slowest_of(machine.full))
     error.warn(values)
     return replace(modes, error=error)
 
@@ -152,6 +154,14 @@ def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any
     y = graded @ found.principal
     sizes = np.sqrt(np.real(np.einsum("ij,ij->j", y.conj(), machine.mass @ y)))
     return found.eigenvalues, y / np.where(sizes > 0, sizes, 1.0), np.zeros((0, y.shape[1]))
+
+
+def _slowest_of(full: FullMachine) -> Callable[[SparseMachine, int], tuple[Any, Any]]:
+    """The slowest modes in the axes in which the machine is seen."""
+    standing = full.standing
+    if standing is None:
+        return _slowest
+    return lambda machine, n_modes: slowest_in_standing_axes(machine, standing, n_modes, _pairs)
 
 
 def _slowest(machine: SparseMachine, n_modes: int) -> tuple[Any, Any]:

@@ -39,7 +39,7 @@ from supple.linearization.turned_machine import equations_turned_on, turning_bod
 from supple.machine import GROUND, Joint, Spin
 from supple.simulation.resting_state import RestingState, placed_at_rest
 
-__all__ = ["CONSTANT", "in_standing_axes"]
+__all__ = ["CONSTANT", "FEW", "Columns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
 
 CONSTANT = 1e-6
 """Equations that change by more than this part as the machine turns on have no eigenvalues."""
@@ -47,19 +47,33 @@ FEW, SAMPLES = 7, 16
 """Angles of a turn at which equations are compared, and at which their harmonics are found."""
 FINE = 64
 """Angles, at least, of the coordinates alone, whose derivatives are by their harmonics."""
+PER_BLADE = 3
+"""Angles a blade: N have waves of up to N / 2 around, and matrices harmonics of up to N + 2."""
+BETWEEN = 0.7
+"""rad, no fraction of a turn: what repeats at each of the evenly spaced angles shows here."""
 ROUNDING = 64 * np.finfo(float).eps
 """Of the terms of a sum."""
 SAME_PLACE = 1e-6
 """Of the size of the machine, and rad: where equal bodies may be off an even spacing."""
 
 
-class _Sampled(NamedTuple):
+class Sampled(NamedTuple):
     """Matrices (s, n, n), and rows (s, m, n) of the joints, at evenly spaced angles of one turn."""
 
     mass: Array
     damping: Array
     stiffness: Array
     constraint: Array
+
+
+class Columns(NamedTuple):
+    """Where the motions of each body stand among some coordinates, and whose shapes they are.
+
+    bodies : with `n_coordinates`, and if they deform `nodes` and a `nodal_basis`
+    """
+
+    slices: Sequence[slice]
+    bodies: Sequence[Any]
 
 
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
@@ -71,18 +85,33 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
     """
     if found.system.controllers:
         raise ModelError(refusal)
-    groups = _equal_bodies(found, spin)
+    columns = Columns(found.equations.slices, [placed.body for placed in found.system.bodies])
+    largest = max(map(len, _equal_bodies(found, spin, columns)), default=0)
     # A few angles show what is constant; the harmonics of what is not take more.
-    for number in (FEW, SAMPLES):
+    for number in (FEW, max(SAMPLES, PER_BLADE * largest)):
         sampled = _sampled(found, time, spin, number, refusal)
-        seen = (_seen(sampled, spin, coordinates) for coordinates in _ways(found, spin, groups, number))
-        kept = [each for each in seen if each is not None]
+        kept = _seen_in_every_way(found, spin, columns, sampled)
         if not kept:
             raise ModelError(refusal)
-        for each in kept:
-            if each.change < CONSTANT:
-                return _machine(found, time, spin, each, None)
+        constant = _constant(kept)
+        if constant is not None:
+            return _machine(found, time, spin, constant, None)
     return _machine(found, time, spin, kept[0], Periodic.of_samples(spin.rate, *kept[0].matrices))
+
+
+def constant_in_standing_axes(
+    found: RestingState, time: float, spin: Spin, columns: Columns, sampled: Sampled
+) -> LinearMachine | None:
+    """The machine in the coordinates in which it was sampled; None where it has no constant equations.
+
+    Its `basis` leads to these coordinates.
+    """
+    constant = _constant(_seen_in_every_way(found, spin, columns, sampled))
+    return None if constant is None else _machine(found, time, spin, constant, None)
+
+
+def _constant(kept: list[_Seen]) -> _Seen | None:
+    return next((each for each in kept if each.change < CONSTANT), None)
 
 
 def _machine(
@@ -104,13 +133,14 @@ def _machine(
     )
 
 
-def _sampled(found: RestingState, time: float, spin: Spin, number: int, refusal: str) -> _Sampled:
+def _sampled(found: RestingState, time: float, spin: Spin, number: int, refusal: str) -> Sampled:
     angles = (2 * np.pi * np.arange(number) / number).tolist()
     each = [equations_turned_on(found, time, spin, angle) for angle in angles]
-    if max(one.unbalanced for one in each) > CONSTANT:
+    between = equations_turned_on(found, time, spin, BETWEEN)
+    if max(one.unbalanced for one in (*each, between)) > CONSTANT:
         raise ModelError(refusal)
     equations: list[Any] = [one.equations for one in each]
-    return _Sampled(*(np.array([getattr(one, name) for one in equations]) for name in _Sampled._fields))
+    return Sampled(*(np.array([getattr(one, name) for one in equations]) for name in Sampled._fields))
 
 
 class _Coordinates(NamedTuple):
@@ -144,18 +174,27 @@ class _Seen(NamedTuple):
     full_mass: Array
 
 
-def _ways(found: RestingState, spin: Spin, groups: list[list[int]], number: int) -> Iterator[_Coordinates]:
+def _seen_in_every_way(found: RestingState, spin: Spin, columns: Columns, sampled: Sampled) -> list[_Seen]:
+    """In all coordinates in which the joints leave the same motions free."""
+    ways = _ways(found, spin, columns, len(sampled.mass))
+    seen = (_seen(sampled, spin, coordinates) for coordinates in ways)
+    return [each for each in seen if each is not None]
+
+
+def _ways(found: RestingState, spin: Spin, columns: Columns, number: int) -> Iterator[_Coordinates]:
     """Coordinates to try, those that are most likely to see nothing change first."""
-    fine = number * -(-FINE // number)
+    groups = _equal_bodies(found, spin, columns)
+    fine = number * -(-max(FINE, PER_BLADE * max(map(len, groups), default=0)) // number)
     angles = 2 * np.pi * np.arange(fine) / fine
-    hub = _hub_in_space(found, spin, angles)
-    blades = _multi_blade(found, groups, angles)
-    round_bodies = _round_bodies(found, spin, [body for group in groups for body in group], angles)
+    hub = _hub_in_space(found, spin, columns, angles)
+    blades = _multi_blade(columns, groups, angles)
+    in_groups = [body for group in groups for body in group]
+    round_bodies = _round_bodies(found, spin, columns, in_groups, angles)
     for W in (hub @ (blades @ round_bodies), hub @ blades, hub):
         yield _Coordinates.of_fine(W, number)
 
 
-def _seen(sampled: _Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | None:
+def _seen(sampled: Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | None:
     """None where the joints leave other motions free as the machine turns."""
     W, first, second = coordinates
     rows = sampled.constraint @ W
@@ -192,8 +231,8 @@ def _change(matrices: tuple[Array, Array, Array], rate: float) -> float:
     return float(max(np.max(each, initial=0.0) for each in changes))
 
 
-def _starts(found: RestingState) -> Array:
-    return np.array([part.start for part in found.equations.slices])
+def _starts(columns: Columns) -> Array:
+    return np.array([part.start for part in columns.slices])
 
 
 def _hub(found: RestingState, turning: Array) -> int:
@@ -210,10 +249,10 @@ def _hub(found: RestingState, turning: Array) -> int:
     return int(np.argmax(turning))
 
 
-def _hub_in_space(found: RestingState, spin: Spin, angles: Array) -> Array:
+def _hub_in_space(found: RestingState, spin: Spin, columns: Columns, angles: Array) -> Array:
     """`S` (s, n, n): the hub's rigid motion from its twist at the axis, in axes that stand."""
-    turning, starts = turning_bodies(found, spin), _starts(found)
-    n = found.equations.slices[-1].stop
+    turning, starts = turning_bodies(found, spin), _starts(columns)
+    n = columns.slices[-1].stop
     with_hub, configuration = np.zeros((n, 6)), found.configuration
     for body in np.flatnonzero(turning):
         axes, arm = configuration.rotations[body].T, configuration.origins[body] - spin.point
@@ -228,10 +267,10 @@ def _hub_in_space(found: RestingState, spin: Spin, angles: Array) -> Array:
     return S
 
 
-def _equal_bodies(found: RestingState, spin: Spin) -> list[list[int]]:
+def _equal_bodies(found: RestingState, spin: Spin, columns: Columns) -> list[list[int]]:
     """Turning bodies, three or more, of one size and evenly around the axis; in the order of their angle."""
     turning, configuration = turning_bodies(found, spin), found.configuration
-    hub, slices = _hub(found, turning), found.equations.slices
+    hub, slices = _hub(found, turning), columns.slices
     length = float(found.equations.model.length)
     left, groups = [int(body) for body in np.flatnonzero(turning) if body != hub], []
     while left:
@@ -257,15 +296,17 @@ def _equal_bodies(found: RestingState, spin: Spin) -> list[list[int]]:
     return groups
 
 
-def _round_bodies(found: RestingState, spin: Spin, blades: list[int], angles: Array) -> Array:
+def _round_bodies(
+    found: RestingState, spin: Spin, columns: Columns, blades: list[int], angles: Array
+) -> Array:
     """(s, n, n): motion of turning bodies that are alike all around, from that in axes that stand."""
     turning, configuration = turning_bodies(found, spin), found.configuration
-    hub, slices = _hub(found, turning), found.equations.slices
+    hub, slices = _hub(found, turning), columns.slices
     T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))
     for number in map(int, np.flatnonzero(turning)):
         if number in blades:
             continue
-        body, rotation = found.system.bodies[number].body, configuration.rotations[number]
+        body, rotation = columns.bodies[number], configuration.rotations[number]
         axis = rotation.T @ spin.axis
         generator = turn_generator(body, axis, rotation.T @ (spin.point - configuration.origins[number]))
         if generator is None:
@@ -285,12 +326,12 @@ def _length(part: slice) -> int:
     return part.stop - part.start
 
 
-def _multi_blade(found: RestingState, groups: list[list[int]], angles: Array) -> Array:
+def _multi_blade(columns: Columns, groups: list[list[int]], angles: Array) -> Array:
     """`T` (s, n, n): the coordinates of equal bodies from multi-blade ones, which stand in their places."""
-    n = found.equations.slices[-1].stop
+    n = columns.slices[-1].stop
     T = np.tile(np.eye(n), (len(angles), 1, 1))
     for group in groups:
-        parts = [found.equations.slices[body] for body in group]
+        parts = [columns.slices[body] for body in group]
         waves = _waves(len(group), angles)
         own = np.eye(_length(parts[0]))
         for row, part in enumerate(parts):

@@ -1,0 +1,201 @@
+"""Modes of a machine seen from axes that stand, with what the bases of its bodies lack.
+
+In its own axes a body does not change as it turns; joints and forces act on its interfaces alone. Of a
+motion x of a mode, at whatever frequency s the body sees it, `( s^2 M + s C + K ) x = f`. The answers
+
+    K(z)^-1 M x,    K(z)^-1 C x,    K(z) = K + z C + z^2 M,
+
+of the machine with all coordinates therefore hold what a basis lacks, for every s. They are added to the
+bases, those of one blade to all equal ones, those of bodies that are alike all around with the same turned,
+until the modes stay.
+Source: [Voss2004], as for `slowest_motions`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from supple.body import FullBody, frame_projector
+from supple.errors import AccuracyError
+from supple.linearization.axisymmetry import waves_around
+from supple.linearization.linear_machine import Array, LinearMachine
+from supple.linearization.sparse_machine import SparseMachine
+from supple.linearization.standing_axes import FEW, Columns, Sampled, constant_in_standing_axes
+from supple.linearization.turned_machine import equations_turned_on
+from supple.machine import Spin
+from supple.methods.floating.full.linear_equations import SparseEquations
+from supple.simulation.resting_state import RestingState
+
+__all__ = ["StandingTurn", "slowest_in_standing_axes"]
+
+ROUNDS = 8
+STAYS = 1e-6
+"""Of an eigenvalue: modes that move by less in a round are those of the machine."""
+STILL = 1e-6
+"""Of the fastest eigenvalue: what is slower is a rigid motion."""
+NEW = 1e-5
+"""Part of an answer below which what is new in it is rounding."""
+ALIKE = 1e-9
+"""Of a basis: what that of an equal body may differ by."""
+PAIRED = 0.99
+"""Ratio of sizes from which two columns are a shape and the same turned: both are kept, or none."""
+
+
+class _Shapes(NamedTuple):
+    """Of a body, its columns as motions of its nodes."""
+
+    nodes: Array
+    nodal_basis: Array
+
+    @property
+    def n_coordinates(self) -> int:
+        return self.nodal_basis.shape[1]
+
+
+@dataclass(frozen=True, eq=False)
+class StandingTurn:
+    """A machine with all coordinates at angles of its turn, seen from axes that stand.
+
+    found : RestingState        its equilibrium
+    fulls, vectors : by name    the bodies that were reduced, and the columns (n, r) of their bases
+    """
+
+    found: RestingState
+    time: float
+    spin: Spin
+    fulls: Mapping[str, FullBody]
+    vectors: Mapping[str, Array]
+
+    @cached_property
+    def turned(self) -> list[SparseEquations]:
+        """The equations at evenly spaced angles."""
+        angles = (2 * np.pi * np.arange(FEW) / FEW).tolist()
+        every: list[Any] = [
+            equations_turned_on(self.found, self.time, self.spin, a).equations for a in angles
+        ]
+        return every
+
+    def expansion(self, vectors: Mapping[str, Array]) -> Array:
+        """From motions in some bases to those of all coordinates, (N, n)."""
+        blocks = []
+        for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True):
+            own = np.eye(part.stop - part.start)
+            if placed.body.name in vectors:
+                own = scipy.linalg.block_diag(np.eye(6), vectors[placed.body.name])
+            blocks.append(own)
+        return scipy.linalg.block_diag(*blocks)
+
+    def along(self, vectors: Mapping[str, Array]) -> LinearMachine:
+        """The machine in some bases, its own `basis` leading to their coordinates.
+
+        Raises AccuracyError where its equations in axes that stand are not constant.
+        """
+        expansion = self.expansion(vectors)
+        # Their columns obey the conditions of the frames, the last six rows of each full body.
+        joints = self.turned[0].constraint.shape[0] - 6 * len(self.fulls)
+        sampled = Sampled(
+            mass=np.array([expansion.T @ (each.mass @ expansion) for each in self.turned]),
+            damping=np.array([expansion.T @ each.damped(expansion) for each in self.turned]),
+            stiffness=np.array([expansion.T @ (each.stiffness @ expansion) for each in self.turned]),
+            constraint=np.array([(each.constraint @ expansion)[:joints] for each in self.turned]),
+        )
+        machine = constant_in_standing_axes(self.found, self.time, self.spin, self._columns(vectors), sampled)
+        if machine is None:
+            raise AccuracyError(
+                "with all coordinates of its bodies the machine has no constant equations in axes that "
+                "stand: the error of the bases is not known; leave it out, fulls=()"
+            )
+        return machine
+
+    def _columns(self, vectors: Mapping[str, Array]) -> Columns:
+        slices, bodies, start = [], [], 0
+        for placed in self.found.system.bodies:
+            body: Any = placed.body
+            if body.name in vectors:
+                body = _Shapes(body.nodes, self.fulls[body.name].body.expansion @ vectors[body.name])
+            slices.append(slice(start, start + 6 + body.n_coordinates))
+            bodies.append(body)
+            start = slices[-1].stop
+        return Columns(slices, bodies)
+
+    def enlarged(self, vectors: Mapping[str, Array], answers: Array) -> dict[str, Array]:
+        """The bases with what some motions (N, k) of all coordinates add to them."""
+        own = {
+            placed.body.name: answers[part.start + 6 : part.stop]
+            for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True)
+            if placed.body.name in vectors
+        }
+        found: dict[str, Array] = {}
+        for name, basis in vectors.items():
+            # Bodies that were reduced alike stay so, whether they are blades of one rotor or not.
+            alike = [other for other in vectors if _is_alike(self.fulls, vectors, name, other)]
+            known = next((found[other] for other in alike if other in found), None)
+            if known is None:
+                known = self._with(name, basis, np.hstack([own[other] for other in alike]))
+            found[name] = known
+        return found
+
+    def _with(self, name: str, basis: Array, added: Array) -> Array:
+        full = self.fulls[name]
+        body, T = full.body, full.body.expansion
+        number = [placed.body.name for placed in self.found.system.bodies].index(name)
+        rotation = self.found.configuration.rotations[number]
+        point = rotation.T @ (self.spin.point - self.found.configuration.origins[number])
+        nodal = waves_around(full.nodes, T @ added, rotation.T @ self.spin.axis, point)
+        added = frame_projector(body, full.frame)(splu(csc_array(T.T @ T)).solve(T.T @ nodal))
+        weight = basis.T @ (body.mass @ basis)
+        for _ in range(2):
+            added = added - basis @ np.linalg.solve(weight, basis.T @ (body.mass @ added))
+        squares, weights = np.linalg.eigh(added.T @ (body.mass @ added))
+        first = int(np.searchsorted(squares, NEW**2))
+        while 0 < first < len(squares) and squares[first - 1] > PAIRED * squares[first]:
+            first += 1
+        return np.hstack([basis, added @ (weights[:, first:] / np.sqrt(squares[first:]))])
+
+
+def _is_alike(fulls: Mapping[str, FullBody], vectors: Mapping[str, Array], first: str, second: str) -> bool:
+    """Whether two bodies were reduced alike, to rounding."""
+    ours, theirs = vectors[first], vectors[second]
+    if ours.shape != theirs.shape or not np.array_equal(fulls[first].nodes, fulls[second].nodes):
+        return False
+    return bool(abs(ours - theirs).max(initial=0.0) <= ALIKE * abs(ours).max(initial=0.0))
+
+
+def slowest_in_standing_axes(
+    machine: SparseMachine,
+    turn: StandingTurn,
+    n_modes: int,
+    modes_of: Callable[[LinearMachine], tuple[Any, Any, Any]],
+) -> tuple[Any, Any]:
+    """Eigenvalues and shapes (N, k), at the first angle, of the slowest modes with all coordinates.
+
+    machine : the same in axes that turn along, whose factor answers
+    modes_of : eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
+    Raises AccuracyError for modes that do not stay, or equations that are not constant.
+    """
+    vectors, before = turn.vectors, np.zeros(0)
+    for _ in range(ROUNDS):
+        linear = turn.along(vectors)
+        values, y, _ = modes_of(linear)
+        values, shapes = values[:n_modes], turn.expansion(vectors) @ (linear.basis @ y[:, :n_modes])
+        sizes = np.maximum(abs(values), STILL * abs(values).max(initial=0.0))
+        if len(values) == len(before) and (abs(values - before) <= STAYS * sizes).all():
+            return values, shapes
+        before = values
+        motions = np.hstack([shapes.real, shapes.imag])
+        equations, factor = machine.equations, machine.slow.factor
+        answers = factor.solve(np.hstack([equations.mass @ motions, equations.damped(motions)]))
+        norms = np.sqrt(np.einsum("ij,ij->j", answers, equations.mass @ answers))
+        vectors = turn.enlarged(vectors, answers[:, norms > 0] / norms[norms > 0])
+    raise AccuracyError(
+        f"the modes with all coordinates have not converged in axes that stand after {ROUNDS} rounds: the "
+        "error of the bases is not known; ask for fewer modes, or leave it out, fulls=()"
+    )
