@@ -2,9 +2,11 @@
 
 import gc
 import os
+from functools import lru_cache
 
 import numpy as np
 import pytest
+from jax._src.interpreters import mlir
 
 from supple.algebra.jax_settings import bound_programs, keep_compiled_programs
 from supple.mesh import CellType
@@ -35,6 +37,9 @@ def _programs_are_given_back():
     yield
     bound_programs()
 
+
+# JAX loads all dialects of MLIR for every program anew: half of the time that a small one takes, of thousands.
+mlir.make_ir_context = lru_cache(mlir.make_ir_context)
 
 # What is there now stays; what tracing makes is looked through a tenth as often, a seventh of a test's time.
 gc.freeze()

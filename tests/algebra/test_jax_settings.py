@@ -48,8 +48,11 @@ def test_unlike_machines_share_no_programs(monkeypatch):
 
 @pytest.mark.slow
 def test_programs_are_kept_from_python(tmp_path):
-    """Importing the package is enough, and an earlier choice stays."""
-    script = "import supple.methods.floating, jax; print(jax.config.jax_compilation_cache_dir)"
+    """Importing the package is enough, and an earlier choice of the folder stays; small ones are kept, too."""
+    script = (
+        "import supple.methods.floating; from jax import config as c; "
+        "print(c.jax_compilation_cache_dir, c.jax_persistent_cache_min_compile_time_secs)"
+    )
     bare = {key: value for key, value in os.environ.items() if key != "JAX_COMPILATION_CACHE_DIR"}
     for more, expected in (
         ({"XDG_CACHE_HOME": str(tmp_path)}, str(tmp_path / "supple" / "compiled")),
@@ -59,6 +62,7 @@ def test_programs_are_kept_from_python(tmp_path):
             [sys.executable, "-c", script], env=bare | more, capture_output=True, text=True, check=True
         )
         assert shown.stdout.startswith(expected)
+        assert shown.stdout.endswith(" 0.0\n")
 
 
 def test_programs_that_fill_the_memory_maps_are_given_back(tmp_path, monkeypatch):

@@ -7,7 +7,6 @@ from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize.elementwise import find_root
 
 from supple.aero.polar import BlendedPolars
 from supple.aero.rotor import Rotor
@@ -94,6 +93,8 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
             f"wind {wind[tuple(bad[0])]} m/s at {_where(bad[0], radius)}; it is finite and above zero"
         )
     section = _Sections(rotor, operation, radius, polars)
+
+    from scipy.optimize.elementwise import find_root
 
     found = find_root(
         section.relative_residual,

@@ -7,7 +7,8 @@
   survive a fork, and the child would wait for them for ever.
 - Loops become functions of machine code (`XLA_FLAGS`): what is left to XLA is a list of operations, which it
   goes through one by one. Read when JAX starts; settings made earlier stay.
-- Compiled programs are kept between processes, in the user's cache, where no other folder was chosen before.
+- Compiled programs of any size are kept between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or in
+  the user's cache, where no other folder was chosen before.
 - They are released before they fill a process (`bound_programs`): Linux maps a limited number of pieces of
   memory for each, a program takes several, and beyond the limit the compiler ends the process.
 """
@@ -191,7 +192,9 @@ def _with_flags(given: str) -> str:
 jax.config.update("jax_enable_x64", True)
 os.environ.setdefault("NPROC", "1")
 os.environ["XLA_FLAGS"] = _with_flags(os.environ.get("XLA_FLAGS", ""))
-if getattr(jax.config, "jax_compilation_cache_dir", None) is None and _writable(
-    _user_cache() / "supple" / "compiled" / this_machine()
+# In a folder of the environment as well: JAX alone keeps none there that is compiled within a second.
+if os.environ.get("JAX_COMPILATION_CACHE_DIR") or (
+    getattr(jax.config, "jax_compilation_cache_dir", None) is None
+    and _writable(_user_cache() / "supple" / "compiled" / this_machine())
 ):
     keep_compiled_programs()

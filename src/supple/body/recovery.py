@@ -13,9 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.optimize import nnls
 
 from supple.body.mass_properties import rigid_mass_properties
 from supple.body.rigid_motion import nodal_rigid_modes
@@ -88,7 +88,8 @@ class Recovery:
         values, vectors = np.linalg.eigh(products)
         kept = values > 1e-12 * values[-1]
         root = np.sqrt(values[kept])
-        found = nnls(root[:, None] * vectors[:, kept].T, (vectors[:, kept].T @ wanted) / root)[0]
+        matrix, right = root[:, None] * vectors[:, kept].T, (vectors[:, kept].T @ wanted) / root
+        found = scipy.optimize.nnls(matrix, right)[0]
         of_nodes, of_points = found[: n_nodes * parts].reshape(n_nodes, parts), found[n_nodes * parts :]
         whole = rigid_mass_properties(mass, nodes, dofs_per_node)
         arms = np.concatenate([nodes, self.points]) - whole.centre

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
-from scipy.io import netcdf_file
 
 from supple.arguments import checked_arguments
 from supple.copied_hdf5 import open_copied
@@ -99,7 +99,7 @@ def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
     if content[:3] != b"CDF":
         raise ImportFormatError(f"{path}: neither netCDF nor HDF5; is this an Exodus file?")
     # Of bytes in memory no more are read than there are, whatever a damaged file claims.
-    with netcdf_file(io.BytesIO(content), "r", mmap=False) as file:
+    with scipy.io.netcdf_file(io.BytesIO(content), "r", mmap=False) as file:
         return {
             name: (np.array(each.data), _text(getattr(each, "elem_type", b"")))
             for name, each in file.variables.items()

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy  # its parts are imported when first used
 
 from supple.arguments import checked_arguments
 from supple.body import FullBody
@@ -89,7 +89,7 @@ class CampbellDiagram(Summarized):
             apart = abs(w[known][:, None] - later[known_later]) + unlike * (
                 1 + 2 * np.nanmax(later, initial=0)
             )
-            for row, column in zip(*linear_sum_assignment(apart), strict=True):
+            for row, column in zip(*scipy.optimize.linear_sum_assignment(apart), strict=True):
                 mode, own = int(known_later[column]), int(sense_later[known_later[column]])
                 ahead = w[known[row]] - abs(rate), later[mode] - abs(after)
                 if ahead[0] * ahead[1] < 0 and (own >= 0 or self.axes == STANDING):
@@ -178,7 +178,7 @@ def campbell_diagram(
             # Of two shapes alike, the nearer frequency.
             apart = abs(before.eigenvalues[:, None] - modes.eigenvalues)
             size = abs(before.eigenvalues[:, None]) + abs(modes.eigenvalues) + 1e-300
-            rows, chosen = linear_sum_assignment(apart / size - table)
+            rows, chosen = scipy.optimize.linear_sum_assignment(apart / size - table)
             likeness.append(_placed(len(table), rows, table[rows, chosen]))
         eigenvalues = _placed(wanted, rows, modes.eigenvalues[chosen])
         with _basis_warnings() as words:

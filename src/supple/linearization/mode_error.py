@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy  # its parts are imported when first used
 
 from supple.errors import BasisWarning
 from supple.linearization.linear_machine import FullMachine
@@ -75,7 +75,7 @@ def mode_error(
     likeness = product / np.where(sizes > 0, sizes, 1.0)
     largest = max(float(abs(exact).max(initial=0.0)), 1e-300)
     apart = abs(values[:, None] - exact) / (abs(values)[:, None] + abs(exact) + STILL * largest)
-    rows, columns = linear_sum_assignment(apart - likeness)
+    rows, columns = scipy.optimize.linear_sum_assignment(apart - likeness)
     found = np.full(len(values), np.nan, dtype=complex)
     found[rows] = exact[columns]
     relative = np.full(len(values), np.inf)

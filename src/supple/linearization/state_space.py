@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
+import scipy  # its parts are imported when first used
 
 from supple.arguments import check_sequence
 from supple.equations.control_linearization import LinearControl

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
+import scipy  # its parts are imported when first used
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import PchipInterpolator
 
 from supple.algebra.read_only import read_only
 from supple.errors import MeshError
@@ -83,9 +83,9 @@ class BladeStations:
             raise MeshError(f"station {bad[0]}: chord is {self.chord[bad[0]]:g}; a chord is above zero")
 
     @cached_property
-    def _curves(self) -> PchipInterpolator:
-        curves = [self.chord, self.twist, self.pitch_axis, self.prebend, self.sweep]
-        return PchipInterpolator(self.span, np.column_stack([np.asarray(curve) for curve in curves]))
+    def _curves(self) -> scipy.interpolate.PchipInterpolator:
+        curves = np.column_stack([self.chord, self.twist, self.pitch_axis, self.prebend, self.sweep])
+        return scipy.interpolate.PchipInterpolator(self.span, curves)
 
     def curves(self, span: ArrayLike) -> tuple[FloatArray, ...]:
         """Chord, twist, pitch axis, prebend and sweep at the spans (k,), each (k,)."""
@@ -94,4 +94,4 @@ class BladeStations:
     def shapes(self, span: ArrayLike) -> FloatArray:
         """Heights y/c (k, 2, N_SHAPE_POINTS) of lower and upper side at SHAPE_POINTS, at the spans (k,)."""
         heights = np.array([section.heights(SHAPE_POINTS) for section in self.sections])
-        return PchipInterpolator(self.span, heights)(span)
+        return scipy.interpolate.PchipInterpolator(self.span, heights)(span)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from scipy.io import savemat
+import scipy  # its parts are imported when first used
 
 from supple.errors import ModelError
 from supple.quantities import Readings
@@ -36,7 +36,7 @@ def write_mat(path: Path, readings: Readings, units: UnitSystem) -> None:
         "axes": _cells(channel.axes for channel in columns.channels),
     }
     with path.open("wb") as file:
-        savemat(file, variables)
+        scipy.io.savemat(file, variables)
 
 
 def _cells(words: Iterable[str]) -> np.ndarray:

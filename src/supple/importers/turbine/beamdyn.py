@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import plain_integer, plain_number
@@ -106,9 +106,12 @@ class _BeamdynFile:
         return values
 
 
+Curves = list["scipy.interpolate.CubicSpline"]
+
+
 def _curve(
     primary: _BeamdynFile,
-) -> tuple[list[CubicSpline], list[CubicSpline], tuple[FloatArray, FloatArray]]:
+) -> tuple[Curves, Curves, tuple[FloatArray, FloatArray]]:
     """Splines of x, y and of twist in degrees over z, of each member; lengths of the curve, and z there."""
     _, members = primary.count("member_total", 1)
     after, total = primary.count("kp_total", 3)
@@ -130,8 +133,8 @@ def _curve(
     z, length = [points[:1, 2]], [np.zeros(1)]
     for size in sizes:
         own = points[start : start + size]
-        curve.append(CubicSpline(own[:, 2], own[:, :2], bc_type="natural"))
-        turn.append(CubicSpline(own[:, 2], own[:, 3], bc_type="natural"))
+        curve.append(scipy.interpolate.CubicSpline(own[:, 2], own[:, :2], bc_type="natural"))
+        turn.append(scipy.interpolate.CubicSpline(own[:, 2], own[:, 3], bc_type="natural"))
         fine = np.interp(np.arange((size - 1) * SAMPLES + 1) / SAMPLES, np.arange(size), own[:, 2])
         steps = np.linalg.norm(np.diff(np.column_stack([curve[-1](fine), fine]), axis=0), axis=1)
         z.append(fine[1:])

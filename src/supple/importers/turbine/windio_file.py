@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+import scipy  # its parts are imported when first used
 import yaml
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from supple.errors import ImportFormatError
 from supple.importers.plain_number import plain_number
@@ -77,7 +77,7 @@ class WindioFile:
         """A list of numbers under nested keys."""
         return self.as_numbers(self.entry(*keys), ".".join(keys))
 
-    def distribution(self, *keys: str) -> PchipInterpolator:
+    def distribution(self, *keys: str) -> scipy.interpolate.PchipInterpolator:
         """A quantity over the position 0 .. 1, from its grid and values; held at its ends."""
         grid, values = self.numbers(*keys, "grid"), self.numbers(*keys, "values")
         if grid.size != values.size or grid.size < 2 or (np.diff(grid) <= 0).any():
@@ -89,11 +89,11 @@ class WindioFile:
 
     def blended(
         self, grid: FloatArray, values: FloatArray, what: str, *, extrapolate: bool
-    ) -> PchipInterpolator:
+    ) -> scipy.interpolate.PchipInterpolator:
         """The curve through values; slopes of numbers near the largest there are may not be finite."""
         try:
             with np.errstate(all="ignore"):
-                return PchipInterpolator(grid, values, extrapolate=extrapolate)
+                return scipy.interpolate.PchipInterpolator(grid, values, extrapolate=extrapolate)
         except ValueError as error:
             raise ImportFormatError(
                 f"{self.path}: no curve runs through {what} ({error}); check the size of its numbers"

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy  # its parts are imported when first used
 
 from supple.algebra import read_only
 from supple.machine.laws.instants import rows_that_bend, within
@@ -38,7 +38,9 @@ class Spline(OfRows):
         times, values = increasing_rows(self.times, self.values)
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values)
-        object.__setattr__(self, "coefficients", read_only(CubicSpline(times, values, bc_type="natural").c))
+        object.__setattr__(
+            self, "coefficients", read_only(scipy.interpolate.CubicSpline(times, values, bc_type="natural").c)
+        )
 
     def __call__(self, time: Any) -> Any:
         """The value at a time."""

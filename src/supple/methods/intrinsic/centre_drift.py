@@ -5,8 +5,8 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 import numpy as np
+import scipy  # its parts are imported when first used
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from supple.equations.compiler_options import STARTING
 from supple.integrate import Solution
@@ -59,7 +59,7 @@ def centre_drift(system: System, solution: Solution, name: str) -> float:
 
 def _path(known: Array, acceleration: Array, times: Array) -> Array:
     """Where accelerations known at some times bring a body that is at rest at the first."""
-    return CubicSpline(known, acceleration).antiderivative(2)(times)
+    return scipy.interpolate.CubicSpline(known, acceleration).antiderivative(2)(times)
 
 
 def _translating(body: IntrinsicBody) -> Array:
