@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from supple import __version__
-from supple.body import BodyForm, Damping, LinearRayleighDamping, RayleighDamping
+from supple.body import Damping, LinearRayleighDamping, RayleighDamping
 from supple.cases.bodies import Body
 from supple.cases.case import Case
 from supple.cases.case_inputs import digests_of_files
@@ -135,11 +135,10 @@ def _reduce(case: Case, tables: Mapping[str, Body], folder: Path) -> None:
         run = replace(case.run, validity=Validity())
         corrected = self_correct(starting_system(case), run, case.starts, announce=rounds.append)
         system = corrected.system
-    found: Mapping[str, BodyForm] = {placed.body.name: placed.body for placed in system.bodies}
+    found = system.bodies_of(ReducedBody)
     rayleigh = {}
     for name in tables:
         body = found[name]
-        assert isinstance(body, ReducedBody)
         keep_body(body, folder)
         damping = body.full.damping if body.full is not None else None
         if isinstance(damping, RayleighDamping | LinearRayleighDamping):

@@ -77,6 +77,7 @@ def draw_run(
     camera = view.camera or machine_camera(system, solution, meshes)
     seen = View(camera, view.enlargement)
     pictures: list[Path] = []
+    reduced, lines = system.bodies_of(ReducedBody), system.bodies_of(IntrinsicBody)
     for body, surface in drawn_bodies(system, meshes):
         if surface is None:
             continue
@@ -87,10 +88,10 @@ def draw_run(
             return folder / f"{file_name(name)}-{what}.png"
 
         pictures.append(draw_mesh(path("mesh"), drawn))
-        if isinstance(body, ReducedBody):
-            pictures.append(draw_modes(path("modes"), drawn, body, modes.get(body.name)))
-        if isinstance(body, IntrinsicBody):
-            pictures.append(draw_intrinsic_modes(path("modes"), drawn, body))
+        if body.name in reduced:
+            pictures.append(draw_modes(path("modes"), drawn, reduced[body.name], modes.get(body.name)))
+        if body.name in lines:
+            pictures.append(draw_intrinsic_modes(path("modes"), drawn, lines[body.name]))
         if not body.has_frame:
             continue
         pictures.append(draw_deformed(path("deformed"), drawn, system, solution, bases))
