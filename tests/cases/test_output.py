@@ -74,3 +74,25 @@ def test_an_mp4_without_ffmpeg_is_refused_before_the_run(case_with, monkeypatch)
     monkeypatch.setattr(drawing, "find_spec", lambda name: None if name == "imageio_ffmpeg" else found(name))
     with pytest.raises(CaseError, match=r"pip install 'supple\[film\]', or give format = \"gif\""):
         check_drawing(case)
+
+
+@pytest.mark.parametrize(
+    ("film", "message"),
+    [
+        ("{ start = 0.5 }", r"from 0\.5 to 0\.4 shows no output time: the run goes from 0 to 0\.4"),
+        ("{ speed = 1e-4 }", "a film of 48001 frames is longer than 2000"),
+        ('{ joint = "clamp", end = -1.0 }', "shows no output time"),
+    ],
+)
+def test_a_film_that_shows_nothing_of_the_run_is_refused_before_it(case_with, film, message):
+    with pytest.raises(CaseError, match=message):
+        check_drawing(case_with(f"film = {film}"))
+
+
+def test_explicit_elements_are_not_enlarged(case_folder):
+    path = case_folder / "strip.toml"
+    text = path.read_text().replace("animation = false", "animation = true\nenlargement = 3.0")
+    body = text.index("frame = {"), text.index("[[body.interface]]")
+    path.write_text(text[: body[0]] + "explicit = {}\n" + text[body[1] :])
+    with pytest.raises(CaseError, match="not told from their deformation; remove the key"):
+        read_case(path)

@@ -146,9 +146,9 @@ def test_a_campbell_diagram_is_in_rpm_and_names_its_lines(figure, tmp_path):
     rates = np.array([0.0, np.pi])
     followed = SimpleNamespace(
         rates=rates,
-        frequencies=2 * np.pi * np.array([[0.7, 1.4], [0.8, np.nan]]),
+        frequencies=2 * np.pi * np.array([[0.7, 1.4, np.nan], [0.8, np.nan, np.nan]]),
         axes="turning with the machine",
-        names=["flap 1", "edge 1"],
+        names=["flap 1", "edge 1", "lost"],
         critical_speeds=[SimpleNamespace(rate=2.0)],
     )
     plot_campbell(tmp_path / "a.png", followed, units=SI)

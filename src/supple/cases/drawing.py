@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
 from supple.cases.page import coloured_elements
-from supple.errors import CaseError
+from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress
 from supple.machine import At, System
 from supple.mesh import Mesh
 from supple.quantities import TrackedMotion
 from supple.reduction import BodyModes, ReducedBody
-from supple.results.film import WHOLE_RUN, Film
+from supple.results.film import WHOLE_RUN, Film, film_rows
 from supple.results.view import AS_IT_IS, View
 from supple.units import UnitSystem
 
@@ -84,7 +84,8 @@ class Drawing:
 
 
 def check_drawing(case: Case) -> None:
-    """CaseError where a case asks for pictures and no library draws them: before anything is computed."""
+    """CaseError where no library draws what a case asks for, or its film shows nothing of its run: before
+    anything is computed."""
     output = case.tables.output
     if not (output.pictures or output.animation):
         return
@@ -99,6 +100,12 @@ def check_drawing(case: Case) -> None:
             f"{case.path}: an MP4 film needs imageio-ffmpeg, not installed here: pip install 'supple[film]', "
             'or give format = "gif" in film of [output]'
         )
+    if output.animation:
+        film = output.film.build()
+        try:
+            film_rows(replace(film, at=None), case.run.times, film.frames_per_second)
+        except ModelError as error:
+            raise CaseError(f"{case.path}: [output] film: {error}") from error
 
 
 def drawing_of(

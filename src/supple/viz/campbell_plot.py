@@ -105,11 +105,13 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
 
 def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[str], top: float) -> None:
     """Frequencies (ns, nm), each with its name at its end, in its colour."""
-    last = [int(np.flatnonzero(np.isfinite(mode))[-1]) for mode in frequencies.T]
-    heights = _apart(np.array([mode[end] for mode, end in zip(frequencies.T, last, strict=True)]), top)
-    for rank, (name, mode, end, height) in enumerate(
-        zip(names, frequencies.T, last, heights.tolist(), strict=True)
-    ):
+    followed = [
+        (name, mode, int(known[-1]))
+        for name, mode in zip(names, frequencies.T, strict=True)
+        if len(known := np.flatnonzero(np.isfinite(mode)))
+    ]
+    heights = _apart(np.array([mode[end] for _, mode, end in followed]), top)
+    for rank, ((name, mode, end), height) in enumerate(zip(followed, heights.tolist(), strict=True)):
         colour = COLOURS[rank % len(COLOURS)]
         axes.plot(speeds, mode, marker="o", markersize=2.5, color=colour)
         axes.annotate(
