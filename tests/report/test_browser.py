@@ -156,6 +156,44 @@ def test_the_graphics_unit_puts_nodes_where_the_script_does(opened):
     assert np.array_equal(browser.picture(), still)
 
 
+@pytest.mark.parametrize("field", ["deflection", "von Mises stress"])
+def test_colours_are_those_of_the_values(opened, field):
+    """In the middle of triangles: the colour of their corners' mean, on the range of the run, shaded."""
+    browser, *_ = opened
+    seen, shares, ramp = browser.run(f"""
+        const player = report.player, body = player.bodies[0], {{ camera, canvas, root }} = player.view;
+        Object.keys(player.shown).forEach((name) => (player.shown[name] = false));
+        player.bodies[1].group.visible = false;
+        player.colour('{field}'); player.seekRow(12);
+        // Near, for the value changes within a pixel.
+        camera.position.multiplyScalar(0.2).add(body.placeOf(7, 1));
+        player.draw(); camera.updateMatrixWorld();
+        const scale = player.scene.scales['{field}'], seen = [], shares = [];
+        for (let i = 0; i < body.triangles.length; i += 3) {{
+          const corners = [0, 1, 2].map((k) => body.triangles[i + k]);
+          const at = body.placeOf(corners[0], 1);
+          at.add(body.placeOf(corners[1], 1)).add(body.placeOf(corners[2], 1)).divideScalar(3);
+          at.applyMatrix4(root.matrix).project(camera);
+          seen.push([(at.x + 1) / 2 * canvas.clientWidth, (1 - at.y) / 2 * canvas.clientHeight]);
+          const value = (node) => '{field}' === 'deflection'
+            ? scale.factor * Math.hypot(...[0, 1, 2].map((c) => body.displacement.at(node, c)))
+            : player.valueAt(body, '{field}', node);
+          shares.push(corners.reduce((sum, node) => sum + value(node), 0) / 3 / scale.high);
+        }}
+        return [seen, shares, body.uniforms.ramp.value.map((each) => each.toArray())];""")
+    picture = browser.picture()[..., :3].astype(float)
+    columns, rows = np.array(seen).astype(int).T
+    found, place = picture[rows, columns], np.array(shares) * (len(ramp) - 1)
+    expected = 255 * np.stack(
+        [np.interp(place, np.arange(len(ramp)), own) for own in np.transpose(ramp)], axis=1
+    )
+    shade = (found * expected).sum(axis=1) / (expected**2).sum(axis=1)
+    assert np.abs(found - shade[:, None] * expected).max() < 4
+    assert (0.4 - 0.02 <= shade).all()
+    assert (shade <= 1.02).all()
+    assert np.ptp(shares) > 0.1
+
+
 def test_the_undeformed_outline_hides_no_edges(opened):
     """Without deflections it is not seen; with large ones it is."""
     browser, *_ = opened
