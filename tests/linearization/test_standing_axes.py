@@ -26,6 +26,7 @@ from supple.machine import (
     Bushing,
     ConstantRate,
     Fixed,
+    Gear,
     JournalBearing,
     Placed,
     PrescribedRotation,
@@ -376,6 +377,31 @@ class TestGroundResonance:
     def test_a_heavier_blade_goes_round_and_pushes_the_hub_and_nothing_rests(self):
         with pytest.raises(ModelError, match="neither axes that stand nor Floquet"):
             linearize(self.machine(3, [1.0, 1.0, 1.3]), spin=self.spin(3, 6.0))
+
+
+def two_wheels(loads, joints=()):
+    """Along x, a metre apart."""
+    inertia = np.diag([0.1, 0.06, 0.06])
+    wheels = [RigidBody(name, 1.0, np.zeros(3), inertia, {"c": np.zeros(3)}) for name in ("a", "b")]
+    hinges = [Revolute(first="ground", second=f"{name}.c", axis=X, name=name) for name in ("a", "b")]
+    return System([wheels[0], Placed(wheels[1], position=(0, 1.0, 0))], joints or hinges, loads)
+
+
+def test_what_repeats_at_even_angles_of_a_turn_is_not_taken_for_constant():
+    """A gear to a wheel that stands, of as many teeth as three to every angle that is looked at."""
+    mesh = Gear(first="a.c", second="b.c", axis=X, teeth=(21, 21), stiffness=1e4)
+    spring = TorsionSpringDamper(first="ground", second="b.c", axis=X, stiffness=50.0)
+    with pytest.raises(ModelError, match="the balance by"):
+        linearize(two_wheels([mesh, spring]), spin=Spin(10.0, X, bodies=["a"]))
+
+
+def test_a_second_speed_is_refused():
+    drives = [
+        PrescribedRotation(first="ground", second=f"{name}.c", axis=X, angle=ConstantRate(rate), name=name)
+        for name, rate in (("a", 10.0), ("b", 25.0))
+    ]
+    with pytest.raises(ModelError, match=r"joint 'b' turns at 25 .* two speeds is not linearised"):
+        linearize(two_wheels([], drives), spin=Spin(10.0, X, bodies=["a"]))
 
 
 def test_what_changes_of_itself_is_refused():

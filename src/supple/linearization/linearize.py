@@ -22,7 +22,7 @@ from supple.linearization.linear_machine import Array, FullMachine, LinearMachin
 from supple.linearization.sparse_machine import SparseMachine
 from supple.linearization.standing_axes import CONSTANT, in_standing_axes
 from supple.linearization.standing_error import StandingTurn
-from supple.linearization.turned_machine import equations_turned_on
+from supple.linearization.turned_machine import equations_turned_on, refuse_other_speeds
 from supple.machine import JointFriction, Spin, System
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equilibrium import warn_of_rest
@@ -68,8 +68,8 @@ def linearize(
 
     Raises
     ------
-    ModelError          a machine whose rest changes as it turns; with full bodies or controllers, one whose
-        equations do
+    ModelError          a machine whose rest changes as it turns, or with drives of another speed; with full
+        bodies or controllers, one whose equations do
     ConvergenceError    no equilibrium
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
@@ -80,6 +80,8 @@ def linearize(
         )
     known, search = known_fulls(system, fulls), search or StaticSearch()
     found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
+    if spin is not None and spin.rate:
+        refuse_other_speeds(found, time, spin)
     equations = found.equations.linear_equations(found.state, time)
     sparse = None
     if isinstance(equations, SparseEquations):

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.equations.static_search import carried_state
 from supple.equations.steady_motion import LinearEquations
-from supple.machine import GROUND, Joint, PrescribedRotation, Spin, System
+from supple.errors import ModelError
+from supple.machine import GROUND, At, Joint, PrescribedRotation, Spin, System
+from supple.machine.laws.with_rate import WithRate
 from supple.methods.floating.full.linear_equations import SparseEquations
 from supple.simulation.equations_of import equations_of
 from supple.simulation.resting_state import RestingState, at_rest, placed_at_rest
 
-__all__ = ["TurnedEquations", "equations_turned_on", "turning_bodies"]
+__all__ = ["TurnedEquations", "equations_turned_on", "refuse_other_speeds", "turning_bodies"]
+
+
+SAME_RATE = 1e-9
+"""Of the spin: a drive that is slower is held."""
 
 
 class TurnedEquations(NamedTuple):
@@ -28,6 +34,27 @@ class TurnedEquations(NamedTuple):
 def turning_bodies(found: RestingState, spin: Spin) -> np.ndarray:
     """Which bodies turn, (nb,)."""
     return found.turning.angular_velocities @ spin.axis != 0
+
+
+def refuse_other_speeds(found: RestingState, time: float, spin: Spin) -> None:
+    """Raise ModelError for a drive with a rate between bodies that both turn, or both stand."""
+    turning = turning_bodies(found, spin)
+    for joint in found.system.joints:
+        if not isinstance(joint, PrescribedRotation) or _turns(joint.first, found, turning) != _turns(
+            joint.second, found, turning
+        ):
+            continue
+        rate = float(WithRate(joint.law)(time)[1])
+        if abs(rate) > SAME_RATE * abs(spin.rate):
+            raise ModelError(
+                f"joint '{joint.name}' turns at {rate:g} rad per unit of time between bodies that turn "
+                f"alike, beside a spin of {spin.rate:g}: a machine of two speeds is not linearised. Hold it, "
+                "angle=0.0, or give the spin that rate, if the bodies on one side of the joint turn with it"
+            )
+
+
+def _turns(end: At | Any, found: RestingState, turning: np.ndarray) -> bool:
+    return end != GROUND and bool(turning[found.system.body_index(end.body)])
 
 
 def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> TurnedEquations:
@@ -58,10 +85,7 @@ def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> Sy
     def driven_on(joint: Joint) -> Joint:
         if not isinstance(joint, PrescribedRotation):
             return joint
-        first, second = (
-            end != GROUND and bool(turning[system.body_index(end.body)])
-            for end in (joint.first, joint.second)
-        )
+        first, second = (_turns(end, found, turning) for end in (joint.first, joint.second))
         sense = np.sign(np.dot(joint.axis, spin.axis)) * (float(second) - float(first))
         return replace(joint, angle=float(joint.law(time)) + sense * angle)
 
