@@ -17,7 +17,6 @@ pytest_plugins = (
     "fixtures.reduced_blocks",
     "fixtures.made_up_solutions",
     "fixtures.strip_case",
-    "fixtures.swept_pendulum",
     "fixtures.programs_in_a_folder",
 )
 
@@ -38,7 +37,7 @@ def _programs_are_given_back():
     bound_programs()
 
 
-# JAX loads all dialects of MLIR for every program anew: half of the time that a small one takes.
+# JAX loads all dialects of MLIR anew for each of thousands of programs: half of the time of a small one.
 mlir.make_ir_context = lru_cache(mlir.make_ir_context)
 
 # What is there now stays; what tracing makes is looked through a tenth as often, a seventh of a test's time.

@@ -48,7 +48,7 @@ def test_unlike_machines_share_no_programs(monkeypatch):
 
 @pytest.mark.slow
 def test_programs_are_kept_from_python(tmp_path):
-    """Importing the package is enough, and an earlier choice of the folder stays; small ones are kept too."""
+    """Importing the package is enough, and an earlier choice of the folder stays; small ones too."""
     script = (
         "import supple.methods.floating; from jax import config as c; "
         "print(c.jax_compilation_cache_dir, c.jax_persistent_cache_min_compile_time_secs)"

@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +13,7 @@ import pytest
 
 from supple.algebra.rotation import rotation_exp
 from supple.machine import TimeFunction
-from supple.programs import kept_programs, program_worker
+from supple.programs import kept_programs, program_digest
 from supple.programs.kept_programs import KeptProgram
 
 
@@ -26,8 +28,6 @@ def traced(monkeypatch):
         return jit(function, **options)
 
     monkeypatch.setattr(kept_programs.jax, "jit", counted)
-    program_worker._bind_lapack()
-    seen.clear()
     return seen
 
 
@@ -50,6 +50,19 @@ def test_changed_sources_are_traced_and_found_by_their_text(kept, traced, monkey
     np.testing.assert_array_equal(KeptProgram(rotation_exp)(VECTOR), first)
     assert traced == 2 * ["kept_rotation_exp"]
     assert sorted((kept / "by-text").iterdir()) == programs
+
+
+def test_sources_that_do_not_count_stand_above_all_programs():
+    """What the digest leaves out is what the layers put above the error equation; it keeps no program."""
+    root = Path(__file__).parents[2]
+    with (root / "pyproject.toml").open("rb") as file:
+        layers = tomllib.load(file)["tool"]["importlinter"]["contracts"][0]["layers"]
+    above = layers[: layers.index("supple.error | supple.linearization")]
+    names = [name.removeprefix("supple.") for layer in above for name in layer.split(" | ")]
+    assert sorted(names) == sorted(program_digest._ABOVE)
+    for name in names:
+        for path in (root / "src" / "supple" / name).rglob("*.py"):
+            assert "KeptProgram" not in path.read_text()
 
 
 def test_broken_file_is_built_anew(kept, traced):

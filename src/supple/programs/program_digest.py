@@ -1,10 +1,10 @@
 """What a compiled program depends on, as a digest that two processes agree about.
 
 Of the arguments: their structure with all that is fixed in it, shapes and types. Of everything else: the
-sources of this package, the versions of JAX and of the machine, and the options of the compiler. What
-is fixed in a structure counts if it is this package's own or a plain value. A stranger's function counts by
-its bytecode and by all that this takes from around it, where that is known in the same way or belongs to
-`jax.numpy` or `math`; a program with any other has no digest.
+sources of this package but for `_ABOVE`, the versions of JAX and of the machine, and the options of the
+compiler. What is fixed in a structure counts if it is this package's own or a plain value. A stranger's
+function counts by its bytecode and by all that this takes from around it, where that is known in the same
+way or belongs to `jax.numpy` or `math`; a program with any other has no digest.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ from supple.algebra.jax_settings import this_machine
 __all__ = ["digest_of_sources", "program_digest", "text_digest"]
 
 _PACKAGE = __name__.partition(".")[0]
+_ABOVE = ("cases", "cli", "export", "report", "results", "viz")
+"""Parts of it that no program is made of: they stand above all that is traced, as the layers demand."""
 
 
 _Compiled = type(jax.jit(lambda: None))
@@ -65,11 +67,14 @@ def _digest(content: Any) -> str:
 
 @lru_cache
 def digest_of_sources() -> str:
-    """Of all modules of this package."""
+    """Of all modules of this package that programs may be made of."""
     digest = hashlib.sha256()
     root = Path(__file__).parents[1]
     for path in sorted(root.rglob("*.py")):
-        digest.update(f"{path.relative_to(root)}\n".encode())
+        within = path.relative_to(root)
+        if within.parts[0] in _ABOVE:
+            continue
+        digest.update(f"{within}\n".encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -120,7 +125,8 @@ def _name(value: Any) -> str:
     module, name = value.__module__, value.__qualname__
     if module == "builtins" and isinstance(value, type):
         return name
-    if module != _PACKAGE and not module.startswith(f"{_PACKAGE}."):
+    package, *parts = module.split(".")
+    if package != _PACKAGE or parts[:1] in [[part] for part in _ABOVE]:
         raise _StrangerError
     found: Any = sys.modules.get(module)
     for part in name.split("."):

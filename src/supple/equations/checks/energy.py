@@ -67,8 +67,8 @@ def _(body: Any, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
     """Of a rigid or reduced body: its Gram matrix and tensors."""
     (group,) = build_model(System((Placed(body),))).groups
     arrays = jax.tree.map(lambda leaf: np.asarray(leaf)[0], _Arrays.of(group))
-    moving = _Motion(*(jnp.asarray(getattr(motion, name)) for name in _Motion._fields))
-    return _of_reduced_body(arrays, jnp.asarray(gravity), moving)
+    moving = _Motion(*(np.asarray(getattr(motion, name)) for name in _Motion._fields))
+    return Balances(*map(np.asarray, _of_reduced_body(arrays, gravity, moving)))
 
 
 class _Arrays(NamedTuple):
@@ -88,12 +88,12 @@ class _Arrays(NamedTuple):
 class _Motion(NamedTuple):
     """The parts of a `FloatingMotion` that energies need, as a pytree."""
 
-    position: jax.Array
-    rotation: jax.Array
-    coordinates: jax.Array
-    velocity: jax.Array
-    angular_velocity: jax.Array
-    coordinate_rates: jax.Array
+    position: AnyArray
+    rotation: AnyArray
+    coordinates: AnyArray
+    velocity: AnyArray
+    angular_velocity: AnyArray
+    coordinate_rates: AnyArray
 
 
 def _over_time(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from supple.body import RigidBody
@@ -34,17 +33,17 @@ def joint_residuals(system: System, solution: Solution) -> np.ndarray:
     system, bodies = _with_stations(system, solution.bodies)
     motions = [bodies[placed.body.name] for placed in system.bodies]
     configurations = Configuration(
-        origins=jnp.stack([jnp.asarray(motion.position) for motion in motions], axis=1),
-        rotations=jnp.stack([jnp.asarray(motion.rotation) for motion in motions], axis=1),
-        coordinates=jnp.concatenate(
+        origins=np.stack([motion.position for motion in motions], axis=1),
+        rotations=np.stack([motion.rotation for motion in motions], axis=1),
+        coordinates=np.concatenate(
             [
-                jnp.asarray(seen_coordinates(placed.body, motion.coordinates))
+                seen_coordinates(placed.body, motion.coordinates)
                 for placed, motion in zip(system.bodies, motions, strict=True)
             ],
             axis=1,
         ),
     )
-    return np.asarray(_residuals(build_model(system), jnp.asarray(solution.times), configurations))
+    return np.asarray(_residuals(build_model(system), solution.times, configurations))
 
 
 class _Pose(NamedTuple):

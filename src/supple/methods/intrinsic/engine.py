@@ -129,7 +129,7 @@ class IntrinsicEngine:
         good = self._good(reached)[: len(times)]
         n_reached = len(times) if good.all() else int(np.argmin(good))
         stopped = None if good.all() else self._why(reached, n_reached)
-        last = jax.tree.map(lambda leaf: jnp.asarray(leaf[max(n_reached, 1) - 1]), reached)
+        last = jax.tree.map(lambda leaf: np.asarray(leaf[max(n_reached, 1) - 1]), reached)
         moving = int(np.count_nonzero(np.diff(times, prepend=float(state.time))))
         return Leg(
             states=jax.tree.map(lambda leaf: leaf[:n_reached], reached),
