@@ -1,30 +1,21 @@
 """The page of a sweep is made of its folder; extremes lead to reports of their cases."""
 
-import json
 import re
 
 import numpy as np
 import pytest
+from fixtures.report_page import ReadPage
 from fixtures.swept_pendulum import TABLE
 from sweeps.test_sweep import Here
 
 from supple.errors import ResultFileError
-from supple.report.packed_arrays import Packing, unpacked
 from supple.sweeps import CaseTable, FatigueLoads, read_sweep, sweep, sweep_extremes, write_sweep_report
 
 
 def shown(path):
-    """Head of the page, and its columns by name."""
-    text = path.read_text(encoding="utf-8")
-    head = json.loads(re.search(r'<script id="head" type="application/json">(.*?)</script>', text).group(1))
-    data = re.search(r'<script id="data" type="text/plain">(.*?)</script>', text).group(1)
-    columns = {}
-    for column in head["sweep"]["columns"]:
-        known = column["values"]
-        values = unpacked(data, Packing(known["start"], tuple(known["shape"]), known["kind"]))
-        words = column["words"]
-        columns[column["label"]] = [words[int(code)] for code in values] if words else values
-    return text, head["sweep"], columns
+    """Text of the page, what its script reads, and its columns by name."""
+    page = ReadPage(path)
+    return page.text, page.head["sweep"], page.cases()
 
 
 def test_the_page_holds_parameters_statistics_and_spectra(pendulum, tmp_path):
