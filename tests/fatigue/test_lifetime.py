@@ -60,5 +60,14 @@ def test_what_has_no_lifetime_is_refused():
         lifetime_of_cases([8.0, 9.0], 600.0, WIND, 1.0).damage([1.0])
     with pytest.raises(ModelError, match="not finite"):
         lifetime_of_cases([8.0, 9.0], 600.0, WIND, 1.0).damage([1.0, np.nan])
+    life = lifetime_of_cases([8.0, 9.0], 600.0, WIND, 1.0)
+    for exponent, reference, lifetime in (
+        (0, 1.0, 1e7),
+        (3, 1.0, -1),
+        (3, [1.0, 0.0], 1e7),
+        (3, [1.0] * 3, 1e7),
+    ):
+        with pytest.raises(ModelError, match="positive"):
+            life.equivalent_load([1.0, 2.0], exponent, reference, lifetime)
     with pytest.raises(ModelError):
         Weibull(-1.0)

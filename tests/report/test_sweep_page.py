@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from fixtures.moving_machines import MESH, two_bodies
+from fixtures.report_page import ReadPage
 from report.test_browser import BROWSER, DRIVER, Browser
 
 from supple.errors import ModelError
@@ -17,7 +18,6 @@ from supple.report import (
     write_report,
     write_sweep_page,
 )
-from supple.report.packed_arrays import Packing, unpacked
 from supple.report.page import Section
 
 N = 120
@@ -56,27 +56,15 @@ def page(**changes):
     return SweepPage(**known | changes)
 
 
-def written(path):
-    text = path.read_text(encoding="utf-8")
-    head = json.loads(re.search(r'<script id="head" type="application/json">(.*?)</script>', text).group(1))
-    data = re.search(r'<script id="data" type="text/plain">(.*?)</script>', text).group(1)
-    return (
-        text,
-        head["sweep"],
-        lambda known: unpacked(data, Packing(known["start"], tuple(known["shape"]), known["kind"])),
-    )
-
-
 def test_columns_are_in_the_file_to_the_last_bit(tmp_path):
-    text, sweep, read = written(write_sweep_page(tmp_path / "sweep.html", page()))
-    columns = {column["label"]: column for column in sweep["columns"]}
-    assert np.array_equal(read(columns["wind.speed"]["values"]), SPEED)
-    assert np.array_equal(read(columns["root.My, maximum (N m)"]["values"]), LARGEST, equal_nan=True)
-    assert np.array_equal(read(columns["root.My, time of maximum (s)"]["values"]), INSTANTS)
-    words = [columns["file"]["words"][int(code)] for code in read(columns["file"]["values"])]
-    assert words == [f"wind-{i % 3}.csv" for i in range(N)]
-    assert "<b>diverged" not in text
-    assert "http" not in re.search(r"Content-Security-Policy.*?>", text).group(0)
+    read = ReadPage(write_sweep_page(tmp_path / "sweep.html", page()))
+    columns = read.cases()
+    assert np.array_equal(columns["wind.speed"], SPEED)
+    assert np.array_equal(columns["root.My, maximum (N m)"], LARGEST, equal_nan=True)
+    assert np.array_equal(columns["root.My, time of maximum (s)"], INSTANTS)
+    assert columns["file"] == [f"wind-{i % 3}.csv" for i in range(N)]
+    assert "<b>diverged" not in read.text
+    assert "http" not in re.search(r"Content-Security-Policy.*?>", read.text).group(0)
 
 
 def test_a_page_holds_what_a_browser_opens():

@@ -67,6 +67,16 @@ def test_without_them_nothing_is_added(pendulum, tmp_path):
     assert "fatigue" not in read_sweep(tmp_path / "out").attrs
 
 
+def test_a_name_that_matches_no_channel_is_warned_of(pendulum, tmp_path):
+    loads = FatigueLoads(exponents=[4], channels=["joint *", "hub.*"])
+    status = sweep(
+        pendulum, CaseTable({"gravity[2]": [-9.81]}), tmp_path / "out", executor=Here(), fatigue=loads
+    )
+    ((text, shares),) = status.warnings
+    assert "no channel is named 'hub.*'" in text
+    assert (status.n_ran, shares) == (1, 1)
+
+
 def test_the_table_of_the_file(pendulum, tmp_path):
     path = tmp_path / "cases.toml"
     path.write_text(
@@ -76,6 +86,11 @@ def test_the_table_of_the_file(pendulum, tmp_path):
     )
     assert read_sweep_file(path).output.fatigue == LOADS
     assert read_sweep_file(path).output.statistics[-2:] == tuple(NAMES)
-    for wrong in ({"exponents": []}, {"exponents": [-1]}, {"exponents": [4], "residue": "open"}):
+    for wrong in (
+        {"exponents": []},
+        {"exponents": [4, 4.0]},
+        {"exponents": [-1]},
+        {"exponents": [4], "residue": "open"},
+    ):
         with pytest.raises(ValidationError):
             FatigueLoads.model_validate(wrong)

@@ -64,7 +64,12 @@ class Lifetime:
         lifetime_cycles : N_life, such as 1e7
         """
         ranges = self._of_cases(loads, "loads")
-        weights = self.repeats * np.broadcast_to(reference_cycles, self.repeats.shape) / lifetime_cycles
+        cycles = np.asarray(reference_cycles, dtype=np.float64)
+        if cycles.shape not in ((), self.repeats.shape) or not (cycles > 0).all():
+            raise ModelError("lifetime: reference_cycles must be positive, one number or one for each case")
+        if not (np.isfinite([exponent, lifetime_cycles]).all() and exponent > 0 and lifetime_cycles > 0):
+            raise ModelError("lifetime: exponent and lifetime_cycles must be finite and positive")
+        weights = self.repeats * cycles / lifetime_cycles
         largest = ranges.max(axis=0)
         ratios = ranges / np.where(largest > 0, largest, 1.0)
         return largest * np.tensordot(weights, ratios**exponent, axes=1) ** (1 / exponent)

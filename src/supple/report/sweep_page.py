@@ -36,12 +36,14 @@ class ChannelOfCases:
     """What a channel came to in the cases.
 
     statistics : (n,) by name, NaN of cases without results; with minimum, time of minimum, maximum and time
-        of maximum the page lists its extremes, unless it stands still
+        of maximum the page lists its extremes
+    has_extremes : False of a channel that stands still
     """
 
     name: str
     unit: str
     statistics: Mapping[str, Array]
+    has_extremes: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +116,7 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
         own = list(_columns(channel, page.time))
         places = {name: len(columns) + i for i, name in enumerate(channel.statistics)}
         columns += own
-        if all(name in places for name in _EXTREMES) and _moves(channel):
+        if channel.has_extremes and all(name in places for name in _EXTREMES):
             low, low_time, high, high_time = (places[name] for name in _EXTREMES)
             shown.append(
                 {
@@ -136,13 +138,6 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
         },
     }
     return write_text(path, html_text(_ASSETS, page.title, page.sections, head, arrays))
-
-
-def _moves(channel: ChannelOfCases) -> bool:
-    """Whether a channel has more than one value over all cases."""
-    low, high = channel.statistics["minimum"], channel.statistics["maximum"]
-    known = ~np.isnan(low)
-    return bool(known.any()) and bool(np.min(low[known]) < np.max(high[known]))
 
 
 class _Column(NamedTuple):

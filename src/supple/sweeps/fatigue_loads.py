@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from typing import Annotated
+from warnings import warn
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, field_validator
 
+from supple.errors import SuppleWarning, did_you_mean
 from supple.fatigue import Residue, damage_equivalent_load, rainflow
 from supple.importers.toml import CheckedTable, Positive
 
@@ -42,6 +44,13 @@ class FatigueLoads(CheckedTable):
         description='names of channels; * stands for any letters: ["joint root.*"]',
     )
 
+    @field_validator("exponents")
+    @classmethod
+    def _differ(cls, exponents: tuple[float, ...]) -> tuple[float, ...]:
+        if len({f"{exponent:g}" for exponent in exponents}) < len(exponents):
+            raise ValueError("an exponent stands twice; name each once")
+        return exponents
+
     @property
     def statistics(self) -> tuple[str, ...]:
         """Names of the loads, one for each exponent."""
@@ -58,11 +67,18 @@ class FatigueLoads(CheckedTable):
     def of(self, names: Sequence[str], times: Array, values: Array) -> tuple[Array, Array]:
         """Loads (e, c) of channels, NaN of those not asked for, and the rows (m, 3) of their spectra.
 
-        A row: number of the channel, number of the class of ranges, cycles.
+        A row: number of the channel, number of the class of ranges, cycles. Names that match no channel are
+        warned of.
 
         names : (c,)    times : (t,)    values : (t, c)
         """
-        chosen = np.flatnonzero([any(fnmatchcase(name, own) for own in self.channels) for name in names])
+        matches = np.array([[fnmatchcase(name, own) for own in self.channels] for name in names], dtype=bool)
+        matches = matches.reshape(len(names), len(self.channels))
+        for own in np.array(self.channels)[~matches.any(axis=0)]:
+            warn(
+                f"fatigue: no channel is named '{own}'{did_you_mean(own, names)}", SuppleWarning, stacklevel=2
+            )
+        chosen = np.flatnonzero(matches.any(axis=1))
         loads = np.full((len(self.exponents), len(names)), np.nan)
         if not len(chosen):
             return loads, np.zeros((0, 3))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from supple.report import (
     write_sweep_page,
 )
 from supple.report.page import Section
+from supple.results import without_noise
 from supple.results.run_tables import TextTable
 from supple.simulation import simulate
 from supple.storage.file_errors import file_errors
@@ -59,8 +60,8 @@ class Extreme(NamedTuple):
 def sweep_extremes(folder: Path | str) -> list[Extreme]:
     """The smallest and the largest value of each channel over all cases of a sweep, with case and instant.
 
-    Channels that have one value throughout, such as forces across the plane of a mechanism, have none. Of
-    cases that reach the same value it is the first.
+    Channels that have one value throughout but for round-off, such as forces across the plane of a
+    mechanism, have none. Of cases that reach the same value it is the first.
 
     Raises ResultFileError where the folder holds no sweep.
     """
@@ -72,15 +73,24 @@ def _extremes(columns: SweepColumns) -> Iterator[Extreme]:
     values = {each: columns.statistic(statistics.index(each)) for each in ("minimum", "maximum")}
     low = np.where(np.isnan(values["minimum"]), np.inf, values["minimum"]).argmin(axis=0)
     high = np.where(np.isnan(values["maximum"]), -np.inf, values["maximum"]).argmax(axis=0)
-    places = np.arange(len(names))
-    # False as well where no case has a value.
-    moves = values["minimum"][low, places] < values["maximum"][high, places]
+    moves = _moves(columns.channels["unit"], values["minimum"], values["maximum"])
     for statistic, cases in (("minimum", low), ("maximum", high)):
         instants = columns.statistic(statistics.index(f"time of {statistic}"))
         for place in np.flatnonzero(moves).tolist():
             case = int(cases[place])
             value = float(values[statistic][case, place])
             yield Extreme(names[place], statistic, value, case, float(instants[case, place]))
+
+
+def _moves(units: NDArray[Any], low: Array, high: Array) -> NDArray[np.bool_]:
+    """Which channels (c,) differ over all cases (n, c) by more than the round-off of those of their unit."""
+    known = ~np.isnan(low)
+    least, most = np.where(known, low, np.inf).min(axis=0), np.where(known, high, -np.inf).max(axis=0)
+    moves = np.asarray(known.any(axis=0))
+    for unit in set(units):
+        own = moves & (units == unit)
+        moves[own] = without_noise(most[own] - least[own], like=[*least[own], *most[own]]) > 0
+    return moves
 
 
 @checked_arguments
@@ -150,14 +160,17 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     n_channels = channels_that_fit(plan.n_cases, len(results) + len(plan.table.columns), len(names))
     kept = slice(0, n_channels)
     numbers = {name: columns.statistic(columns.statistics.index(name), kept) for name in names}
+    moves = _moves(columns.channels["unit"][kept], numbers["minimum"], numbers["maximum"])
     channels = [
-        ChannelOfCases(name, unit, _of_channel(numbers, place))
+        ChannelOfCases(name, unit, _of_channel(numbers, place), bool(moves[place]))
         for place, (name, unit) in enumerate(
             zip(columns.channels["name"][kept], columns.channels["unit"][kept], strict=True)
         )
     ]
-    unit_of = dict(zip(columns.channels["name"], columns.channels["unit"], strict=True))
-    spectra = [LoadSpectrum(name, unit_of[name], *own) for name, own in columns.spectra().items()]
+    unit_of = {channel.name: channel.unit for channel in channels if channel.has_extremes}
+    spectra = [
+        LoadSpectrum(name, unit_of[name], *own) for name, own in columns.spectra().items() if name in unit_of
+    ]
     return SweepPage(
         title=f"{plan.family.case.title or plan.case_file.stem}: {plan.n_cases} cases",
         parameters=plan.table.columns,
