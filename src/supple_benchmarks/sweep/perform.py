@@ -1,0 +1,36 @@
+"""`supple benchmark sweep`: run, print the table, write the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from supple_benchmarks.growing_report import keep_report
+from supple_benchmarks.sweep.run import run_benchmark
+from supple_benchmarks.table import Table
+
+__all__ = ["perform"]
+
+
+def perform(quick: bool, json: Path | None, folder: Path) -> None:
+    """Run the benchmark, its report in the folder unless a file is named."""
+    target = json or folder / "sweep.json"
+    keep_report(target, lambda started: run_benchmark(quick, folder, started), _tables)
+
+
+def _tables(report: Mapping[str, Any]) -> Iterator[Table]:
+    rows = [[name, _cell(value)] for name, value in _flat(report) if name != "machine"]
+    yield "Sweep of a flexible arm", ["what", "value"], rows
+
+
+def _flat(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for name, value in report.items():
+        if isinstance(value, Mapping) and name != "machine":
+            yield from ((f"{name}: {inner}", own) for inner, own in value.items())
+        else:
+            yield name, value
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
