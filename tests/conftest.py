@@ -2,11 +2,9 @@
 
 import gc
 import os
-from functools import lru_cache
 
 import numpy as np
 import pytest
-from jax._src.interpreters import mlir
 
 from supple.algebra.jax_settings import bound_programs, keep_compiled_programs
 from supple.mesh import CellType
@@ -36,9 +34,6 @@ def _programs_are_given_back():
     yield
     bound_programs()
 
-
-# JAX loads all dialects of MLIR anew for each of thousands of programs: half of the time of a small one.
-mlir.make_ir_context = lru_cache(mlir.make_ir_context)
 
 # What is there now stays; what tracing makes is looked through a tenth as often, a seventh of a test's time.
 gc.freeze()
