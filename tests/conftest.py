@@ -15,6 +15,7 @@ pytest_plugins = (
     "fixtures.reduced_blocks",
     "fixtures.made_up_solutions",
     "fixtures.strip_case",
+    "fixtures.swept_pendulum",
     "fixtures.programs_in_a_folder",
 )
 
