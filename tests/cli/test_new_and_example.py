@@ -16,7 +16,9 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 def test_every_example_is_listed_with_a_title():
     titles = cases.example_titles()
-    assert set(titles) == {path.name for path in EXAMPLES.iterdir() if path.suffix in {".toml", ".py"}}
+    assert set(titles) == {
+        path.name for path in EXAMPLES.iterdir() if path.suffix in {".toml", ".py", ".ipynb"}
+    }
     assert all(len(title) > 15 for title in titles.values())
 
 
@@ -33,6 +35,13 @@ def test_a_written_example_has_every_file_that_it_names(name, tmp_path):
 def test_a_program_brings_its_table(tmp_path):
     names = {path.name for path in cases.write_example("reference_blade", tmp_path)}
     assert names == {"reference_blade.py", "iea22_blade.csv", "iea22_blade.README.md"}
+
+
+@pytest.mark.parametrize(
+    ("name", "command"), [("wing.toml", "run"), ("sweep_blade.toml", "sweep"), ("robot_arm.py", "python")]
+)
+def test_the_command_of_an_example_is_that_of_its_file(name, command):
+    assert command in cases.command_of_example(EXAMPLES / name).split()
 
 
 def test_what_is_there_is_not_replaced(tmp_path):

@@ -18,8 +18,6 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 _MODES = {"blade_campbell"}
 """Cases whose modes over speed are the example, with the speeds that their header names."""
-_CALLED = {"sweep_blade", "sweep_slider_crank"}
-"""Tables of cases, which `supple sweep` takes."""
 
 
 def run_all(folder: Path) -> None:
@@ -43,7 +41,7 @@ def examples() -> list[Path]:
     """Programs and case files; of two that share a name, the program."""
     programs = sorted(EXAMPLES.glob("*.py"))
     named = {path.stem for path in programs}
-    cases = [path for path in sorted(EXAMPLES.glob("*.toml")) if path.stem not in named | _CALLED]
+    cases = [path for path in sorted(EXAMPLES.glob("*.toml")) if path.stem not in named]
     return sorted([*programs, *cases], key=lambda path: path.stem)
 
 
@@ -89,7 +87,9 @@ def _command(example: Path) -> list[str]:
     supple = str(Path(sys.executable).with_name("supple"))
     if example.stem in _MODES:
         return [supple, "modes", str(example), "-o", ".", "--rates", "0:2.5:11"]
-    return [supple, "run", str(example), "-o", "."]
+    # A table of cases begins with sweep_.
+    command = "sweep" if example.stem.startswith("sweep_") else "run"
+    return [supple, command, str(example), "-o", "."]
 
 
 def _described(example: Path) -> tuple[str, str]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import shutil
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,10 +14,10 @@ from supple.errors import ArgumentError
 from supple.importers.toml import did_you_mean
 from supple.storage.file_errors import file_errors
 
-__all__ = ["example_titles", "write_example"]
+__all__ = ["command_of_example", "example_titles", "write_example"]
 
 _PACKAGE = Path(__file__).parents[1]
-_RUN = (".toml", ".py")
+_RUN = (".toml", ".py", ".ipynb")
 
 
 def example_titles() -> Mapping[str, str]:
@@ -51,6 +53,16 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
     return targets
 
 
+def command_of_example(path: Path) -> str:
+    """The command that runs an example: a program, a notebook, a table of cases or a case."""
+    if path.suffix == ".py":
+        return f"python {path}"
+    if path.suffix == ".ipynb":
+        return f"jupyter lab {path}"
+    of_cases = "case" in tomllib.loads(path.read_text("utf-8"))
+    return f"supple {'sweep' if of_cases else 'run'} {path}"
+
+
 def _folder() -> Path:
     """Beside the package where it is installed, beside its sources in a checkout."""
     installed = _PACKAGE / "examples"
@@ -62,6 +74,8 @@ def _title(path: Path) -> str:
     text = path.read_text("utf-8")
     if path.suffix == ".py":
         words = ast.get_docstring(ast.parse(text)) or ""
+    elif path.suffix == ".ipynb":
+        words = "".join(json.loads(text)["cells"][0]["source"]).lstrip("# ")
     else:
         words = "\n".join(line.removeprefix("#") for line in text.splitlines())
     paragraph = " ".join(words.split("\n\n")[0].split())

@@ -19,4 +19,4 @@ def write_example(name: str, folder: Path) -> None:
     for path in files:
         say(f"wrote {path}")
     first = files[0]
-    say(f"Run it: {'python' if first.suffix == '.py' else 'supple run'} {first}")
+    say(f"Run it: {cases.command_of_example(first)}")
