@@ -85,7 +85,7 @@ def animate_run(
     captions += [enlarged_words(enlargement)] if enlargement != 1.0 else []
     if film.at is not None and angles is not None:
         off = np.degrees(off_angle(angles[rows], film.at))
-        captions.append(f"{film.at.joint} at {np.degrees(film.at.angle):.4g}° (within {off:.1g}°)")
+        captions.append(f"{film.at.joint} at {np.degrees(film.at.angle) % 360:.4g}° (within {off:.1g}°)")
     return animate(
         path,
         solution.times[rows],
