@@ -57,7 +57,8 @@ def test_sources_that_do_not_count_stand_above_all_programs():
     root = Path(__file__).parents[2]
     with (root / "pyproject.toml").open("rb") as file:
         layers = tomllib.load(file)["tool"]["importlinter"]["contracts"][0]["layers"]
-    above = layers[: layers.index("supple.error | supple.linearization")]
+    (first,) = (number for number, layer in enumerate(layers) if "supple.error" in layer.split(" | "))
+    above = layers[:first]
     names = [name.removeprefix("supple.") for layer in above for name in layer.split(" | ")]
     assert sorted(names) == sorted(program_digest._ABOVE)
     for name in names:

@@ -29,7 +29,7 @@ from supple.algebra.jax_settings import this_machine
 __all__ = ["digest_of_sources", "program_digest", "text_digest"]
 
 _PACKAGE = __name__.partition(".")[0]
-_ABOVE = ("cases", "cli", "export", "report", "results", "viz")
+_ABOVE = ("cases", "cli", "export", "report", "results", "sweeps", "viz")
 """Parts of it that no program is made of: they stand above all that is traced, as the layers demand."""
 
 
