@@ -66,7 +66,7 @@ def over(function: Callable[..., Any], *arguments: Any) -> Any:
     """
     leaves, structure = jax.tree.flatten(arguments)
     shared = [leaf.shape[0] == 1 for leaf in leaves]
-    # A program may be traced with the numbers of a machine in it: rules of derivatives take JAX's arrays alone.
+    # A machine may be a constant of a program: rules of derivatives take arrays of JAX alone.
     own = [leaf[0] if once else jnp.asarray(leaf) for leaf, once in zip(leaves, shared, strict=True)]
 
     # By leaves: laws of time check what they are made of, which axes are not.
