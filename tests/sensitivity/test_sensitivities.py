@@ -94,13 +94,16 @@ def test_a_pendulum_follows_its_length_as_its_period_does():
 
     def error(step):
         run = Run(2.0, 0.04, FixedStep(step), tolerances=EXACT)
-        found = sensitivities(swinging, parameters, run, [PIN, JointForceSensor("force", "pin")])
+        force = JointForceSensor("force", "pin")
+        found = sensitivities(swinging, parameters, run, [PIN, force, Statistic("peak", force, np.max)])
         angle, rate = found.values["pin"].T[:2]
         expected = -found.solution.times * rate / (2 * parameters["length"])
         assert abs(angle).max() > 3  # it swings through, from level to level
         # Forces grow with the mass, motions do not follow it.
         by_mass = found.derivatives["force"]["mass"] * parameters["mass"]
         np.testing.assert_allclose(by_mass, found.values["force"], atol=1e-7)
+        by_mass = found.derivatives["peak"]["mass"] * parameters["mass"]
+        np.testing.assert_allclose(by_mass, found.values["peak"], atol=1e-7)
         assert abs(found.derivatives["pin"]["mass"]).max() < 1e-9
         return abs(found.derivatives["pin"]["length"][:, 0] - expected).max() / abs(expected).max()
 

@@ -84,7 +84,9 @@ class DerivativeReader:
                 )
 
     def _by_motion(self, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
-        largest = small_step(self.machine.model, self.states, self.changes, number)
+        # Forces may follow a parameter that moves nothing, such as the mass of a pendulum.
+        of_motion = small_step(self.machine.model, self.states, self.changes, number)
+        largest = min(of_motion, self.machine.neighbours[number].step)
         found: dict[str, Array] = {}
         for part in _STEPS:
             left = {name: own for name, own in values.items() if name not in found}

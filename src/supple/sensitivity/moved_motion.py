@@ -51,7 +51,7 @@ def _rotation_vectors(rotations: np.ndarray, changes: np.ndarray) -> np.ndarray:
 
 
 def small_step(model: Model, states: State, change: StateChange, parameter: int) -> float:
-    """A step of a parameter that moves the motion little."""
+    """A step of a parameter that moves the motion little; inf where it moves nothing."""
     configuration, of = states.configuration, change.carried.configuration
     turn = _rotation_vectors(configuration.rotations, of.rotations[:, parameter])
     sizes = [np.abs(turn).max(), np.abs(of.origins[:, parameter]).max() / float(model.length)]
@@ -64,4 +64,4 @@ def small_step(model: Model, states: State, change: StateChange, parameter: int)
         change_of = np.abs(of.coordinates[:, parameter][:, places] / scale).max()
         sizes.append(change_of / max(deformed, _UNDEFORMED))
     largest = max(sizes)
-    return _SMALL / largest if largest > 0 else 1.0
+    return _SMALL / largest if largest > 0 else np.inf
