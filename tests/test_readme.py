@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import supple as sp
+from supple.errors import IdentifiabilityWarning
 from supple.simulation import engines
 
 ROOT = Path(__file__).parents[1]
@@ -54,6 +55,16 @@ def test_reduce_in_python(here):
     assert strip.estimated_error <= strip.rounds[-1].allowed
     assert said["together"].bodies["strip"].rounds[0].size < strip.rounds[0].size
     assert said["small"].r == said["motion"].bodies["strip"].coordinates.shape[1]
+
+
+@pytest.mark.slow
+def test_calibrate(here):
+    with pytest.warns(IdentifiabilityWarning, match="do not determine mass"):
+        fit = run(ROOT / "docs/how-to/calibrate.md")["fit"]
+    (deviation, _) = fit.uncertainty.deviations
+    assert abs(fit.parameters["length"] - 0.8) < 3 * deviation
+    assert deviation < 0.002
+    assert [set(each) for each in fit.uncertainty.undetermined] == [{"mass"}]
 
 
 @pytest.mark.slow
