@@ -14,7 +14,7 @@ from supple.quantities import Place, tracked_places
 from supple.results import summarize
 from supple.results.run_tables import motion_table, place_table
 from supple.simulation import simulate
-from supple.viz import animate, animate_run, draw_run, glyphs_of, plot_machine
+from supple.viz import animate, animate_run, draw_run, glyphs_of, plot_mesh
 
 LENGTH = 0.5
 
@@ -80,7 +80,7 @@ def test_nothing_to_draw_is_refused(tmp_path, pendulum):
         )
     empty = type(nothing)(np.empty((1, 0, 2, 3)), ())
     with pytest.raises(ModelError, match="give a skin, or glyphs"):
-        plot_machine(tmp_path / "a.png", np.empty((0, 3)), None, empty)
+        plot_mesh(tmp_path / "a.png", np.empty((0, 3)), None, glyphs=empty)
 
 
 def test_the_track_of_a_rigid_body_is_its_motion_in_global_axes(pendulum):

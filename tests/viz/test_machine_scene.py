@@ -230,7 +230,7 @@ def test_a_film_of_a_window_is_a_file_of_that_length(rotor, tmp_path):
 
 def titles_of(monkeypatch):
     given = {}
-    monkeypatch.setattr(run_pictures, "plot_machine", lambda path, *_, **own: given.update(own) or path)
+    monkeypatch.setattr(run_pictures, "plot_mesh", lambda path, *_, **own: given.update(own) or path)
     return given
 
 

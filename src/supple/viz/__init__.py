@@ -14,7 +14,6 @@ from supple.viz.campbell_plot import *
 from supple.viz.contour import *
 from supple.viz.eigenvalue_error import *
 from supple.viz.glyphs import *
-from supple.viz.machine_picture import *
 from supple.viz.mesh_plot import *
 from supple.viz.mode_shapes import *
 from supple.viz.response_errors import *

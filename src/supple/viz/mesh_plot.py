@@ -68,7 +68,7 @@ def displacement_magnitude(displacements: Array, units: UnitSystem = UNNAMED) ->
 def plot_mesh(
     path: Path | str,
     nodes: Array,
-    skin: Skin,
+    skin: Skin | None,
     *,
     colour_by: NodalField | None = None,
     undeformed: Array | None = None,
@@ -82,18 +82,21 @@ def plot_mesh(
     Parameters
     ----------
     nodes : array (N, 3)            positions to draw, deformed or not
-    skin : Skin                     what is seen of the mesh
+    skin : Skin                     what is seen of the mesh; None with nodes (0, 3), of glyphs alone
     colour_by : NodalField          colours and colour bar; one plain colour without
     undeformed : array (N, 3)       its outline is drawn pale, behind
-    glyphs : Glyphs                 springs, ties and masses, at one time
+    glyphs : Glyphs                 rigid bodies, joints, springs, ties and masses, at one time
     camera : Camera                 a three-quarter view by default
     units : UnitSystem              what the length bar is in
 
     Raises
     ------
-    ModelError          arrays of other shapes, values that are not finite, a skin beyond the nodes
+    ModelError          nothing to draw, arrays of other shapes, values that are not finite, a skin beyond
+                        the nodes
     ResultFileError     the file cannot be written
     """
+    if skin is None and (glyphs is None or glyphs.is_empty):
+        raise ModelError(f"cannot draw {path}: give a skin, or glyphs")
     with textbook_style():
         figure, _, _ = draw_surface(
             nodes,

@@ -31,9 +31,8 @@ from supple.viz.body_pictures import (
     draw_stress,
 )
 from supple.viz.machine_camera import machine_camera
-from supple.viz.machine_picture import plot_machine
 from supple.viz.machine_scene import drawn_bodies, machine_scene
-from supple.viz.mesh_plot import NodalField
+from supple.viz.mesh_plot import NodalField, plot_mesh
 from supple.viz.run_curves import draw_energies, draw_joint_forces, draw_tracked
 
 __all__ = ["draw_machine", "draw_run"]
@@ -145,11 +144,11 @@ def draw_machine(
     if scene.is_empty:
         return None
     instant = measured(f"t = {solution.times[0]:.4g}", units.time)
-    return plot_machine(
+    return plot_mesh(
         path,
         scene.positions[0],
         scene.skin,
-        scene.glyphs,
+        glyphs=scene.glyphs,
         colour_by=None if scene.values is None else NodalField(scene.label, scene.values[0]),
         undeformed=None if colouring is None or scene.skin is None else scene.undeformed,
         camera=camera,
