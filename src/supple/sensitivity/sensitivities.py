@@ -16,10 +16,9 @@ from supple.arguments import check_number, checked_arguments
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.validity import watch
-from supple.equations.floating_solution import failure_message
 from supple.errors import ArgumentError, ConvergenceError, ModelError, did_you_mean
-from supple.integrate import Run, Solution, Statistics, damps_joint_forces
-from supple.methods.floating.compiled.engine import as_solution, controls, tangents_made
+from supple.integrate import Run, Solution
+from supple.methods.floating.compiled.engine import as_solution, controls, march_failure, march_statistics
 from supple.methods.floating.compiled.sensitivity_march import march_with_changes
 from supple.methods.floating.compiled.sensitivity_step import StateChange
 from supple.methods.floating.compiled.state import State
@@ -144,25 +143,14 @@ def _marched(machine: ParameterChanges, run: Run) -> tuple[State, StateChange, S
     )
     last = found.last
     if last.failed:
-        undamped = bool(machine.system.joints) and not damps_joint_forces(run.second_order_method)
-        raise ConvergenceError(
-            failure_message(float(last.time), np.asarray(last.relative_residual), undamped=undamped)
-        )
+        raise ConvergenceError(march_failure(machine.system, run, last))
     states, changes = jax.tree.map(
         lambda first, rows: np.concatenate([np.asarray(first)[None], rows[machine.outputs]]),
         (machine.state._replace(kept=None), machine.changes.start),
         (found.states, found.changes),
     )
     _check_converged(states, changes)
-    statistics = Statistics(
-        steps=int(last.steps),
-        iterations=int(last.iterations),
-        rejected_steps=int(last.rejected_steps),
-        factorizations=tangents_made(last),
-        seconds=perf_counter() - began,
-        largest_error=float(last.largest_error),
-        largest_turn=float(last.largest_turn),
-    )
+    statistics = march_statistics(last, perf_counter() - began)
     return states, changes, as_solution(machine.system, machine.model, states, statistics)
 
 

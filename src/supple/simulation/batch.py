@@ -20,7 +20,6 @@ from supple.arguments import check_instance, checked_arguments
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.validity import Peaks, watch
-from supple.equations.floating_solution import failure_message
 from supple.equations.model import Model
 from supple.equations.stops import Stops, filled_up, laws_of, stepping_instants
 from supple.errors import ModelError
@@ -29,13 +28,12 @@ from supple.integrate import (
     Run,
     Solution,
     Statistics,
-    damps_joint_forces,
 )
 from supple.machine import SampledController
 from supple.machine.laws.instants import shortest_scale_of
 from supple.machine.system import System
 from supple.methods.floating.compiled.batch_start import Axes, BatchStart, batch_start, differing
-from supple.methods.floating.compiled.engine import controls, tangents_made
+from supple.methods.floating.compiled.engine import controls, march_failure, march_statistics
 from supple.methods.floating.compiled.state import State
 from supple.programs.worker_processes import on_all_cores
 from supple.progress import by_fraction, with_progress_bar
@@ -121,7 +119,7 @@ def simulate_batch(
             history = jax.tree.map(lambda leaf: leaf[outputs], states)
             marched[number] = _marched(cases[number], starts, number, last, history, seconds_of_each)
             if last.failed:
-                failures[number] = _why(cases[number], last, run)
+                failures[number] = march_failure(cases[number], run, last)
         if len(marched) >= _RESULTS_AT_ONCE or len(marched) + len(found) == len(cases):
             found |= dict(zip(marched, solutions_of(list(marched.values())), strict=True))
             for number in marched:
@@ -178,21 +176,7 @@ def _marched(
         starts.states[number]._replace(kept=None),
         history,
     )
-    statistics = Statistics(
-        steps=int(last.steps),
-        iterations=int(last.iterations),
-        rejected_steps=int(last.rejected_steps),
-        factorizations=tangents_made(last),
-        seconds=seconds,
-        largest_error=float(last.largest_error),
-        largest_turn=float(last.largest_turn),
-    )
-    return MarchedCase(system, starts.models[number], states, statistics)
-
-
-def _why(system: System, failed: State, run: Run) -> str:
-    undamped = bool(system.joints) and not damps_joint_forces(run.second_order_method)
-    return failure_message(float(failed.time), failed.relative_residual, undamped=undamped)
+    return MarchedCase(system, starts.models[number], states, march_statistics(last, seconds))
 
 
 def _check_alike(models: Sequence[Model]) -> None:

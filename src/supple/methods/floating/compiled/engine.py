@@ -203,12 +203,8 @@ class CompiledEngine:
                 largest_error=float(after.largest_error),
                 largest_turn=float(after.largest_turn),
             ),
-            stopped=self._why(after) if after.failed else None,
+            stopped=march_failure(self._system, self._run, after) if after.failed else None,
         )
-
-    def _why(self, failed: State) -> str:
-        undamped = bool(self._system.joints) and not damps_joint_forces(self._run.second_order_method)
-        return failure_message(float(failed.time), failed.relative_residual, undamped=undamped)
 
     def solution(self, leg: Leg[State]) -> Solution:
         """The motion of a leg."""
@@ -225,6 +221,25 @@ class CompiledEngine:
 def tangents_made(state: State) -> int:
     """Tangents made so far: one for each correction, where none is kept."""
     return int(state.iterations if state.kept is None else state.kept.made)
+
+
+def march_statistics(last: State, seconds: float) -> Statistics:
+    """What a march from its start to a last state took."""
+    return Statistics(
+        steps=int(last.steps),
+        iterations=int(last.iterations),
+        rejected_steps=int(last.rejected_steps),
+        factorizations=tangents_made(last),
+        seconds=seconds,
+        largest_error=float(last.largest_error),
+        largest_turn=float(last.largest_turn),
+    )
+
+
+def march_failure(system: System, run: Run, failed: State) -> str:
+    """Why a march broke off in a state, in words."""
+    undamped = bool(system.joints) and not damps_joint_forces(run.second_order_method)
+    return failure_message(float(failed.time), np.asarray(failed.relative_residual), undamped=undamped)
 
 
 def as_solution(
