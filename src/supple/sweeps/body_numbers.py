@@ -12,10 +12,10 @@ from typing import Any
 from supple.cases.body_kinds import kind_of
 from supple.importers.toml import KeyPath, Raw
 
-__all__ = ["DAMPING_NUMBERS", "is_number_of_run"]
+__all__ = ["DAMPING_NUMBERS", "PLACING", "is_number_of_run"]
 
 _FORCES = ("load", "joint", "spring", "element", "gravity", "tie")
-_PLACING = ("position", "rotation", "velocity", "centre_velocity", "angular_velocity")
+PLACING = ("position", "rotation", "velocity", "centre_velocity", "angular_velocity")
 DAMPING_NUMBERS = ("alpha", "beta", "ratio")
 
 
@@ -31,7 +31,7 @@ def is_number_of_run(place: KeyPath, value: Any, raw: Raw) -> bool:
         return False
     number, key, *inner = rest
     body = raw["body"][number]
-    if key in _PLACING or "rigid" in body:
+    if key in PLACING or "rigid" in body:
         return True
     return key == "damping" and inner[-1] in DAMPING_NUMBERS and _is_damped_apart(body)
 

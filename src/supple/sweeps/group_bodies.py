@@ -28,6 +28,7 @@ from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
 from supple.storage.run_inputs import digest_of
 from supple.storage.sealed_hdf5 import is_whole
+from supple.sweeps.body_numbers import PLACING
 
 __all__ = ["GroupBodies", "bodies_of_group"]
 
@@ -108,13 +109,10 @@ def _digest(case: Case, tables: Mapping[str, Body]) -> str:
         content: Any = {key: str(value) for key, value in case.inputs.items()}
     else:
         named = [name for table in tables.values() for name in _files(table)]
-        bodies = [table.model_dump(mode="json", exclude=_PLACING) for table in case.tables.body]
+        bodies = [table.model_dump(mode="json", exclude=set(PLACING)) for table in case.tables.body]
         content = {"bodies": bodies, "files": digests_of_files(named, case.folder)}
     text = json.dumps([FORMAT, __version__, content], sort_keys=True)
     return digest_of(text.encode()).partition(":")[2][:16]
-
-
-_PLACING = {"position", "rotation", "velocity", "centre_velocity", "angular_velocity"}
 
 
 def _files(table: Body) -> list[str]:

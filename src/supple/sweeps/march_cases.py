@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from supple.cases.notify import silent
 from supple.errors import MemoryShortageError, MissingPackageError, ResultFileError, SuppleError
 from supple.integrate import Kinematic, Solution
 from supple.quantities import read_sensors
@@ -16,12 +17,11 @@ from supple.simulation.engines import is_explicit
 from supple.storage.solution_arrays import to_arrays
 from supple.sweeps.channel_statistics import channel_statistics
 from supple.sweeps.part_file import CaseResult, CaseStatus, Channels
+from supple.sweeps.plan import MARCHED_AT_ONCE
 from supple.sweeps.swept_group import SweptCase, SweptGroup
 
 __all__ = ["march_cases"]
 
-MARCHED_AT_ONCE = 16
-"""Cases of one call of the compiled program."""
 MOST_AT_ONCE = 64
 """Cases whose motions are in memory together."""
 NUMBERS_AT_ONCE = 2**26
@@ -89,7 +89,7 @@ def _marched(group: SweptGroup, made: dict[int, SweptCase]) -> dict[int, CaseRes
 
 def _together(group: SweptGroup, made: dict[int, SweptCase]) -> dict[int, CaseResult]:
     cases = list(made.values())
-    found = simulate_batch([own.system for own in cases], cases[0].run, progress=_silent)
+    found = simulate_batch([own.system for own in cases], cases[0].run, progress=silent)
     results = {}
     for place, (number, own) in enumerate(made.items()):
         solution = found.solutions[place]
@@ -103,16 +103,12 @@ def _together(group: SweptGroup, made: dict[int, SweptCase]) -> dict[int, CaseRe
 def _alone(group: SweptGroup, number: int, own: SweptCase) -> CaseResult:
     began = clock.process_time()
     try:
-        solution = simulate(own.system, own.run, check=False, progress=_silent)
+        solution = simulate(own.system, own.run, check=False, progress=silent)  # the command has a bar
     except NOT_OF_A_CASE:
         raise
     except SuppleError as error:
         return CaseResult(number, CaseStatus.FAILED, str(error), clock.process_time() - began)
     return _result(group, number, own, solution, clock.process_time() - began)
-
-
-def _silent(_: float) -> None:
-    """No bar: the command has one."""
 
 
 def _result(group: SweptGroup, number: int, own: SweptCase, solution: Solution, seconds: float) -> CaseResult:

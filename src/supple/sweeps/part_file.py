@@ -16,7 +16,7 @@ warnings        of the runs, each once
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import IntEnum
 from pathlib import Path
 
@@ -91,6 +91,9 @@ class Part:
     spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
 
+CHANNEL_KINDS = tuple(each.name for each in fields(Channels))
+"""Data sets below `channels/`."""
+
 _NUMBERS = {
     "cases": ("case", np.int64),
     "status": ("status", np.int8),
@@ -145,9 +148,7 @@ def read_part(path: Path) -> Part:
     with open_sealed(path) as file:
         if file.attrs.get("format") != FORMAT or int(file.attrs["version"]) > VERSION:
             raise ResultFileError(f"{path} is no part of a sweep that this supple reads")
-        channels = Channels(
-            **{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in vars(Channels())}
-        )
+        channels = Channels(**{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in CHANNEL_KINDS})
         columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items()}
         cause, statistics = file["cause"].asstr()[()], file["statistics"][()]
         results = []
@@ -155,7 +156,7 @@ def read_part(path: Path) -> Part:
             known = {own: column[row].item() for own, column in columns.items()}
             known |= {"status": CaseStatus(status), "cause": cause[row], "channels": channels}
             ran = status == CaseStatus.RAN
-            motion = _motion(file, known["case"])
+            motion = motion_in(file, known["case"])
             results.append(
                 CaseResult(**known, statistics=statistics[..., row] if ran else None, motion=motion)
             )
@@ -163,7 +164,8 @@ def read_part(path: Path) -> Part:
         return Part(results, words, names, file["spectrum"][()])
 
 
-def _motion(file: h5py.File, case: int) -> dict[str, Array]:
+def motion_in(file: h5py.File, case: int) -> dict[str, Array]:
+    """The arrays of a kept motion by path; empty where it was not kept."""
     found: dict[str, Array] = {}
     group = file.get(f"motions/{case}")
     if isinstance(group, h5py.Group):

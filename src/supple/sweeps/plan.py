@@ -38,8 +38,8 @@ FORMAT, VERSION = "supple-sweep-plan", 1
 LARGEST_SHARE = 512
 FEWEST_SHARES = 64
 """So that many cores have work; where the cases suffice."""
-SMALLEST_SHARE = 16
-"""Cases that are marched by one call."""
+MARCHED_AT_ONCE = 16
+"""Cases of one call of the compiled program; of the smallest share."""
 
 IntArray = NDArray[np.int64]
 
@@ -175,7 +175,7 @@ def _shares(group: IntArray, size: int | None) -> IntArray:
     """Of each case: groups cut into shares of nearly one size, a multiple of what is marched at once."""
     if size is None:
         even = -(-len(group) // FEWEST_SHARES)
-        size = min(-(-even // SMALLEST_SHARE) * SMALLEST_SHARE, LARGEST_SHARE)
+        size = min(-(-even // MARCHED_AT_ONCE) * MARCHED_AT_ONCE, LARGEST_SHARE)
     share, begun = np.empty(len(group), dtype=np.int64), 0
     for own in range(int(group.max()) + 1):
         cases = np.flatnonzero(group == own)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +13,7 @@ from supple.optional_packages import optional_package
 from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.fatigue_loads import range_of, summed_spectra
-from supple.sweeps.part_file import CaseStatus, part_path, whole_parts
+from supple.sweeps.part_file import CHANNEL_KINDS, CaseStatus, motion_in, part_path, whole_parts
 from supple.sweeps.plan import SweepPlan, read_plan
 
 __all__ = ["SweepColumns", "read_sweep", "write_parquet"]
@@ -106,33 +105,28 @@ class SweepColumns:
         Raises ResultFileError where the motion of the case was not kept.
         """
         with open_sealed(part_path(self.folder, int(self.plan.share[case])), verify=False) as file:
-            found: dict[str, Array] = {}
-
-            def add(name: str, item: Any) -> None:
-                if isinstance(item, h5py.Dataset):
-                    found[name] = item[()]
-
-            group = file.get(f"motions/{case}")
-            if group is None:
-                raise ResultFileError(
-                    f"{self.folder} keeps no motion of case {case}: name it in keep, or simulate `swept_case`"
-                )
-            group.visititems(add)
-            return found
+            found = motion_in(file, case)
+        if not found:
+            raise ResultFileError(
+                f"{self.folder} keeps no motion of case {case}: name it in keep, or simulate `swept_case`"
+            )
+        return found
 
     def _channels(self) -> dict[str, NDArray[Any]]:
         """Of all parts by name, in the order of the first with any."""
-        kinds = ("name", "unit", "quantity", "axes", "place")
         rows: dict[str, tuple[str, ...]] = {}
         for share in self.shares:
             with open_sealed(part_path(self.folder, share), verify=False) as file:
                 names = file["channels/name"].asstr()[()]
                 if all(name in rows for name in names):
                     continue
-                for row in zip(*(file[f"channels/{kind}"].asstr()[()] for kind in kinds), strict=True):
+                for row in zip(
+                    *(file[f"channels/{kind}"].asstr()[()] for kind in CHANNEL_KINDS), strict=True
+                ):
                     rows.setdefault(row[0], row)
         return {
-            kind: np.array([row[i] for row in rows.values()], dtype=object) for i, kind in enumerate(kinds)
+            kind: np.array([row[i] for row in rows.values()], dtype=object)
+            for i, kind in enumerate(CHANNEL_KINDS)
         }
 
 
@@ -172,7 +166,7 @@ def read_sweep(folder: Path | str) -> Any:
         "statistic": list(columns.statistics),
     }
     coordinates["channel"] = columns.channels["name"]
-    for kind in ("unit", "quantity", "axes", "place"):
+    for kind in CHANNEL_KINDS[1:]:
         coordinates[kind] = ("channel", columns.channels[kind])
     for path, column in columns.table.columns.items():
         coordinates[path] = ("case", _as_array(column))

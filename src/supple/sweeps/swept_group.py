@@ -11,6 +11,7 @@ from supple.body import BodyForm
 from supple.cases.case import Case
 from supple.cases.case_inputs import digests_of_files
 from supple.cases.condense import with_modes_enough
+from supple.cases.notify import silent
 from supple.cases.result_tables import recorded_quantities
 from supple.cases.static_case import starting_system
 from supple.errors import ResultFileError
@@ -85,12 +86,8 @@ class SweptGroup:
         recorded_quantities(case, case.system)
         condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}
         if condensed:
-            placed = with_modes_enough(starting_system(case), case.run, condensed, _silent).bodies
+            placed = with_modes_enough(starting_system(case), case.run, condensed, silent).bodies
         return {each.body.name: each.body for each in placed if each.body.kind != "rigid"}
-
-
-def _silent(*_: object) -> None:
-    """No progress."""
 
 
 @lru_cache(maxsize=2)
