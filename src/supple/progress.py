@@ -109,9 +109,13 @@ def _is_notebook() -> bool:
 class _Line(Protocol):
     """Where a bar is shown."""
 
-    def update(self, text: str, fraction: float | None) -> None: ...
+    def update(self, text: str, fraction: float | None) -> None:
+        """Show what is done, and how far it is."""
+        ...
 
-    def stop(self) -> None: ...
+    def stop(self) -> None:
+        """The line goes."""
+        ...
 
 
 class _TerminalLine:

@@ -94,5 +94,7 @@ def test_explicit_elements_are_not_enlarged(case_folder):
     text = path.read_text().replace("animation = false", "animation = true\nenlargement = 3.0")
     body = text.index("frame = {"), text.index("[[body.interface]]")
     path.write_text(text[: body[0]] + "explicit = {}\n" + text[body[1] :])
-    with pytest.raises(CaseError, match="not told from their deformation; remove the key"):
+    with pytest.raises(
+        CaseError, match="motion and deformation of explicit elements are not known apart; remove the key"
+    ):
         read_case(path)

@@ -113,7 +113,7 @@ def _the_camera_looks_somewhere(raw: Raw) -> Mistakes:
 def _what_is_enlarged_has_a_frame(raw: Raw) -> Mistakes:
     marched = any("explicit" in body for _, body in tables(raw, "body"))
     if marched and table(raw, "output").get("enlargement", 1) != 1:
-        message = "the motion of explicit elements is not told from their deformation; remove the key"
+        message = "motion and deformation of explicit elements are not known apart; remove the key"
         yield ("output", "enlargement"), message
 
 

@@ -13,12 +13,11 @@ from supple.body import BodyForm, RigidBody
 from supple.fem import FiniteElementModel, has_stress
 from supple.integrate import Solution
 from supple.machine import At, System
-from supple.methods.explicit import OBSTACLES
 from supple.report.marked_place import Arrow, JointMark, Link, arrows_of, joint_marks, links_of
 from supple.report.moving_body import FIELD_TOLERANCE, MovingBody, moving_body, rigid_links
 from supple.results.body_surface import Look
 from supple.results.colouring import DEFLECTION, PLASTIC_STRAIN, Colouring, stress_colouring
-from supple.results.obstacle_shape import obstacle_shape
+from supple.results.obstacle_shape import obstacle_offsets, obstacle_shape
 from supple.simulation.recorded_columns import check_motions
 from supple.units import UNNAMED, UnitSystem
 
@@ -190,7 +189,7 @@ def _scales(
 
 def _obstacles(system: System, solution: Solution, seen: Array) -> Iterator[MovingObstacle]:
     """Rigid obstacles, which an explicit march moves."""
+    offsets = obstacle_offsets(system, solution)
     for number, contact in enumerate(system.rigid_contacts):
         points, triangles = obstacle_shape(contact.obstacle, seen)
-        moved = solution.series[OBSTACLES].reshape(len(solution.times), -1, 6)[:, number, :3]
-        yield MovingObstacle(points, triangles, moved)
+        yield MovingObstacle(points, triangles, offsets[:, number])

@@ -5,14 +5,23 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.machine import RigidCylinder, RigidPlane, RigidSphere
+from supple.integrate import Solution
+from supple.machine import RigidCylinder, RigidPlane, RigidSphere, System
 from supple.machine.obstacles import Obstacle
+from supple.methods.explicit import OBSTACLES
 
-__all__ = ["obstacle_shape"]
+__all__ = ["obstacle_offsets", "obstacle_shape"]
 
 FloatArray = NDArray[np.float64]
 
 _AROUND, _UP = 32, 16
+
+
+def obstacle_offsets(system: System, solution: Solution) -> FloatArray:
+    """How far an explicit march has moved each rigid obstacle, (t, o, 3)."""
+    if not system.rigid_contacts:
+        return np.zeros((len(solution.times), 0, 3))
+    return solution.series[OBSTACLES].reshape(len(solution.times), -1, 6)[:, :, :3]
 
 
 def obstacle_shape(obstacle: Obstacle, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:

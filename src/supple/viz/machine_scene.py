@@ -15,13 +15,12 @@ from supple.errors import ModelError
 from supple.integrate import Solution
 from supple.machine import At, RigidPlane, System
 from supple.mesh.skin import Skin
-from supple.methods.explicit import OBSTACLES
 from supple.quantities import deflections, node_positions, observer_of
 from supple.quantities.tracked_motion import Observer
 from supple.results.body_surface import BodySurface, Look, body_surface
 from supple.results.camera import Camera
 from supple.results.colouring import Colouring
-from supple.results.obstacle_shape import obstacle_shape
+from supple.results.obstacle_shape import obstacle_offsets, obstacle_shape
 from supple.units import UNNAMED, UnitSystem
 from supple.viz.contact_clearance import clear_of_contact
 from supple.viz.glyphs import POINT_STYLE, Glyphs, Mark, glyphs_of, surface_glyphs
@@ -97,7 +96,7 @@ def machine_scene(
     Raises ModelError for an enlargement of bodies that have no frame to deform against.
     """
     seen = _seen(system, solution, meshes, rows, bases)
-    offsets = _obstacle_offsets(system, solution, rows)
+    offsets = obstacle_offsets(system, solution)[rows]
     if system.contacts:
         shown = clear_of_contact(system, {each.body.name: each.nodes for each in seen}, offsets)
         seen = [_Seen(e.body, e.surface, e.motion, e.observer, shown[e.body.name]) for e in seen]
@@ -189,8 +188,8 @@ def _enlarged(places: Array, seen: _Seen, rest: Array, enlargement: float) -> Ar
         return places
     if seen.observer is None:
         raise ModelError(
-            f"body '{seen.body.name}' is in explicit elements, whose motion is not told from their "
-            "deformation: draw it true to scale (leave out the enlargement)"
+            f"body '{seen.body.name}' is in explicit elements, whose motion and deformation are "
+            "not known apart: draw it true to scale (leave out the enlargement)"
         )
     carried = _carried(seen.observer, rest)
     return carried + enlargement * (places - carried)
@@ -199,13 +198,6 @@ def _enlarged(places: Array, seen: _Seen, rest: Array, enlargement: float) -> Ar
 def _points(nodes: Array) -> Glyphs:
     """The nodes of a body that has neither mesh nor elements."""
     return Glyphs(np.empty((len(nodes), 0, 2, 3)), (Mark(POINT_STYLE, nodes),))
-
-
-def _obstacle_offsets(system: System, solution: Solution, rows: Rows) -> Array:
-    """How far each obstacle has moved, (t, o, 3)."""
-    if not system.rigid_contacts:
-        return np.zeros((len(rows), 0, 3))
-    return solution.series[OBSTACLES][rows].reshape(len(rows), -1, 6)[:, :, :3]
 
 
 def _obstacles(
