@@ -8,11 +8,14 @@ again where its file, or the package, is newer. One that fails ends the gallery 
 
 from __future__ import annotations
 
-import ast
+import os
+import shlex
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+from supple.cases import command_of_example, example_text
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
@@ -23,6 +26,8 @@ _MODES = {"blade_campbell"}
 def run_all(folder: Path) -> None:
     """Run what is not up to date, each example in a folder of its own."""
     sources = max(path.stat().st_mtime for path in (ROOT / "src" / "supple").rglob("*.py"))
+    # `python` and `supple` are those beside this interpreter.
+    here = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     for example in examples():
         place = folder / example.stem
         done = place / "output.txt"
@@ -31,7 +36,9 @@ def run_all(folder: Path) -> None:
         shutil.rmtree(place, ignore_errors=True)
         place.mkdir(parents=True)
         print(f"running {example.name}", flush=True)
-        ran = subprocess.run(_command(example), cwd=place, capture_output=True, text=True, check=False)
+        ran = subprocess.run(
+            _command(example), cwd=place, env=here, capture_output=True, text=True, check=False
+        )
         if ran.returncode:
             raise SystemExit(f"{example.name} failed:\n{ran.stdout[-2000:]}{ran.stderr[-4000:]}")
         done.write_text(ran.stdout, "utf-8")
@@ -82,25 +89,15 @@ def write_pages(gallery: Path, folder: Path) -> None:
 
 
 def _command(example: Path) -> list[str]:
-    if example.suffix == ".py":
-        return [sys.executable, str(example)]
-    supple = str(Path(sys.executable).with_name("supple"))
     if example.stem in _MODES:
-        return [supple, "modes", str(example), "-o", ".", "--rates", "0:2.5:11"]
-    # A table of cases begins with sweep_.
-    command = "sweep" if example.stem.startswith("sweep_") else "run"
-    return [supple, command, str(example), "-o", "."]
+        return ["supple", "modes", str(example), "-o", ".", "--rates", "0:2.5:11"]
+    results = [] if example.suffix == ".py" else ["-o", "."]
+    return [*shlex.split(command_of_example(example)), *results]
 
 
 def _described(example: Path) -> tuple[str, str]:
-    """Title and text, from the docstring of a program or the comment on top of a case."""
-    source = example.read_text("utf-8")
-    if example.suffix == ".py":
-        words = ast.get_docstring(ast.parse(source)) or ""
-    else:
-        top = source.split("\n\n")[0]
-        words = "\n".join(line.removeprefix("#").removeprefix(" ") for line in top.splitlines())
-    title, _, text = words.partition("\n")
+    """Title and text."""
+    title, _, text = example_text(example).partition("\n")
     return title.strip().rstrip("."), text.strip()
 
 

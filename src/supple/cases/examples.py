@@ -14,7 +14,7 @@ from supple.errors import ArgumentError
 from supple.importers.toml import did_you_mean
 from supple.storage.file_errors import file_errors
 
-__all__ = ["command_of_example", "example_titles", "write_example"]
+__all__ = ["command_of_example", "example_text", "example_titles", "write_example"]
 
 _PACKAGE = Path(__file__).parents[1]
 _RUN = (".toml", ".py", ".ipynb")
@@ -69,16 +69,19 @@ def _folder() -> Path:
     return installed if installed.is_dir() else _PACKAGE.parents[1] / "examples"
 
 
-def _title(path: Path) -> str:
-    """The first sentence of what a program or a case says of itself."""
+def example_text(path: Path) -> str:
+    """What a program, a notebook or a case says of itself, in plain lines."""
     text = path.read_text("utf-8")
     if path.suffix == ".py":
-        words = ast.get_docstring(ast.parse(text)) or ""
-    elif path.suffix == ".ipynb":
-        words = "".join(json.loads(text)["cells"][0]["source"]).lstrip("# ")
-    else:
-        words = "\n".join(line.removeprefix("#") for line in text.splitlines())
-    paragraph = " ".join(words.split("\n\n")[0].split())
+        return ast.get_docstring(ast.parse(text)) or ""
+    if path.suffix == ".ipynb":
+        return "".join(json.loads(text)["cells"][0]["source"]).lstrip("# ")
+    return "\n".join(line.removeprefix("#").removeprefix(" ") for line in text.split("\n\n")[0].splitlines())
+
+
+def _title(path: Path) -> str:
+    """The first sentence."""
+    paragraph = " ".join(example_text(path).split("\n\n")[0].split())
     return re.split(r"(?<=[.?!])\s", paragraph)[0]
 
 

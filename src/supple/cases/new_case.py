@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from supple.cases.result_machine import path_from
 from supple.errors import ArgumentError
 from supple.importers import DECK_SUFFIXES, read_deck, read_mesh
 from supple.storage.file_errors import file_errors
@@ -30,7 +31,7 @@ def write_new_case(mesh_file: Path, path: Path) -> None:
     if path.exists():
         raise ArgumentError(f"{path} is there already: give another name (-o), or remove it")
     model = _read(mesh_file)
-    text = _case(re.sub(r"[^\w-]", "_", mesh_file.stem), _named_from(mesh_file, path), model)
+    text = _case(re.sub(r"[^\w-]", "_", mesh_file.stem), path_from(path.parent, mesh_file), model)
     with file_errors("write", path):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, "utf-8")
@@ -65,12 +66,6 @@ def _places(sets: Mapping[str, np.ndarray], n_nodes: int) -> list[str]:
 
 def _size(nodes: np.ndarray) -> float:
     return float(np.max(np.ptp(nodes, axis=0)))
-
-
-def _named_from(mesh_file: Path, path: Path) -> str:
-    """The mesh file as the case names it: relative to the case where it lies at or below it."""
-    whole, folder = mesh_file.resolve(), path.resolve().parent
-    return whole.relative_to(folder).as_posix() if whole.is_relative_to(folder) else whole.as_posix()
 
 
 def _case(name: str, named: str, model: _Model) -> str:
