@@ -26,14 +26,14 @@ app = typer.Typer(
 app.add_typer(
     typer.Typer(cls=BenchmarkGroup, rich_markup_mode=None),
     name="benchmark",
-    help="Run a published benchmark and set our numbers beside the paper's.",
+    help="Run a published benchmark and compare with the paper's numbers.",
     no_args_is_help=True,
 )
 sweep_app = typer.Typer(cls=SweepGroup, rich_markup_mode=None)
 app.add_typer(
     sweep_app,
     name="sweep",
-    help="Run the cases of a table (supple sweep CASES.toml -o FOLDER), or print how far they are.",
+    help="Run the cases of a table (supple sweep CASES.toml -o FOLDER), or print their progress.",
     no_args_is_help=True,
 )
 
@@ -46,13 +46,13 @@ AllowCode = Annotated[
     bool,
     typer.Option(
         "--allow-code",
-        help="Run the Python file that `control` of the case names; read it first: it may do anything.",
+        help="Run the Python file given by `control`; review it first: it may do anything.",
     ),
 ]
 NoErrors = Annotated[
     bool,
     typer.Option(
-        "--no-errors", help="Skip the error estimate of the bases (saves factors of the full bodies)."
+        "--no-errors", help="Skip the error estimate of the bases (saves factorisations of the full bodies)."
     ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the whole traceback of an error.")]
@@ -123,16 +123,16 @@ def sweep(
         Path | None, typer.Option("-o", "--output", help="Folder for results; default: results/CASES.")
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes of this machine; default: one a core.")
+        int | None, typer.Option(min=1, help="Processes on this machine; default: one per core.")
     ] = None,
     cluster: Annotated[
         str | None, typer.Option(help="Address of the scheduler of a Dask cluster, such as tcp://host:8786.")
     ] = None,
     mpi: Annotated[bool, typer.Option("--mpi", help="Processes of MPI (python -m mpi4py.futures).")] = False,
     share: Annotated[
-        str | None, typer.Option(help="K/N: what job K of N has to do, in this process (job arrays).")
+        str | None, typer.Option(help="K/N: run the part of job K of N in this process (job arrays).")
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Begin anew, whatever the folder holds.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Start anew; replaces the folder.")] = False,
     debug: Debug = False,
 ) -> None:
     """Simulate the cases of a table; the same command does what was left undone.
@@ -164,7 +164,7 @@ def sweep_status(
 def sweep_page(
     folder: Annotated[Path, typer.Argument(help="Folder of a sweep.")],
     reports: Annotated[
-        int, typer.Option(min=0, help="Cases with the most extremes that are simulated again, for a report.")
+        int, typer.Option(min=0, help="Cases, those with the most extremes, to simulate for a report.")
     ] = 3,
     debug: Debug = False,
 ) -> None:
@@ -245,54 +245,88 @@ def modes(
 def export(
     path: Annotated[Path, typer.Argument(help="Result of a run (.h5), or a case file (.toml).")],
     output: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             "-o",
             "--output",
             help="File to write. Of a result: FILE.vtkhdf (ParaView), .vtu (one instant), .csv, .mat, .outb, "
-            ".nc or .h5 (tables). Of a case: a deck, FILE.inp; of a mode FILE.vtkhdf or .vtu.",
+            ".nc or .h5 (tables). Of a case: a deck, FILE.inp; of a mode FILE.vtkhdf or .vtu. Of a body: "
+            ".op4, .pch (Nastran), .sid (Simpack), .fem (MBDyn), .npz (Exudyn), .dat (OpenFAST). Of a "
+            "machine for co-simulation: FILE.fmu.",
         ),
-    ],
+    ] = None,
     body: Annotated[
         list[str] | None,
-        typer.Option(help="Which body, for ParaView also several (--body A --body B); all if left out."),
+        typer.Option(help="Body, for ParaView also several (--body A --body B); default: all."),
     ] = None,
     time: Annotated[
         float | None,
-        typer.Option(help="Instant of a .vtu or of a deck's loads; the end of the run if left out."),
+        typer.Option(help="Instant of a .vtu or of a deck's loads; default: the end of the run."),
     ] = None,
     mode: Annotated[
         int | None,
-        typer.Option(min=1, help="Which mode of a case's machine, for ParaView; 1: the slowest."),
+        typer.Option(min=1, help="Mode of a case's machine, for ParaView; 1: the lowest."),
     ] = None,
     times: Annotated[
-        str | None, typer.Option(help="FROM:TO:NUMBER: so many instants of a result; all if left out.")
+        str | None, typer.Option(help="FROM:TO:NUMBER: instants of a result; default: all.")
     ] = None,
     stress: Annotated[
         bool, typer.Option("--stress/--no-stress", help="Stress in files for ParaView, or none.")
     ] = True,
     case: Annotated[
-        Path | None, typer.Option("--case", help="Case file of a result, where it is not where it was.")
+        Path | None, typer.Option("--case", help="Case file of a result, if it was moved.")
     ] = None,
     abaqus: Annotated[
-        bool, typer.Option("--abaqus", help="Three-node shells, for Abaqus; CalculiX bends six-node ones.")
+        bool, typer.Option("--abaqus", help="A deck for Abaqus: three-node shells, or matrices.")
     ] = False,
+    superelement: Annotated[
+        bool, typer.Option("--superelement", help="A deck with the reduced body, to be included in others.")
+    ] = False,
+    c: Annotated[
+        Path | None, typer.Option("--c", help="Folder for the machine as C: source, header, test, Makefile.")
+    ] = None,
+    inputs: Annotated[
+        list[str] | None,
+        typer.Option("--input", help="Joint, spring or element whose law is an input of the C or the FMU."),
+    ] = None,
+    fmi: Annotated[int, typer.Option(min=2, max=3, help="Version of the FMU's interface.")] = 3,
+    allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
-    """Write a run for ParaView or as a table; of a case a mode, or a body under its loads as a deck.
+    """Write a run for ParaView or as a table; of a case a mode, or a body under its loads as a deck; a
+    machine as C (--c FOLDER) or for co-simulation (-o FILE.fmu).
 
     A deck (Abaqus, CalculiX) is of one body, clamped where joints hold it.
     """
+    from supple.cli.export_superelement import SUPERELEMENT_SUFFIXES, export_superelement
+
     with reported_errors(debug=debug), reported_warnings():
         is_case = path.suffix.lower() == ".toml"
         if is_case and (times is not None or case is not None or not stress):
-            raise ArgumentError("--times, --no-stress and --case are of results (.h5); leave them out")
-        if abaqus and (not is_case or mode is not None):
-            raise ArgumentError("--abaqus is of the deck of a case's body; leave it out")
+            raise ArgumentError("--times, --no-stress and --case are for results (.h5); remove them")
+        if c is not None or (output is not None and output.suffix.lower() == ".fmu"):
+            from supple.cli.export_machine import export_machine
+
+            export_machine(
+                path, c=c, fmu=output, inputs=inputs or (), fmi=fmi, case_file=case, allow_code=allow_code
+            )
+            return
+        if output is None:
+            raise ArgumentError("name the file to write (-o FILE), or the folder of the C (--c FOLDER)")
+        if inputs:
+            raise ArgumentError("--input is for machines as C or as an FMU; remove it")
+        if abaqus and (not (is_case or superelement) or mode is not None):
+            raise ArgumentError("--abaqus is for the deck of a case's body; remove it")
+        if superelement and output.suffix.lower() != ".inp":
+            raise ArgumentError("--superelement is for a deck (.inp); other endings name their format")
         if mode is not None:
             from supple.cli.export_mode import export_mode
 
             export_mode(path, output, mode, bodies=body, time=time or 0.0)
+        elif superelement or output.suffix.lower() in SUPERELEMENT_SUFFIXES:
+            if time is not None or times is not None or case is not None or not stress:
+                raise ArgumentError("a superelement takes --body and --abaqus alone; leave the others out")
+            export_superelement(path, output, body=body, abaqus=abaqus)
         elif is_case:
             from supple.cli.export_case import export_case
 
@@ -327,7 +361,7 @@ def check(
     path: Annotated[
         Path, typer.Argument(help="Case (.toml), Nastran model (.bdf ..) or HDF5 matrices (.h5).")
     ],
-    modes: Annotated[int, typer.Option(min=0, help="Elastic modes to compute; 0 leaves modes out.")] = 6,
+    modes: Annotated[int, typer.Option(min=0, help="Elastic modes to compute; 0: none.")] = 6,
     debug: Debug = False,
 ) -> None:
     """Check the models of a file; exit with an error if one cannot be used."""
@@ -358,7 +392,7 @@ def example(
 @app.command()
 def new(
     mesh: Annotated[
-        Path, typer.Argument(help="Mesh or deck (.msh, .inp, .bdf ..); asked for if left out.")
+        Path, typer.Argument(help="Mesh or deck (.msh, .inp, .bdf ..); default: a prompt.")
     ] = Path(),
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Case file to write; default: MESH.toml.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import singledispatch
 from typing import Any, TypeVar
@@ -33,7 +33,6 @@ from supple.machine import (
     At,
     BaseAcceleration,
     Controller,
-    EndReading,
     ForceElement,
     Joint,
     JointFriction,
@@ -43,12 +42,15 @@ from supple.machine import (
     SampledController,
     System,
 )
+from supple.machine.control.readings import Reading
 from supple.reduction.condensed_inertia import condensed_gram
 
 __all__ = [
     "build_model",
+    "force_group_of",
     "initial_points",
     "is_on_full_nodes",
+    "readers_of",
     "row_scales",
     "seen_coordinates",
     "station_model",
@@ -368,17 +370,6 @@ def _reaction_rows(system: System, loads: Sequence[ForceElement]) -> Places | No
 def _control_law(
     system: System, controller: Controller | SampledController, places: _BodyPlaces
 ) -> ControlLaw:
-    joints = {joint.name: joint for joint in system.joints}
-
-    def reader(name: str, reading: JointReading | EndReading) -> Reader:
-        if isinstance(reading, JointReading):
-            ends = _both_ends(system, joints[reading.joint])
-        else:
-            own = _end(system, reading.at, np.eye(3), np.zeros(3))
-            ends = own, own
-        first, second = (_ends(places, [end]) for end in ends)
-        return Reader(name, isinstance(reading, JointReading), first, second)
-
     def actuator(name: str, element: ForceElement) -> Actuator:
         (group,) = _force_groups(system, [element], places)
         return Actuator(name, element.value_shape, group)
@@ -387,10 +378,38 @@ def _control_law(
     return ControlLaw(
         outputs=None if sampled else controller.outputs,
         rates=None if sampled else controller.rates,
-        readers=tuple(reader(name, reading) for name, reading in controller.reads.items()),
+        readers=_readers(system, controller.reads, places),
         actuators=tuple(actuator(name, element) for name, element in controller.drives.items()),
         initial=np.zeros(0) if sampled else np.asarray(controller.initial),
     )
+
+
+def _readers(system: System, reads: Mapping[str, Reading], places: _BodyPlaces) -> tuple[Reader, ...]:
+    joints = {joint.name: joint for joint in system.joints}
+
+    def reader(name: str, reading: Reading) -> Reader:
+        if isinstance(reading, JointReading):
+            ends = _both_ends(system, joints[reading.joint])
+        else:
+            own = _end(system, reading.at, np.eye(3), np.zeros(3))
+            ends = own, own
+        first, second = (_ends(places, [end]) for end in ends)
+        return Reader(name, isinstance(reading, JointReading), first, second)
+
+    return tuple(reader(name, reading) for name, reading in reads.items())
+
+
+def readers_of(system: System, reads: Mapping[str, Reading]) -> tuple[Reader, ...]:
+    """What is read of a machine under some names, as arrays."""
+    return _readers(system, reads, _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies)))
+
+
+def force_group_of(system: System, element: ForceElement) -> ForceGroup:
+    """One force element as arrays, whether it is of the machine or only imagined there."""
+    (group,) = _force_groups(
+        system, [element], _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies))
+    )
+    return group
 
 
 def _check_apart(system: System, load: ForceElement) -> None:

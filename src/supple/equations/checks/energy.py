@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import singledispatch
 from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import jax
 import jax.numpy as jnp
@@ -65,8 +66,10 @@ def body_balances(body: Any, _motion: Any, _gravity: np.ndarray) -> Balances:
 @body_balances.register(RigidBody | ReducedBody)
 def _(body: Any, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
     """Of a rigid or reduced body: its Gram matrix and tensors."""
-    (group,) = build_model(System((Placed(body),))).groups
-    arrays = jax.tree.map(lambda leaf: np.asarray(leaf)[0], _Arrays.of(group))
+    if body not in _ARRAYS:
+        (group,) = build_model(System((Placed(body),))).groups
+        _ARRAYS[body] = jax.tree.map(lambda leaf: np.asarray(leaf)[0], _Arrays.of(group))
+    arrays = _ARRAYS[body]
     moving = _Motion(*(np.asarray(getattr(motion, name)) for name in _Motion._fields))
     return Balances(*map(np.asarray, _of_reduced_body(arrays, gravity, moving)))
 
@@ -83,6 +86,10 @@ class _Arrays(NamedTuple):
     def of(cls, group: BodyGroup) -> _Arrays:
         """The arrays of a group of bodies."""
         return cls(group.gram, group.stiffness, group.cubic, group.quartic)
+
+
+_ARRAYS: WeakKeyDictionary[Any, _Arrays] = WeakKeyDictionary()
+"""Of bodies that are in use: cases of a sweep share them, and read energies thousands of times."""
 
 
 class _Motion(NamedTuple):

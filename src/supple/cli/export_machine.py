@@ -1,0 +1,148 @@
+"""Write the machine of a case as C, or as an FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from supple.cases import Case, read_case
+from supple.cases.outputs import check_not_an_input
+from supple.cases.result_machine import result_machine
+from supple.cases.static_case import starting_system
+from supple.errors import ArgumentError, CaseError, did_you_mean
+from supple.export.c.machine_step import MachineStep, machine_step
+from supple.export.c.write_machine import write_machine
+from supple.export.fmu.write_fmu import write_fmu
+from supple.machine import Joint, PrescribedRotation, PrescribedTranslation, System
+from supple.quantities import JointMotionSensor, PositionSensor, Quantity
+from supple.terminal import console, print_rows, say, worded
+
+__all__ = ["export_machine"]
+
+
+def export_machine(
+    path: Path,
+    *,
+    c: Path | None,
+    fmu: Path | None,
+    inputs: Sequence[str],
+    fmi: int,
+    case_file: Path | None,
+    allow_code: bool,
+) -> None:
+    """Write the machine of a case, or of a result, as it stands at the start of its run.
+
+    c, fmu : folder of the C, and file of the FMU; one of them
+    inputs : names of joints, springs and elements whose laws are given from outside
+    fmi : version of the FMU's interface
+    case_file : of a result, as for `result_machine`
+
+    Raises
+    ------
+    ArgumentError       both, or neither
+    CaseError           mistakes in the case file; an input that it does not have; a body that corrects itself
+    ModelError          as `machine_step`, `write_machine` and `write_fmu`
+    ResultFileError     a file that cannot be read or written
+    """
+    if (c is None) == (fmu is None):
+        raise ArgumentError(
+            "a machine is written as C (--c FOLDER) or as an FMU (-o FILE.fmu): give one of them"
+        )
+    with console.status("reading") as status:
+
+        def notify(step: str, detail: str = "") -> None:
+            status.update(worded(step, detail))
+
+        case, system = _machine(path, case_file, allow_code, notify)
+        check_not_an_input(case, [target for target in (c, fmu) if target is not None])
+        notify("tracing the equations")
+        step = _step(case, system, inputs)
+        notify("writing")
+        title = case.title or path.stem
+        if c is not None:
+            write_machine(c, step, title)
+        else:
+            assert fmu is not None
+            write_fmu(fmu, step, title, fmi=fmi)
+    _report(step)
+    say(f"written to {c}: run make test there" if c is not None else f"written to {fmu}, FMI {fmi}")
+
+
+def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) -> tuple[Case, System]:
+    if path.suffix.lower() != ".toml":
+        found = result_machine(path, case_file, notify)
+        case, system = found.case, found.system
+        if case.tables.simulation.start != "placed":
+            raise CaseError(
+                f"{path}: its run does not start as the machine is placed (start, in [simulation]): export "
+                "the case"
+            )
+        return case, case.controlled(system, allow_code=allow_code)
+    case = read_case(path, notify)
+    if case.starts:
+        raise CaseError(
+            f"{path}: body '{next(iter(case.starts))}' is reduced to an accuracy, which its run finds: run "
+            "the case, and export its result (.h5)"
+        )
+    return case, starting_system(case, allow_code=allow_code)
+
+
+def _step(case: Case, system: System, inputs: Sequence[str]) -> MachineStep:
+    known = _elements(case, system)
+    for name in inputs:
+        if name not in known:
+            raise CaseError(
+                f"{case.path} has no joint, spring or element '{name}'{did_you_mean(name, known)}; there "
+                f"are: {', '.join(known) or 'none'}"
+            )
+    chosen = {name: known[name] for name in inputs}
+    units = {name: _unit(case, element) for name, element in chosen.items()}
+    return machine_step(system, case.run, _outputs(case, system), chosen, input_units=units, units=case.units)
+
+
+def _elements(case: Case, system: System) -> dict[str, Any]:
+    """Joints, and springs and elements that have a name."""
+    tables = (*case.parts.spring, *case.parts.element)
+    named = zip(tables, system.loads[len(case.parts.load) :], strict=False)
+    return {joint.name: joint for joint in system.joints} | {
+        table.name: element for table, element in named if table.name is not None
+    }
+
+
+def _unit(case: Case, element: Any) -> str:
+    if isinstance(element, PrescribedRotation):
+        return "rad"
+    if isinstance(element, PrescribedTranslation):
+        return case.units.length
+    kind = type(element).__name__
+    return case.units.moment if "Torque" in kind else case.units.force if "Force" in kind else ""
+
+
+def _outputs(case: Case, system: System) -> list[Quantity]:
+    """Its sensors, the places that it tracks, and the motions of joints about or along their axes."""
+    sensors = list(case.sensors)
+    tracked = [PositionSensor(name, case.place(name)) for name in case.parts.output.track]
+    joints = [
+        JointMotionSensor(joint.name, joint.name) for joint in system.joints if _moves_along_axis(joint)
+    ]
+    taken = {sensor.name for sensor in sensors}
+    seen = {sensor.joint for sensor in sensors if isinstance(sensor, JointMotionSensor)}
+    sensors += [each for each in tracked if each.name not in taken]
+    return [*sensors, *(each for each in joints if each.name not in taken and each.joint not in seen)]
+
+
+def _moves_along_axis(joint: Joint) -> bool:
+    return type(joint).__name__ in ("Revolute", "Prismatic", "Cylindrical")
+
+
+def _report(step: MachineStep) -> None:
+    rows: Mapping[str, str] = {
+        "coordinates": f"{step.model.n_velocities} velocities, {len(step.model.active)} equations of joints",
+        "step": f"{step.size:g}",
+        "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none: the time alone",
+        "outputs": ", ".join(variable.name for variable in step.outputs.variables) or "none",
+    }
+    print_rows("Machine", list(rows.items()))
+    if step.outputs.left_out:
+        say(f"left out, for they are read from results alone: {', '.join(step.outputs.left_out)}")

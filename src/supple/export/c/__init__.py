@@ -1,0 +1,1 @@
+"""A machine as plain C: its compiled march, printed from the traced program."""

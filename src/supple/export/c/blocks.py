@@ -1,0 +1,181 @@
+"""Blocks of C: statements in order, and the storage of the arrays that they make."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import count
+
+import numpy as np
+
+from supple.export.c.values import Buffer, Index, Uniform, Value, View, c_type, literal, row_major
+
+__all__ = ["Block", "Constants"]
+
+_TOKEN = re.compile(r"@(\d+)@")
+_UNROLLED = 4
+"""Elements of an array up to which its loop is written out."""
+
+
+@dataclass
+class Constants:
+    """Tables of constants of a file: equal ones stand there once."""
+
+    tables: dict[bytes, tuple[str, np.ndarray]] = field(default_factory=dict)
+    numbers: Iterable[int] = field(default_factory=count)
+
+    def view(self, values: np.ndarray) -> Value:
+        """Constants as a value: one number where all are equal."""
+        values = np.array(values, order="C")
+        if not values.size:
+            return Uniform(values.shape, values.dtype, 0)
+        first = values.reshape(-1)[:1]
+        if values.tobytes() == first.tobytes() * values.size:
+            return Uniform(values.shape, values.dtype, first[0])
+        key = values.dtype.str.encode() + values.tobytes()
+        name = self.tables.setdefault(key, (f"c{len(self.tables)}", values.reshape(-1)))[0]
+        buffer = Buffer(-1, values.dtype, values.size, name=name)
+        return View(values.shape, values.dtype, buffer, row_major(values.shape), known=values)
+
+    def text(self) -> str:
+        """Their definitions, those that are read."""
+        lines = []
+        for name, values in self.tables.values():
+            cells = [literal(value, values.dtype) for value in values]
+            rows = [", ".join(cells[start : start + 8]) for start in range(0, len(cells), 8)]
+            body = ",\n    ".join(rows)
+            lines.append(f"static const {c_type(values.dtype)} {name}[{len(cells)}] = {{\n    {body}}};")
+        return "\n".join(lines)
+
+
+@dataclass
+class Block:
+    """Statements in order; an array takes over the storage of one that is no longer read."""
+
+    constants: Constants
+    numbers: Iterable[int]
+    statements: list[str] = field(default_factory=list)
+    buffers: dict[int, Buffer] = field(default_factory=dict)
+
+    def inner(self) -> Block:
+        """An empty block within this one."""
+        return Block(self.constants, self.numbers)
+
+    def add(self, text: str) -> None:
+        """A statement."""
+        self.statements.append(text)
+
+    def known(self, values: np.ndarray) -> Value:
+        """Constants as a value."""
+        return self.constants.view(np.asarray(values))
+
+    def array(self, shape: Sequence[int], dtype: np.dtype) -> View:
+        """New storage of an array: a variable where it has one element."""
+        shape = tuple(shape)
+        size = int(np.prod(shape, dtype=int))
+        buffer = Buffer(next(iter(self.numbers)), np.dtype(dtype), size, is_scalar=size == 1)
+        self.buffers[buffer.number] = buffer
+        return View(shape, np.dtype(dtype), buffer, row_major(shape))
+
+    def stored(self, value: Value) -> View | Uniform:
+        """The value where it can be read more than once: stored, unless it is already."""
+        return value if isinstance(value, View | Uniform) else self.copied(value)
+
+    def in_order(self, value: Value) -> View:
+        """The value stored without gaps, in row-major order."""
+        if isinstance(value, View) and value.is_contiguous:
+            return value
+        return self.copied(value)
+
+    def copied(self, value: Value) -> View:
+        """The value in new storage."""
+        target = self.array(value.shape, value.dtype)
+        self.assign(target, value)
+        return target
+
+    def assign(self, target: View, value: Value) -> None:
+        """Write all elements of a value into a target of the same shape."""
+        size = value.size
+        if not size:
+            return
+        flat, own = value.flat("i"), target.flat("i")
+        if flat is not None and own is not None and size > _UNROLLED:
+            self.add(f"for (int i = 0; i < {size}; ++i) {own} = {flat};")
+            return
+        self.each(value.shape, lambda index: f"{target.at(index)} = {value.at(index)};")
+
+    def each(self, shape: Sequence[int], statement: Callable[[Index], str]) -> None:
+        """A statement for every index: loops, or written out where they are few."""
+        if 0 in shape:
+            return
+        if int(np.prod(shape, dtype=int)) <= _UNROLLED:
+            self.add(" ".join(statement([str(i) for i in index]) for index in np.ndindex(*shape)))
+            return
+        heads, index = loops(shape)
+        self.add(f"{heads}{{ {statement(index)} }}")
+
+    def text(self) -> str:
+        """Declarations and statements."""
+        first: dict[int, int] = {}
+        last: dict[int, int] = {}
+        for place, statement in enumerate(self.statements):
+            for number in set(map(int, _TOKEN.findall(statement))) & self.buffers.keys():
+                first.setdefault(number, place)
+                last[number] = place
+        names, slots = self._slots(first, last)
+        lines = [f"{kind} {name}[{max(size, 1)}];" for name, (kind, size) in slots.items()]
+        scalars: dict[str, list[str]] = {}
+        for number in first:
+            buffer = self.buffers[number]
+            if buffer.is_scalar:
+                names[number] = f"v{number}"
+                scalars.setdefault(c_type(buffer.dtype), []).append(names[number])
+        lines += [f"{kind} {', '.join(own)};" for kind, own in scalars.items()]
+
+        def named(match: re.Match[str]) -> str:
+            return names.get(int(match[1]), match[0])
+
+        return "\n".join(lines + [_TOKEN.sub(named, statement) for statement in self.statements])
+
+    def _slots(
+        self, first: dict[int, int], last: dict[int, int]
+    ) -> tuple[dict[int, str], dict[str, tuple[str, int]]]:
+        """The storage of each array: a free one that is large enough, or one made larger."""
+        names: dict[int, str] = {}
+        slots: dict[str, tuple[str, int]] = {}
+        busy: dict[str, int] = {}
+        arrays = [number for number in first if not self.buffers[number].is_scalar]
+        for number in sorted(arrays, key=lambda one: first[one]):
+            buffer = self.buffers[number]
+            kind = c_type(buffer.dtype)
+            free = [
+                (size, name)
+                for name, (own, size) in slots.items()
+                if own == kind and busy[name] < first[number]
+            ]
+            enough = sorted(entry for entry in free if entry[0] >= buffer.size)
+            close = [entry for entry in enough if entry[0] <= 4 * buffer.size + 16]
+            if close:
+                name = close[0][1]
+            elif smaller := [entry for entry in free if buffer.size / 2 <= entry[0] < buffer.size]:
+                name = max(smaller)[1]
+                slots[name] = kind, buffer.size
+            else:
+                name = f"a{number}"
+                slots[name] = kind, buffer.size
+            names[number], busy[name] = name, last[number]
+        return names, slots
+
+
+def loops(shape: Sequence[int], letter: str = "i") -> tuple[str, list[str]]:
+    """Heads of nested loops over a shape, and the index; axes of one entry have no loop."""
+    heads, index = "", []
+    for axis, n in enumerate(shape):
+        if n == 1:
+            index.append("0")
+            continue
+        name = f"{letter}{axis}"
+        heads += f"for (int {name} = 0; {name} < {n}; ++{name}) "
+        index.append(name)
+    return heads, index

@@ -1,0 +1,122 @@
+"""Loops and branches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from supple.export.c.blocks import Block
+from supple.export.c.operations import Operation, Program, program_of
+from supple.export.c.printer import constants_in, print_block, rule
+from supple.export.c.values import Uniform, Value, View
+
+__all__ = ["hand_on"]
+
+
+def _unchanged(program: Program, place: int, n_before: int) -> bool:
+    """Whether a loop hands on what it was given."""
+    atom = program.outputs[place]
+    return isinstance(atom, int) and atom == program.inputs[n_before + place]
+
+
+def _carried(block: Block, value: Value, changes: bool) -> Value:
+    if not changes:
+        return block.stored(value)
+    return block.copied(value)
+
+
+def hand_on(block: Block, carried: Sequence[Value], after: Sequence[Value], changes: Sequence[bool]) -> None:
+    """Write what a pass leaves into what the next one begins with, all at once."""
+    moves = [(old, new) for old, new, does in zip(carried, after, changes, strict=True) if does]
+    buffers = {id(old.buffer) for old, _ in moves if isinstance(old, View)}
+    ready = []
+    for old, new in moves:
+        is_own = isinstance(new, View) and id(new.buffer) not in buffers
+        ready.append((old, new if is_own or isinstance(new, Uniform) else block.copied(new)))
+    for old, new in ready:
+        assert isinstance(old, View)
+        block.assign(old, new)
+
+
+@rule("while")
+def _while(block: Block, one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]) -> list[Value]:
+    asks, passes = program_of(one.params["cond_jaxpr"]), program_of(one.params["body_jaxpr"])
+    n_asks, n_passes = one.params["cond_nconsts"], one.params["body_nconsts"]
+    held = [block.stored(value) for value in inputs[: n_asks + n_passes]]
+    of_ask, of_pass = held[:n_asks], held[n_asks:]
+    first = inputs[n_asks + n_passes :]
+    changes = [not _unchanged(passes, place, n_passes) for place in range(len(first))]
+    carried = [_carried(block, value, does) for value, does in zip(first, changes, strict=True)]
+
+    inner = block.inner()
+    (goes_on,) = print_block(inner, asks, [*of_ask, *carried])
+    inner.add(f"if (!{goes_on.at(())}) break;")
+    after = print_block(inner, passes, [*of_pass, *carried])
+    hand_on(inner, carried, after, changes)
+    block.add(f"for (;;) {{\n{inner.text()}\n}}")
+    return carried
+
+
+@rule("scan")
+def _scan(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    passes, length = program_of(one.params["jaxpr"]), one.params["length"]
+    n_held, n_carried = one.params["num_consts"], one.params["num_carry"]
+    held = [block.stored(value) for value in inputs[:n_held]]
+    first = inputs[n_held : n_held + n_carried]
+    changes = [not _unchanged(passes, place, n_held) for place in range(n_carried)]
+    carried = [_carried(block, value, does) for value, does in zip(first, changes, strict=True)]
+    along = [block.stored(value) for value in inputs[n_held + n_carried :]]
+    number = block.array((), np.dtype(np.int32)).at(())
+    rows = [block.array(each.shape, each.dtype) for each in outputs[n_carried:]]
+
+    inner = block.inner()
+    place = f"({length - 1} - {number})" if one.params["reverse"] else number
+    own = [_row(value, place) for value in along]
+    after = print_block(inner, passes, [*held, *carried, *own])
+    for row, value in zip(rows, after[n_carried:], strict=True):
+        inner.assign(_row_of(row, place), value)
+    hand_on(inner, carried, after[:n_carried], changes)
+    block.add(f"for ({number} = 0; {number} < {length}; ++{number}) {{\n{inner.text()}\n}}")
+    return [*carried, *rows]
+
+
+def _row(value: Value, place: str) -> Value:
+    if isinstance(value, Uniform):
+        return replace(value, shape=value.shape[1:])
+    assert isinstance(value, View)
+    return _row_of(value, place)
+
+
+def _row_of(value: View, place: str) -> View:
+    stride = value.strides[0]
+    shift = "" if value.shape[0] == 1 or not stride else f"{stride} * {place}"
+    joined = " + ".join(term for term in (value.shift, shift) if term)
+    return replace(value, shape=value.shape[1:], strides=value.strides[1:], shift=joined, known=None)
+
+
+@rule("cond")
+def _cond(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    branches = [program_of(branch) for branch in one.params["branches"]]
+    which, operands = inputs[0], [block.stored(value) for value in inputs[1:]]
+    known = constants_in([which]).get(0)
+    if known is not None:
+        return print_block(block, branches[int(np.clip(known, 0, len(branches) - 1))], operands)
+    targets = [block.array(each.shape, each.dtype) for each in outputs]
+    number = block.array((), np.dtype(np.int32)).at(())
+    block.add(f"{number} = (int32_t)within_({which.at(())}, {len(branches) - 1});")
+    text = ""
+    for place, branch in enumerate(branches):
+        inner = block.inner()
+        for target, value in zip(targets, print_block(inner, branch, operands), strict=True):
+            inner.assign(target, value)
+        head = (
+            "else"
+            if place == len(branches) - 1 and place
+            else f"{'else ' if place else ''}if ({number} == {place})"
+        )
+        text += f"{head} {{\n{inner.text()}\n}}\n"
+    block.add(text)
+    return list(targets)

@@ -1,0 +1,66 @@
+"""A function of arrays, traced by JAX, as a function of C."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from importlib.resources import files
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.export.c import control, elementwise, indexing, linear_algebra, reductions, shapes
+from supple.export.c.blocks import Block
+from supple.export.c.control import hand_on
+from supple.export.c.operations import program_of
+from supple.export.c.printer import Printed, print_program
+from supple.export.c.values import Buffer, Value, View, c_type, row_major
+
+__all__ = ["HEAD", "function_source", "named_view", "printed_function"]
+
+_FAMILIES = (control, elementwise, indexing, linear_algebra, reductions, shapes)
+"""Rules register themselves as they are imported."""
+
+HEAD = "#include <math.h>\n#include <stdbool.h>\n#include <stdint.h>\n\n" + files("supple.export.c").joinpath(
+    "assets", "support.h"
+).read_text("utf-8")
+"""What every file begins with."""
+
+
+def named_view(name: str, shape: Sequence[int], dtype: Any, *, is_scalar: bool = False) -> View:
+    """An array that has a name in C."""
+    shape = tuple(shape)
+    size = int(np.prod(shape, dtype=int))
+    buffer = Buffer(-1, np.dtype(dtype), size, is_scalar=is_scalar, name=name)
+    return View(shape, np.dtype(dtype), buffer, row_major(shape))
+
+
+def printed_function(
+    function: Callable[..., Any], arguments: Any, inputs: Sequence[View], outputs: Sequence[View]
+) -> Printed:
+    """The statements by which `outputs` become `function(*arguments)` of `inputs`, leaf by leaf.
+
+    Outputs may be inputs as well: all are read before any is written.
+
+    Raises ModelError for an operation that has no form in C.
+    """
+    program = program_of(jax.make_jaxpr(function)(*arguments))
+
+    def store(block: Block, values: Sequence[Value]) -> None:
+        hand_on(block, outputs, values, [True] * len(outputs))
+
+    return print_program(program, dict(zip(program.inputs, inputs, strict=True)), store)
+
+
+def function_source(function: Callable[..., Any], *arguments: Any, name: str = "function") -> str:
+    """A file of C with `void name(const T *x0, .., T *y0, ..)`, one pointer to each leaf."""
+    given = jax.tree.leaves(arguments)
+    results = jax.tree.leaves(jax.eval_shape(function, *arguments))
+    ins, outs = (
+        [named_view(f"{letter}{place}", np.shape(leaf), leaf.dtype) for place, leaf in enumerate(leaves)]
+        for letter, leaves in (("x", [np.asarray(leaf) for leaf in given]), ("y", results))
+    )
+    printed = printed_function(function, arguments, ins, outs)
+    parameters = [f"const {c_type(view.dtype)} *{view.buffer.text}" for view in ins]
+    parameters += [f"{c_type(view.dtype)} *{view.buffer.text}" for view in outs]
+    return f"{HEAD}\n{printed.constants}\n\nvoid {name}({', '.join(parameters)})\n{{\n{printed.body}\n}}\n"

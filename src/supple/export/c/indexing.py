@@ -1,0 +1,126 @@
+"""Gather and scatter: elements read and written at places that are numbers themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from supple.export.c.blocks import Block
+from supple.export.c.operations import Operation
+from supple.export.c.printer import constants_in, rule
+from supple.export.c.values import Computed, Index, Uniform, Value, literal
+
+
+def _sum(a: str, b: str) -> str:
+    if a == "0":
+        return b
+    if b == "0":
+        return a
+    return str(int(a) + int(b)) if a.isdigit() and b.isdigit() else f"({a} + {b})"
+
+
+class _Starts:
+    """Where windows of an operand begin, by rows of indices."""
+
+    def __init__(
+        self, indices: Value, mapped: Sequence[int], room: Sequence[int], mode: Any, *, writes: bool
+    ) -> None:
+        self._indices, self._mapped, self._room = indices, list(mapped), list(room)
+        known = constants_in([indices]).get(0)
+        rooms = np.array([self._room[axis] for axis in self._mapped])
+        inside = known is not None and bool(((known >= 0) & (known <= rooms)).all())
+        # What is promised to be inside may not be: XLA reads the nearest element, and writes none.
+        fills = "FILL" in str(mode) or (writes and "CLIP" not in str(mode))
+        self._clips, self._drops = not inside and not fills, not inside and fills
+
+    def start(self, row: Index, axis: int) -> str:
+        """Along an axis of the operand."""
+        if axis not in self._mapped:
+            return "0"
+        number = self._indices.at([*row, str(self._mapped.index(axis))])
+        return f"within_({number}, {self._room[axis]})" if self._clips else number
+
+    def outside(self, row: Index) -> str:
+        """Whether the window is not within the operand, in C; "" where it always is."""
+        if not self._drops:
+            return ""
+        tests = []
+        for axis in self._mapped:
+            number = self.start(row, axis)
+            tests.append(f"{number} < 0 || {number} > {self._room[axis]}")
+        return " || ".join(tests)
+
+
+@rule("gather")
+def _gather(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    operand, indices = block.stored(inputs[0]), block.stored(inputs[1])
+    numbers, sizes = one.params["dimension_numbers"], one.params["slice_sizes"]
+    shape, dtype = tuple(outputs[0].shape), outputs[0].dtype
+    room = [n - own for n, own in zip(operand.shape, sizes, strict=True)]
+    starts = _Starts(indices, numbers.start_index_map, room, one.params["mode"], writes=False)
+    left_out = (*numbers.collapsed_slice_dims, *numbers.operand_batching_dims)
+    windows = [axis for axis in range(len(operand.shape)) if axis not in left_out]
+    batches = dict(zip(numbers.operand_batching_dims, numbers.start_indices_batching_dims, strict=True))
+    filling = one.params["fill_value"]
+    filling = filling if filling is not None else (np.nan if np.dtype(dtype).kind == "f" else 0)
+    if isinstance(operand, Uniform):
+        return [Uniform(shape, operand.dtype, operand.number)]
+
+    def by_index(index: Index) -> str:
+        row = [i for axis, i in enumerate(index) if axis not in numbers.offset_dims]
+        offsets = dict(zip(windows, [index[axis] for axis in numbers.offset_dims], strict=True))
+        place = [
+            row[batches[axis]] if axis in batches else _sum(starts.start(row, axis), offsets.get(axis, "0"))
+            for axis in range(len(operand.shape))
+        ]
+        element, outside = operand.at(place), starts.outside(row)
+        return f"(({outside}) ? {literal(filling, dtype)} : {element})" if outside else element
+
+    return [Computed(shape, np.dtype(dtype), by_index)]
+
+
+def _scattered(change: Callable[[str, str], str]) -> Any:
+    def printed(
+        block: Block, one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]
+    ) -> list[Value]:
+        operand, indices, updates = inputs[0], block.stored(inputs[1]), block.stored(inputs[2])
+        numbers = one.params["dimension_numbers"]
+        target = block.copied(operand)
+        left_out = (*numbers.inserted_window_dims, *numbers.operand_batching_dims)
+        windows = [axis for axis in range(len(operand.shape)) if axis not in left_out]
+        batches = dict(zip(numbers.operand_batching_dims, numbers.scatter_indices_batching_dims, strict=True))
+        sizes = dict(zip(windows, [updates.shape[axis] for axis in numbers.update_window_dims], strict=True))
+        room = [n - sizes.get(axis, 1) for axis, n in enumerate(operand.shape)]
+        starts = _Starts(indices, numbers.scatter_dims_to_operand_dims, room, one.params["mode"], writes=True)
+
+        def statement(index: Index) -> str:
+            row = [i for axis, i in enumerate(index) if axis not in numbers.update_window_dims]
+            offsets = dict(zip(windows, [index[axis] for axis in numbers.update_window_dims], strict=True))
+            place = [
+                row[batches[axis]]
+                if axis in batches
+                else _sum(starts.start(row, axis), offsets.get(axis, "0"))
+                for axis in range(len(operand.shape))
+            ]
+            element, outside = target.at(place), starts.outside(row)
+            own = f"{element} = {change(element, updates.at(index))};"
+            return f"if (!({outside})) {own}" if outside else own
+
+        block.each(updates.shape, statement)
+        return [target]
+
+    return printed
+
+
+def _register() -> None:
+    rule("scatter")(_scattered(lambda _, new: new))
+    rule("scatter-add", "scatter_add")(_scattered(lambda old, new: f"{old} + {new}"))
+    rule("scatter-sub", "scatter_sub")(_scattered(lambda old, new: f"{old} - {new}"))
+    rule("scatter-mul", "scatter_mul")(_scattered(lambda old, new: f"{old} * {new}"))
+    rule("scatter-max", "scatter_max")(_scattered(lambda old, new: f"larger_({old}, {new})"))
+    rule("scatter-min", "scatter_min")(_scattered(lambda old, new: f"smaller_({old}, {new})"))
+
+
+_register()

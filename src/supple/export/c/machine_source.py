@@ -1,0 +1,177 @@
+"""The files of a machine in C: header, source, a test with recorded values, and a Makefile."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.export.c.function import HEAD, named_view, printed_function
+from supple.export.c.machine_step import Instant, MachineStep
+from supple.export.c.values import View, c_type, literal
+from supple.export.c.variables import Variable
+
+__all__ = ["machine_files", "machine_sources", "sensor_sizes"]
+
+_RECORDED = 20
+"""Instants that the test compares."""
+_STEPS = 200
+"""Steps to the last of them, at most."""
+_AGREEMENT = 1e-8
+"""Of the size of a sensor: what other compilers may differ by."""
+
+
+@dataclass(frozen=True)
+class _Field:
+    """A leaf of the state as a member of the struct."""
+
+    name: str
+    start: np.ndarray
+
+    @property
+    def declaration(self) -> str:
+        """The member."""
+        size = f"[{self.start.size}]" if self.start.shape else ""
+        return f"{c_type(self.start.dtype)} {self.name}{size};"
+
+    @property
+    def initializer(self) -> str:
+        """Its value at the start."""
+        cells = [literal(value, self.start.dtype) for value in self.start.reshape(-1)]
+        if not self.start.shape:
+            return f".{self.name} = {cells[0]}"
+        rows = [", ".join(cells[first : first + 6]) for first in range(0, len(cells), 6)]
+        return f".{self.name} = {{{(',' + chr(10) + '        ').join(rows)}}}"
+
+    @property
+    def view(self) -> View:
+        """It as the printer reads it."""
+        return named_view(
+            f"m->{self.name}", self.start.shape, self.start.dtype, is_scalar=not self.start.shape
+        )
+
+
+def machine_sources(step: MachineStep, title: str) -> dict[str, str]:
+    """`machine.h` and `machine.c` by name.
+
+    Raises ModelError for an operation of the equations that has no form in C.
+    """
+    fields = _fields(step.start)
+    return {"machine.h": _header(step, fields, title), "machine.c": _source(step, fields)}
+
+
+def machine_files(step: MachineStep, title: str) -> dict[str, str]:
+    """The same with `test.c`, which has recorded values, and a `Makefile`."""
+    return machine_sources(step, title) | {"test.c": _test(step), "Makefile": _filled("Makefile")}
+
+
+def _fields(start: Instant) -> list[_Field]:
+    """Members of the struct, by the order of the leaves; those of no element left out."""
+    found = []
+    for path, leaf in jax.tree_util.tree_flatten_with_path(start)[0]:
+        words = re.findall(r"\w+", jax.tree_util.keystr(path))
+        name = "_".join(words[1:] if words[0] == "state" else words)
+        found.append(_Field(name, np.asarray(leaf)))
+    return found
+
+
+def _table(name: str, variables: Sequence[Variable]) -> str:
+    rows = [
+        f"    {{{_text(each.name)}, {_text(each.unit)}, {_text(each.description)}, "
+        f"{literal(each.start, np.float64)}}}"
+        for each in variables
+    ]
+    body = ",\n".join(rows) if rows else '    {"", "", "", 0.0}'
+    return f"const machine_variable {name}[] = {{\n{body}\n}};"
+
+
+def _text(words: str) -> str:
+    escaped = words.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
+
+
+def _listed(variables: Sequence[Variable]) -> str:
+    lines = [
+        f" *   [{place}] {each.name}{f' ({each.unit})' if each.unit else ''}: {each.description}"
+        for place, each in enumerate(variables)
+    ]
+    return "\n".join(lines).replace("*/", "* /") or " *   none"
+
+
+def _filled(name: str, **parts: object) -> str:
+    """A file of the folder `assets`, with parts in their places."""
+    text = files("supple.export.c").joinpath("assets", name).read_text("utf-8")
+    return Template(text).substitute(parts)
+
+
+def _header(step: MachineStep, fields: Sequence[_Field], title: str) -> str:
+    return _filled(
+        "machine.h",
+        title=title.replace("*/", "* /"),
+        version=version("supple"),
+        inputs=_listed(step.inputs.variables),
+        outputs=_listed(step.outputs.variables),
+        n_inputs=len(step.inputs.variables),
+        n_outputs=len(step.outputs.variables),
+        step=literal(step.size, np.float64),
+        duration=literal(step.duration, np.float64),
+        members="\n".join(f"    {each.declaration}" for each in fields if each.start.size),
+    )
+
+
+def _source(step: MachineStep, fields: Sequence[_Field]) -> str:
+    views = [each.view for each in fields]
+    end = named_view("end", (), np.float64, is_scalar=True)
+    printed = printed_function(step.advanced, (step.start, np.float64(0.0)), [*views, end], views)
+    return _filled(
+        "machine.c",
+        head=HEAD,
+        constants=printed.constants,
+        inputs=_table("machine_inputs", step.inputs.variables),
+        outputs=_table("machine_outputs", step.outputs.variables),
+        start=",\n    ".join(each.initializer for each in fields if each.start.size),
+        body=printed.body,
+    )
+
+
+def _recorded(step: MachineStep) -> tuple[np.ndarray, np.ndarray]:
+    """Times (k,) and outputs there (k, o), by the program that JAX compiles."""
+    total = max(1, min(_STEPS, round(step.duration / step.size)))
+    every = max(1, total // _RECORDED)
+    times = float(step.start.state.time) + step.size * np.arange(every, total + 1, every)
+    now: Any = step.start
+    rows = []
+    for time in times:
+        now = step.compiled(now, time)
+        rows.append(np.asarray(now.output))
+    return times, np.array(rows)
+
+
+def sensor_sizes(variables: Sequence[Variable], outputs: np.ndarray) -> np.ndarray:
+    """Of each output, the largest value of its sensor that has its unit: a force of rounding is no size."""
+    kinds = [
+        (each.name.rpartition(".")[0], each.unit, each.description.partition(",")[0]) for each in variables
+    ]
+    largest: dict[tuple[str, str, str], float] = {}
+    for kind, value in zip(kinds, np.abs(outputs).max(axis=0, initial=0.0), strict=True):
+        largest[kind] = max(largest.get(kind, 0.0), float(value))
+    # What is zero but for rounding has no size of its own.
+    least = 1e-15 * max(largest.values(), default=0.0) or 1.0
+    return np.array([max(largest[kind], least) for kind in kinds])
+
+
+def _test(step: MachineStep) -> str:
+    times, outputs = _recorded(step)
+    rows = ",\n".join(
+        "    {" + ", ".join(literal(value, np.float64) for value in (time, *row)) + "}"
+        for time, row in zip(times, outputs, strict=True)
+    )
+    sizes = ", ".join(literal(value, np.float64) for value in sensor_sizes(step.outputs.variables, outputs))
+    return _filled("test.c", rows=rows, sizes=sizes, agreement=literal(_AGREEMENT, np.float64))

@@ -1,0 +1,169 @@
+"""A traced program as one list of operations: calls inlined, unused values dropped, constants computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import count
+from typing import Any
+
+import jax
+import numpy as np
+from jax.extend import core
+
+from supple.equations.compiler_options import STARTING
+
+__all__ = ["Operation", "Program", "program_of", "with_known"]
+
+_CALLS = {
+    "jit": "jaxpr",
+    "pjit": "jaxpr",
+    "closed_call": "call_jaxpr",
+    "core_call": "call_jaxpr",
+    "remat": "jaxpr",
+    "checkpoint": "jaxpr",
+    "custom_jvp_call": "call_jaxpr",
+    "custom_vjp_call": "call_jaxpr",
+    "custom_vmap_call": "call",
+}
+"""Primitives that do no more than call a program, and the parameter that holds it."""
+
+_CONTROL = {"while", "cond", "scan"}
+
+Atom = int | np.ndarray
+"""A value of the program by its number, or a constant."""
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One primitive on arrays."""
+
+    primitive: Any
+    inputs: tuple[Atom, ...]
+    outputs: tuple[int, ...]
+    params: dict[str, Any]
+
+    @property
+    def name(self) -> str:
+        """Of the primitive."""
+        return str(self.primitive.name)
+
+
+@dataclass(frozen=True)
+class Program:
+    """Operations in order. A value that is only known to be an input or a constant keeps its number."""
+
+    inputs: tuple[int, ...]
+    outputs: tuple[Atom, ...]
+    operations: tuple[Operation, ...]
+    shapes: dict[int, jax.ShapeDtypeStruct]
+
+    def uses(self) -> dict[int, int]:
+        """How often each value is read."""
+        found: dict[int, int] = {}
+        for atom in [a for each in self.operations for a in each.inputs] + list(self.outputs):
+            if isinstance(atom, int):
+                found[atom] = found.get(atom, 0) + 1
+        return found
+
+
+def program_of(closed: core.ClosedJaxpr) -> Program:
+    """The operations of a traced program; calls are written out, and what no output needs is left out."""
+    numbers, shapes = count(), {}
+    operations: list[Operation] = []
+
+    def numbered(variable: Any) -> int:
+        number = next(numbers)
+        shapes[number] = jax.ShapeDtypeStruct(variable.aval.shape, variable.aval.dtype)
+        return number
+
+    def written_out(inner: Any, constants: Sequence[Any], inputs: Sequence[Atom]) -> list[Atom]:
+        known: dict[Any, Atom] = {
+            variable: np.asarray(value) for variable, value in zip(inner.constvars, constants, strict=True)
+        }
+        known |= dict(zip(inner.invars, inputs, strict=True))
+
+        def atom(variable: Any) -> Atom:
+            if isinstance(variable, core.Literal):
+                return np.asarray(variable.val, dtype=variable.aval.dtype)
+            return known[variable]
+
+        for equation in inner.eqns:
+            own = [atom(variable) for variable in equation.invars]
+            name = equation.primitive.name
+            if name in _CALLS:
+                called = equation.params[_CALLS[name]]
+                results = written_out(called.jaxpr, called.consts, own)
+                known.update(zip(equation.outvars, results, strict=True))
+                continue
+            if name == "custom_linear_solve":
+                solve, lengths = equation.params["jaxprs"].solve, equation.params["const_lengths"]
+                begin = lengths.matvec + lengths.vecmat
+                held = own[begin : begin + lengths.solve]
+                results = written_out(solve.jaxpr, solve.consts, [*held, *own[sum(lengths) :]])
+                known.update(zip(equation.outvars, results, strict=True))
+                continue
+            outputs = tuple(numbered(variable) for variable in equation.outvars)
+            known.update(zip(equation.outvars, outputs, strict=True))
+            operations.append(Operation(equation.primitive, tuple(own), outputs, dict(equation.params)))
+        return [atom(variable) for variable in inner.outvars]
+
+    inputs = tuple(numbered(variable) for variable in closed.jaxpr.invars)
+    outputs = tuple(written_out(closed.jaxpr, closed.consts, inputs))
+    return Program(inputs, outputs, _needed(operations, outputs), shapes)
+
+
+def _needed(operations: Sequence[Operation], outputs: Sequence[Atom]) -> tuple[Operation, ...]:
+    wanted = {atom for atom in outputs if isinstance(atom, int)}
+    kept = []
+    for each in reversed(operations):
+        if wanted.intersection(each.outputs):
+            kept.append(each)
+            wanted |= {atom for atom in each.inputs if isinstance(atom, int)}
+    return tuple(reversed(kept))
+
+
+def with_known(program: Program, known: dict[int, np.ndarray]) -> Program:
+    """The program with some inputs known: what follows from constants alone is computed now."""
+    found: set[int] = set(known)
+    first, rest = [], []
+    for each in program.operations:
+        is_known = all(not isinstance(atom, int) or atom in found for atom in each.inputs)
+        if is_known and each.name not in _CONTROL:
+            first.append(each)
+            found.update(each.outputs)
+        else:
+            rest.append(each)
+    values = known | _computed(first, known)
+
+    def atom(one: Atom) -> Atom:
+        return values.get(one, one) if isinstance(one, int) else one
+
+    left = [
+        Operation(each.primitive, tuple(atom(one) for one in each.inputs), each.outputs, each.params)
+        for each in rest
+    ]
+    outputs = tuple(atom(one) for one in program.outputs)
+    return Program(program.inputs, outputs, _needed(left, outputs), program.shapes)
+
+
+def _computed(operations: Sequence[Operation], known: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
+    if not operations:
+        return {}
+    wanted = [number for each in operations for number in each.outputs]
+    atoms = [atom for each in operations for atom in each.inputs]
+    given = {atom: known[atom] for atom in atoms if isinstance(atom, int) and atom in known}
+    literals = [atom for atom in atoms if not isinstance(atom, int)]
+
+    def evaluate(start: dict[int, Any], constants: list[Any]) -> list[Any]:
+        values, rest = dict(start), iter(constants)
+        for each in operations:
+            own = [values[atom] if isinstance(atom, int) else next(rest) for atom in each.inputs]
+            result = each.primitive.bind(*own, **each.params)
+            results = result if each.primitive.multiple_results else [result]
+            values.update(zip(each.outputs, results, strict=True))
+        return [values[number] for number in wanted]
+
+    program = jax.jit(evaluate).lower(given, literals).compile(STARTING)
+    found = jax.device_get(program(given, literals))
+    return dict(zip(wanted, map(np.asarray, found), strict=True))

@@ -1,0 +1,100 @@
+"""From operations of a traced program to C: one small rule for each primitive, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+from typing import Any
+
+import numpy as np
+
+from supple.errors import ModelError
+from supple.export.c.blocks import Block, Constants
+from supple.export.c.operations import Operation, Program, with_known
+from supple.export.c.values import Computed, Uniform, Value, View
+
+__all__ = ["RULES", "Printed", "constants_in", "print_block", "print_program", "rule"]
+
+Rule = Callable[[Block, Operation, Sequence[Value], Sequence[Any]], Sequence[Value]]
+"""Of a block, an operation, its inputs, and shapes with types of its outputs: the outputs."""
+
+RULES: dict[str, Rule] = {}
+"""By the name of the primitive."""
+
+_DEEPEST = 24
+"""Operations in one expression, beyond which it is stored: compilers limit how deep parentheses nest."""
+
+
+def rule(*names: str) -> Callable[[Rule], Rule]:
+    """Register how primitives are printed."""
+
+    def registered(function: Rule) -> Rule:
+        RULES.update(dict.fromkeys(names, function))
+        return function
+
+    return registered
+
+
+def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
+    """Those of the values that are known, by their place."""
+    found = {}
+    for place, value in enumerate(values):
+        if isinstance(value, Uniform):
+            found[place] = np.full(value.shape, value.number, dtype=value.dtype)
+        elif isinstance(value, View) and value.known is not None:
+            found[place] = value.known
+    return found
+
+
+def print_block(block: Block, program: Program, inputs: Sequence[Value]) -> list[Value]:
+    """Print a program into a block, what is known of its inputs made use of; its outputs.
+
+    Raises ModelError for a primitive without a rule.
+    """
+    known = {program.inputs[place]: value for place, value in constants_in(inputs).items()}
+    program = with_known(program, known)
+    uses = program.uses()
+    values: dict[int, Value] = dict(zip(program.inputs, inputs, strict=True))
+    depths: dict[int, int] = {}
+
+    def value(atom: Any) -> Value:
+        return values[atom] if isinstance(atom, int) else block.known(atom)
+
+    for each in program.operations:
+        if each.name not in RULES:
+            raise ModelError(
+                f"the machine's equations use the operation '{each.name}', which has no form in C yet: a "
+                "law, a load or a controller of your own that calls it is the usual cause; write it with "
+                "arithmetic, comparisons, jnp.where, sums and products"
+            )
+        shapes = [program.shapes[number] for number in each.outputs]
+        found = RULES[each.name](block, each, [value(atom) for atom in each.inputs], shapes)
+        deep = 1 + max((depths.get(atom, 0) for atom in each.inputs if isinstance(atom, int)), default=0)
+        for number, own in zip(each.outputs, found, strict=True):
+            if isinstance(own, Computed) and (uses.get(number, 0) > 1 or deep > _DEEPEST):
+                values[number] = block.stored(own)
+            else:
+                values[number] = own
+            depths[number] = deep if isinstance(values[number], Computed) else 0
+    return [value(atom) for atom in program.outputs]
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A program in C."""
+
+    body: str
+    """Of the function: declarations and statements"""
+    constants: str
+    """Tables that it reads"""
+
+
+def print_program(
+    program: Program, inputs: Mapping[int, Value], store: Callable[[Block, Sequence[Value]], None]
+) -> Printed:
+    """A program whose inputs are values of C, by their numbers; `store` adds what keeps the outputs."""
+    constants = Constants()
+    block = Block(constants, count())
+    store(block, print_block(block, program, [inputs[number] for number in program.inputs]))
+    return Printed(block.text(), constants.text())

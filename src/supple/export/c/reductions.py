@@ -1,0 +1,130 @@
+"""Sums, products, extremes along axes, and running ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from supple.errors import ModelError
+from supple.export.c.blocks import Block, loops
+from supple.export.c.operations import Operation
+from supple.export.c.printer import RULES, rule
+from supple.export.c.values import Value, c_type, literal
+
+
+def _sum(total: str, term: str) -> str:
+    return f"{total} + {term}"
+
+
+_FORMS: dict[str, tuple[Any, Callable[[str, str], str]]] = {
+    "sum": (0, _sum),
+    "prod": (1, lambda total, term: f"{total} * {term}"),
+    "and": (True, lambda total, term: f"{total} && {term}"),
+    "or": (False, lambda total, term: f"{total} || {term}"),
+    "max": (float("-inf"), lambda total, term: f"larger_({total}, {term})"),
+    "min": (float("inf"), lambda total, term: f"smaller_({total}, {term})"),
+}
+_WHOLE = {
+    "max": (-(2**31), lambda total, term: f"larger_int_({total}, {term})"),
+    "min": (2**31 - 1, lambda total, term: f"smaller_int_({total}, {term})"),
+}
+
+
+def _form(name: str, value: Value) -> tuple[str, Callable[[str, str], str]]:
+    first, form = (_WHOLE if value.dtype.kind == "i" else {}).get(name, _FORMS[name])
+    return literal(first, value.dtype), form
+
+
+def _reduced(name: str) -> Any:
+    def printed(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+        value, axes = inputs[0], set(one.params["axes"])
+        start, form = _form(name, value)
+        target = block.array(outputs[0].shape, outputs[0].dtype)
+        heads, index = loops([n for axis, n in enumerate(value.shape) if axis not in axes], "i")
+        inner, summed = loops([n for axis, n in enumerate(value.shape) if axis in axes], "k")
+        own, along = iter(index), iter(summed)
+        whole = [next(along) if axis in axes else next(own) for axis in range(len(value.shape))]
+        kind = c_type(value.dtype)
+        term = form("sum", value.at(whole)) if value.size else "sum"
+        block.add(
+            f"{heads}{{ {kind} sum = {start}; "
+            + (f"{inner}sum = {term}; " if value.size else "")
+            + f"{target.at(index)} = sum; }}"
+        )
+        return [target]
+
+    return printed
+
+
+for _name in _FORMS:
+    RULES[f"reduce_{_name}"] = _reduced(_name)
+
+
+@rule("argmax", "argmin")
+def _extreme(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    value, axis = block.stored(inputs[0]), one.params["axes"][0]
+    sign = ">" if one.name == "argmax" else "<"
+    target = block.array(outputs[0].shape, outputs[0].dtype)
+    heads, index = loops(outputs[0].shape, "i")
+    at = value.at([*index[:axis], "k", *index[axis:]]) if value.shape[axis] > 1 else ""
+    first = value.at([*index[:axis], "0", *index[axis:]])
+    if not at:
+        block.assign(target, block.known(np.zeros(target.shape, dtype=target.dtype)))
+        return [target]
+    kind = c_type(value.dtype)
+    block.add(
+        f"{heads}{{ {kind} best = {first}; int where = 0; "
+        f"for (int k = 1; k < {value.shape[axis]}; ++k) "
+        # What is not a number is an extreme, the first one met.
+        f"if (best == best && !({at} {'<=' if sign == '>' else '>='} best)) {{ best = {at}; where = k; }} "
+        f"{target.at(index)} = where; }}"
+    )
+    return [target]
+
+
+def _running(name: str) -> Any:
+    def printed(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+        value, axis = block.stored(inputs[0]), one.params["axis"]
+        start, form = _form(name, value)
+        target = block.array(outputs[0].shape, outputs[0].dtype)
+        n, backward = value.shape[axis], one.params["reverse"]
+        heads, index = loops([1 if place == axis else m for place, m in enumerate(value.shape)], "i")
+        index[axis] = "j" if n > 1 else "0"
+        place = f"{n - 1} - k" if backward else "k"
+        block.add(
+            f"{heads}{{ {c_type(value.dtype)} sum = {start}; for (int k = 0; k < {n}; ++k) {{ "
+            f"const int j = {place}; (void)j; "
+            f"sum = {form('sum', value.at(index))}; {target.at(index)} = sum; }} }}"
+        )
+        return [target]
+
+    return printed
+
+
+for _name, _form_name in {"cumsum": "sum", "cumprod": "prod", "cummax": "max", "cummin": "min"}.items():
+    RULES[_name] = _running(_form_name)
+
+
+@rule("sort")
+def _sort(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    if len(outputs[0].shape) != 1 or one.params["num_keys"] != 1:
+        raise ModelError("only the sorting of one row of numbers, by one key, has a form in C yet")
+    arrays = [block.copied(value) for value in inputs]
+    n = len(range(outputs[0].shape[0]))
+    if n < 2:
+        return list(arrays)
+    takes = " ".join(
+        f"const {c_type(own.dtype)} own{place} = {own.at(('i',))};" for place, own in enumerate(arrays)
+    )
+    moves = " ".join(f"{own.at(('j',))} = {own.at(('j - 1',))};" for own in arrays)
+    puts = " ".join(f"{own.at(('j',))} = own{place};" for place, own in enumerate(arrays))
+    key = arrays[0].at(("j - 1",))
+    # What is not a number stands last.
+    after = f"({key} > own0 || ({key} != {key} && own0 == own0))"
+    block.add(
+        f"for (int i = 1; i < {n}; ++i) {{ {takes} int j = i; "
+        f"for (; j > 0 && {after}; --j) {{ {moves} }} {puts} }}"
+    )
+    return list(arrays)

@@ -1,0 +1,288 @@
+"""Sensors as functions of a state that JAX traces: what an exported machine gives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.build_model import force_group_of, readers_of
+from supple.equations.configuration import Configuration, SystemMotion
+from supple.equations.ends import markers
+from supple.equations.joint_linearization import affine_form
+from supple.equations.marker import Marker, pose
+from supple.equations.model import Ends, Model
+from supple.export.c.variables import Variable
+from supple.machine import GROUND, EndReading, JointFriction, JointReading, System
+from supple.machine.forces.relative_motion import axial_motion, wrapped
+from supple.machine.pose import Pose
+from supple.quantities import (
+    AccelerationSensor,
+    AngularVelocitySensor,
+    DeflectionSensor,
+    ElementEnergySensor,
+    JointForceSensor,
+    JointMotionSensor,
+    Place,
+    PositionSensor,
+    Quantity,
+    SpringForceSensor,
+    VelocitySensor,
+)
+from supple.units import UnitSystem
+
+__all__ = ["SensedOutputs", "sensed_outputs"]
+
+Reads = Callable[[Model, SystemMotion, Any, Any], Any]
+"""Of the model, the motion, what was read before (c,), and the time since then: the channels (c,)."""
+
+
+@dataclass(frozen=True)
+class SensedOutputs:
+    """The channels of some sensors, one after the other."""
+
+    variables: tuple[Variable, ...]
+    reads: tuple[tuple[int, Reads], ...]
+    """With the number of their channels"""
+    left_out: tuple[str, ...]
+    """Names of sensors that have no traced form"""
+
+    def at(self, model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
+        """(k,) at a motion; before : (k,) what was read so long ago, from which angles go on."""
+        parts, first = [jnp.zeros(0)], 0
+        for size, read in self.reads:
+            parts.append(read(model, motion, before[first : first + size], elapsed))
+            first += size
+        return jnp.concatenate(parts)
+
+
+def sensed_outputs(system: System, sensors: Sequence[Quantity], units: UnitSystem) -> SensedOutputs:
+    """What the sensors read, as functions of a state; those without such a form are named and left out."""
+    variables, reads, left_out = [], [], []
+    for sensor in sensors:
+        read = _read_of(system, sensor)
+        if read is None:
+            left_out.append(sensor.name)
+            continue
+        channels = sensor.channels(system)
+        variables += [
+            Variable(
+                f"{sensor.name}.{channel.name}" if channel.name else sensor.name,
+                channel.quantity.unit(units),
+                channel.quantity.value + (f", {channel.axes}" if channel.axes else ""),
+            )
+            for channel in channels
+        ]
+        reads.append((len(channels), read))
+    return SensedOutputs(tuple(variables), tuple(reads), tuple(left_out))
+
+
+def _read_of(system: System, sensor: Quantity) -> Reads | None:
+    made = next((make for kind, make in _READS.items() if isinstance(sensor, kind)), None)
+    return None if made is None else made(system, sensor)
+
+
+def _position(system: System, sensor: PositionSensor) -> Reads:
+    return _of_point(system, sensor.place, lambda moving, *_: moving[0])
+
+
+def _velocity(system: System, sensor: VelocitySensor) -> Reads:
+    return _of_point(system, sensor.place, lambda moving, *_: moving[1])
+
+
+def _acceleration(system: System, sensor: AccelerationSensor) -> Reads:
+    return _of_point(system, sensor.place, _absolute)
+
+
+def _absolute(moving: Any, time: Any, model: Model) -> Any:
+    return moving[2] + sum(jnp.asarray(law(time), dtype=float) for law in model.base_accelerations)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A point of a body, `r = R + A (x + U q + q^T H q)`."""
+
+    body: int
+    rest: np.ndarray
+    linear: np.ndarray
+    """(3, r) U"""
+    quadratic: np.ndarray
+    """(3, r, r) H, symmetric"""
+
+    @classmethod
+    def of(cls, system: System, place: Place) -> _Point:
+        """The point that a place of a body is."""
+        index = system.body_index(place.body)
+        body: Any = system.bodies[index].body
+        r = body.n_coordinates
+        if isinstance(place.at, str):
+            interface = body.interface(place.at)
+            motion = interface.motion
+            dense = motion.toarray() if hasattr(motion, "toarray") else np.asarray(motion)
+            return cls(index, np.asarray(interface.position), dense[:3], np.zeros((3, r, r)))
+        rest = np.asarray(place.rest(body))
+        if not r:
+            return cls(index, rest, np.zeros((3, 0)), np.zeros((3, 0, 0)))
+
+        def moved(coordinates: np.ndarray) -> np.ndarray:
+            return body.expand(coordinates, np.array(place.at)).mean(axis=1)
+
+        unit = np.eye(r)
+        first, second = np.triu_indices(r)
+        by_one, back = moved(unit), moved(-unit)
+        linear, own = (by_one - back) / 2, (by_one + back) / 2
+        pairs = moved(unit[first] + unit[second]) - linear[first] - linear[second]
+        quadratic = np.zeros((r, r, 3))
+        quadratic[first, second] = (pairs - own[first] - own[second]) / 2
+        quadratic[second, first] = quadratic[first, second]
+        rounding = 1e-9 * np.abs(linear).max(initial=0.0)
+        quadratic[np.abs(quadratic) <= rounding] = 0.0
+        return cls(index, rest, linear.T, np.moveaxis(quadratic, 2, 0))
+
+    def at(self, model: Model, motion: SystemMotion) -> tuple[Any, Any, Any]:
+        """Position, velocity and acceleration (3,), global."""
+        configuration, own = motion.configuration, model.slices[self.body]
+        origin, turn = configuration.origins[self.body], configuration.rotations[self.body]
+        q = configuration.coordinates[model.coordinate_slices[self.body]]
+        v, a = motion.velocity[own], motion.acceleration[own]
+        w, dq, ddq = v[3:6], v[6:], a[6:]
+        by_q = self.linear + 2 * self.quadratic @ q if self.quadratic.any() else self.linear
+        arm = self.rest + (self.linear + by_q) @ q / 2
+        rate, second = by_q @ dq, by_q @ ddq
+        if self.quadratic.any():
+            second = second + 2 * self.quadratic @ dq @ dq
+        velocity = v[:3] + turn @ (jnp.cross(w, arm) + rate)
+        seen = jnp.cross(a[3:6], arm) + jnp.cross(w, jnp.cross(w, arm) + 2 * rate) + second
+        return origin + turn @ arm, velocity, a[:3] + turn @ seen
+
+
+def _of_point(system: System, place: Place, chosen: Callable[..., Any]) -> Reads:
+    point = _Point.of(system, place)
+    return lambda model, motion, *_: chosen(point.at(model, motion), motion.time, model)
+
+
+def _marker(ends: Ends, configuration: Configuration, velocity: Any) -> Marker:
+    stacked = markers(ends, configuration, velocity)
+    return Marker(*(jnp.asarray(leaf)[0] for leaf in stacked))
+
+
+def _pose(ends: Ends, motion: SystemMotion) -> Pose:
+    return pose(_marker(ends, motion.configuration, motion.velocity))
+
+
+def _deflection(system: System, sensor: DeflectionSensor) -> Reads | None:
+    base = sensor._base(system)
+    point = _Point.of(system, sensor.place)
+    if base is None:
+        return None
+    (reader,) = readers_of(system, {"seen from": EndReading(base)})
+    form: Any = system.placed(base.body).body
+    rest = point.rest - np.asarray(form.interface(base.interface).position)
+    # Readers have the global axes of the assembly, deflections the axes of the mesh.
+    to_mesh = np.asarray(system.placed(base.body).assembly.rotation)
+
+    def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
+        seen = _pose(reader.first, motion)
+        axes = seen.axes @ to_mesh
+        return axes.T @ (point.at(model, motion)[0] - seen.point) - rest
+
+    return read
+
+
+def _angular_velocity(system: System, sensor: AngularVelocitySensor) -> Reads:
+    if sensor.at == GROUND:
+        return lambda *_: jnp.zeros(3)
+    (reader,) = readers_of(system, {"end": EndReading(sensor.at)})
+    return lambda _, motion, *__: _pose(reader.first, motion).angular_velocity
+
+
+def _joint_motion(system: System, sensor: JointMotionSensor) -> Reads:
+    (reader,) = readers_of(system, {"joint": JointReading(sensor.joint)})
+
+    def read(_model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
+        own = axial_motion(_pose(reader.first, motion), _pose(reader.second, motion))
+        # As the sensor counts: within half a turn of what the mean of the rates says.
+        expected = before[0] + elapsed * (before[1] + own.rate) / 2
+        angle = expected + wrapped(own.angle - expected)
+        return jnp.stack([angle, own.rate, own.slide, own.speed])
+
+    return read
+
+
+def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], Any]:
+    """Force and moment on the second end along the axes of the first, (6,), as `joint_wrenches`."""
+    joint = next(each for each in system.joints if each.name == name)
+    rows = system.constraint_slices[name]
+    (reader,) = readers_of(system, {"joint": JointReading(name)})
+
+    def read(model: Model, motion: SystemMotion) -> Any:
+        group = next(each for each in model.joints if rows.start in each.rows.starts)
+        value = None
+        if group.law is not None:
+            number = group.rows.starts.index(rows.start)
+            value = jnp.asarray(_one(group.law, number)(motion.time))
+        coefficients = jnp.asarray(affine_form(type(joint).constraint, value)[0])
+        every = jnp.zeros(model.n_equations).at[np.array(model.active, dtype=int)].set(motion.multipliers)
+        weights = every[rows] @ coefficients
+        turn = _pose(reader.first, motion).axes.T @ _pose(reader.second, motion).axes
+        on_turn = weights[3:].reshape(3, 3) @ turn.T
+        moment = -jnp.stack(
+            [on_turn[2, 1] - on_turn[1, 2], on_turn[0, 2] - on_turn[2, 0], on_turn[1, 0] - on_turn[0, 1]]
+        )
+        return jnp.concatenate([-weights[:3], moment])
+
+    return read
+
+
+def _one(law: Any, number: int) -> Any:
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], law)
+
+
+def _joint_force(system: System, sensor: JointForceSensor) -> Reads:
+    wrench = _joint_wrench(system, sensor.joint)
+    return lambda model, motion, *_: wrench(model, motion)
+
+
+def _element(system: System, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
+    element = sensor.element
+    if element.law is not None and not any(each is element for each in system.loads):
+        return None  # its law is an input
+    group = force_group_of(system, element)
+    carried = _joint_wrench(system, element.joint.name) if isinstance(element, JointFriction) else None
+    kind, energy = type(element), isinstance(sensor, ElementEnergySensor)
+
+    def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
+        first, second = _pose(group.first, motion), _pose(group.second, motion)
+        parameters = _one(group.parameters, 0)
+        value = None if carried is None else carried(model, motion)[:2]
+        if group.law is not None:
+            value = jnp.asarray(_one(group.law, 0)(motion.time))
+        loads = kind.wrenches(first, second, value, parameters)
+        if not energy:
+            return jnp.concatenate([loads[1].force, loads[1].moment])
+        stored = jnp.asarray(kind.energy(first, second, value, parameters), dtype=float)
+        power = sum(
+            load.force @ end.velocity + load.moment @ end.angular_velocity
+            for load, end in zip(loads, (first, second), strict=True)
+        )
+        return jnp.stack([stored, power])
+
+    return read
+
+
+_READS: dict[type, Callable[[System, Any], Reads | None]] = {
+    PositionSensor: _position,
+    VelocitySensor: _velocity,
+    AccelerationSensor: _acceleration,
+    DeflectionSensor: _deflection,
+    AngularVelocitySensor: _angular_velocity,
+    JointMotionSensor: _joint_motion,
+    JointForceSensor: _joint_force,
+    SpringForceSensor: _element,
+    ElementEnergySensor: _element,
+}
+"""By the kind of sensor."""

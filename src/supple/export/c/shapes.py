@@ -1,0 +1,255 @@
+"""Primitives that place elements anew: views of what is stored, or copies part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from supple.export.c.blocks import Block
+from supple.export.c.operations import Operation
+from supple.export.c.printer import rule
+from supple.export.c.values import Computed, Index, Uniform, Value, View, literal, row_major
+
+
+def _viewed(value: View, shape: Sequence[int], strides: Sequence[int], offset: int = 0) -> View:
+    return replace(
+        value, shape=tuple(shape), strides=tuple(strides), offset=value.offset + offset, known=None
+    )
+
+
+@rule("broadcast_in_dim")
+def _broadcast(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    value, shape, placed = inputs[0], tuple(outputs[0].shape), one.params["broadcast_dimensions"]
+    if isinstance(value, Uniform):
+        return [replace(value, shape=shape)]
+    if isinstance(value, Computed) and value.size == int(np.prod(shape, dtype=int)):
+
+        def by_index(index: Index) -> str:
+            return value.at(
+                [index[axis] if n > 1 else "0" for axis, n in zip(placed, value.shape, strict=True)]
+            )
+
+        return [Computed(shape, value.dtype, by_index, value.flat)]
+    view = value if isinstance(value, View) else block.copied(value)
+    strides = [0] * len(shape)
+    for axis, n, stride in zip(placed, view.shape, view.strides, strict=True):
+        strides[axis] = stride if n > 1 else 0
+    return [_viewed(view, shape, strides)]
+
+
+@rule("slice")
+def _slice(_block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    value, shape = inputs[0], tuple(outputs[0].shape)
+    starts = one.params["start_indices"]
+    steps = one.params["strides"] or (1,) * len(starts)
+    if isinstance(value, Uniform):
+        return [replace(value, shape=shape)]
+    if isinstance(value, View):
+        strides = [a * b for a, b in zip(value.strides, steps, strict=True)]
+        return [
+            _viewed(value, shape, strides, sum(a * b for a, b in zip(starts, value.strides, strict=True)))
+        ]
+
+    def by_index(index: Index) -> str:
+        return value.at([placed(i, start, step) for i, start, step in zip(index, starts, steps, strict=True)])
+
+    return [Computed(shape, value.dtype, by_index)]
+
+
+def placed(index: str, start: int, step: int = 1) -> str:
+    """`start + step index` in C."""
+    if index.isdigit():
+        return str(start + step * int(index))
+    scaled = index if step == 1 else f"{step} * {index}"
+    return f"({start} + {scaled})" if start else scaled
+
+
+@rule("squeeze", "expand_dims", "reshape")
+def _reshape(block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    return [reshaped(block, inputs[0], tuple(outputs[0].shape))]
+
+
+def reshaped(block: Block, value: Value, shape: tuple[int, ...]) -> Value:
+    """The same elements in row-major order under another shape."""
+    if value.shape == shape:
+        return value
+    if isinstance(value, Uniform):
+        return replace(value, shape=shape)
+    long = [axis for axis, n in enumerate(value.shape) if n > 1]
+    if [value.shape[axis] for axis in long] == [n for n in shape if n > 1]:
+        return _with_unit_axes(value, long, shape)
+    if isinstance(value, Computed) and value.flat("0") is None:
+        value = block.copied(value)
+    if isinstance(value, Computed):
+        of_number = value
+
+        def by_index(index: Index) -> str:
+            strides = row_major(shape)
+            terms = [
+                placed(i, 0, stride) for i, stride, n in zip(index, strides, shape, strict=True) if n > 1
+            ]
+            return str(of_number.flat(f"({' + '.join(terms) or '0'})"))
+
+        return Computed(shape, value.dtype, by_index, value.by_number)
+    view = block.in_order(value)
+    return _viewed(view, shape, row_major(shape))
+
+
+def _with_unit_axes(value: Value, long: Sequence[int], shape: tuple[int, ...]) -> Value:
+    """Axes of one entry added or left out."""
+    places = [axis for axis, n in enumerate(shape) if n > 1]
+    if isinstance(value, View):
+        strides = [0] * len(shape)
+        for place, axis in zip(places, long, strict=True):
+            strides[place] = value.strides[axis]
+        return _viewed(value, shape, strides)
+
+    def by_index(index: Index) -> str:
+        own = ["0"] * len(value.shape)
+        for place, axis in zip(places, long, strict=True):
+            own[axis] = index[place]
+        return value.at(own)
+
+    return Computed(shape, value.dtype, by_index, value.flat)
+
+
+@rule("transpose")
+def _transpose(_block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    value, order, shape = inputs[0], one.params["permutation"], tuple(outputs[0].shape)
+    if isinstance(value, Uniform):
+        return [replace(value, shape=shape)]
+    if isinstance(value, View):
+        return [_viewed(value, shape, [value.strides[axis] for axis in order])]
+
+    def by_index(index: Index) -> str:
+        own = ["0"] * len(shape)
+        for place, axis in enumerate(order):
+            own[axis] = index[place]
+        return value.at(own)
+
+    return [Computed(shape, value.dtype, by_index)]
+
+
+@rule("rev")
+def _reverse(block: Block, one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]) -> list[Value]:
+    value = block.stored(inputs[0])
+    if isinstance(value, Uniform):
+        return [value]
+    axes = one.params["dimensions"]
+    strides = [-s if axis in axes else s for axis, s in enumerate(value.strides)]
+    offset = sum((value.shape[axis] - 1) * value.strides[axis] for axis in axes)
+    return [_viewed(value, value.shape, strides, offset)]
+
+
+@rule("iota")
+def _iota(_block: Block, one: Operation, _inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    axis, dtype = one.params["dimension"], np.dtype(outputs[0].dtype)
+    cast = "(double)" if dtype.kind == "f" else ""
+    return [Computed(tuple(outputs[0].shape), dtype, lambda index: f"({cast}{index[axis]})")]
+
+
+@rule("concatenate")
+def _concatenate(
+    block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
+    axis = one.params["dimension"]
+    target = block.array(outputs[0].shape, outputs[0].dtype)
+    if target.size == 1:
+        return [value for value in inputs if value.size][:1]
+    start = 0
+    for value in inputs:
+        block.assign(_viewed(target, value.shape, target.strides, start * target.strides[axis]), value)
+        start += value.shape[axis]
+    return [target]
+
+
+@rule("stack")
+def _stack(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    axis = one.params.get("axis", one.params.get("dimension", 0))
+    target = block.array(outputs[0].shape, outputs[0].dtype)
+    strides = [s for place, s in enumerate(target.strides) if place != axis]
+    for number, value in enumerate(inputs):
+        block.assign(_viewed(target, value.shape, strides, number * target.strides[axis]), value)
+    return [target]
+
+
+@rule("split")
+def _split(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    value, axis, start, parts = block.stored(inputs[0]), one.params["axis"], 0, []
+    for each in outputs:
+        shape = tuple(each.shape)
+        if isinstance(value, Uniform):
+            parts.append(replace(value, shape=shape))
+        else:
+            parts.append(_viewed(value, shape, value.strides, start * value.strides[axis]))
+        start += shape[axis]
+    return parts
+
+
+@rule("pad")
+def _pad(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    value, filling = inputs
+    target = block.array(outputs[0].shape, outputs[0].dtype)
+    number = filling.at(())
+    size = target.size
+    if target.buffer.is_scalar:
+        block.add(f"{target.at(('0',))} = {number};")
+    else:
+        block.add(f"for (int i = 0; i < {size}; ++i) {target.flat('i')} = {number};")
+    low = [config[0] for config in one.params["padding_config"]]
+    step = [config[2] + 1 for config in one.params["padding_config"]]
+    shape, first = [], []
+    for n, lo, by, room in zip(value.shape, low, step, target.shape, strict=True):
+        skipped = max(0, -(lo // by) if lo < 0 else 0)
+        first.append(skipped)
+        shape.append(max(0, min(n - skipped, (room - lo - skipped * by + by - 1) // by)))
+    offset = sum((lo + f * by) * s for lo, f, by, s in zip(low, first, step, target.strides, strict=True))
+    strides = [s * by for s, by in zip(target.strides, step, strict=True)]
+    inner = Computed(
+        tuple(shape),
+        value.dtype,
+        lambda index: value.at([placed(i, f) for i, f in zip(index, first, strict=True)]),
+    )
+    if inner.size:
+        block.assign(_viewed(target, shape, strides, offset), inner)
+    return [target]
+
+
+@rule("dynamic_slice")
+def _dynamic_slice(
+    block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
+    value, shape = block.stored(inputs[0]), tuple(outputs[0].shape)
+    if isinstance(value, Uniform):
+        return [replace(value, shape=shape)]
+    shift = _shift(block, value, shape, inputs[1:])
+    return [replace(_viewed(value, shape, value.strides), shift=_joined(value.shift, shift))]
+
+
+@rule("dynamic_update_slice")
+def _update(block: Block, _one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]) -> list[Value]:
+    target, part = block.copied(inputs[0]), inputs[1]
+    if target.buffer.is_scalar:
+        return [part]
+    shift = _shift(block, target, part.shape, inputs[2:])
+    block.assign(replace(_viewed(target, part.shape, target.strides), shift=shift), part)
+    return [target]
+
+
+def _shift(block: Block, value: View, shape: Sequence[int], starts: Sequence[Value]) -> str:
+    """Where a part begins whose place is known at run time, kept within the whole."""
+    terms = []
+    for start, stride, n, own in zip(starts, value.strides, value.shape, shape, strict=True):
+        if n == own:
+            continue
+        place = block.array((), np.dtype(np.int32))
+        block.add(f"{place.at(())} = (int32_t)within_({start.at(())}, {literal(n - own, np.int64)});")
+        terms.append(placed(place.at(()), 0, stride))
+    return " + ".join(terms)
+
+
+def _joined(*terms: str) -> str:
+    return " + ".join(term for term in terms if term)

@@ -1,0 +1,170 @@
+"""Arrays of a traced program as C sees them: elements at an index, whether stored or computed on the way."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+__all__ = ["Buffer", "Computed", "Uniform", "Value", "View", "c_type", "literal", "row_major"]
+
+Index = Sequence[str]
+"""One C expression per axis; "0" where the axis has one entry."""
+
+
+@dataclass(eq=False)
+class Buffer:
+    """Storage of so many numbers: a local array, a scalar variable, or a table of constants."""
+
+    number: int
+    dtype: np.dtype[Any]
+    size: int
+    is_scalar: bool = False
+    name: str | None = None
+    """Its name in C, where it is known from the start; others are named when their block is complete"""
+
+    @property
+    def text(self) -> str:
+        """Its name, or what stands for it."""
+        return self.name or f"@{self.number}@"
+
+
+class Value:
+    """An array of known shape, read element by element."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+
+    @property
+    def size(self) -> int:
+        """Number of elements."""
+        return math.prod(self.shape)
+
+    def at(self, index: Index) -> str:
+        """The element at an index, as a C expression."""
+        raise NotImplementedError
+
+    def flat(self, number: str) -> str | None:
+        """The element by its number in row-major order; None where that is no simple expression."""
+        raise NotImplementedError
+
+
+@dataclass(eq=False)
+class Uniform(Value):
+    """The same known number everywhere."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    number: Any
+
+    def at(self, index: Index) -> str:  # noqa: ARG002
+        """The number."""
+        return literal(self.number, self.dtype)
+
+    def flat(self, number: str) -> str | None:  # noqa: ARG002
+        """The number."""
+        return literal(self.number, self.dtype)
+
+
+@dataclass(eq=False)
+class View(Value):
+    """Elements of a buffer at `offset + shift + strides . index`; `shift` is known only at run time."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    buffer: Buffer
+    strides: tuple[int, ...]
+    offset: int = 0
+    shift: str = ""
+    known: np.ndarray | None = None
+    """The elements, where they are constants"""
+
+    @cached_property
+    def is_contiguous(self) -> bool:
+        """Whether its elements stand one after the other, in row-major order."""
+        expected = row_major(self.shape)
+        return all(n == 1 or a == b for n, a, b in zip(self.shape, self.strides, expected, strict=True))
+
+    def at(self, index: Index) -> str:
+        """An element of the buffer."""
+        if self.buffer.is_scalar:
+            return self.buffer.text
+        place = self.offset
+        terms = [self.shift] if self.shift else []
+        for i, stride, n in zip(index, self.strides, self.shape, strict=True):
+            if n == 1 or stride == 0:
+                continue
+            if i.isdigit():
+                place += stride * int(i)
+            else:
+                terms.append(i if stride == 1 else f"{stride} * {i}")
+        if place or not terms:
+            terms.append(str(place))
+        return f"{self.buffer.text}[{' + '.join(terms)}]"
+
+    def flat(self, number: str) -> str | None:
+        """An element of the buffer, where they stand in order."""
+        if self.size == 1:
+            return self.at(("0",) * len(self.shape))
+        if not self.is_contiguous:
+            return None
+        return View((self.size,), self.dtype, self.buffer, (1,), self.offset, self.shift).at((number,))
+
+
+@dataclass(eq=False)
+class Computed(Value):
+    """Elements that are computed where they are read."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    by_index: Callable[[Index], str]
+    by_number: Callable[[str], str | None] = lambda _: None
+
+    def at(self, index: Index) -> str:
+        """The expression."""
+        return self.by_index(index)
+
+    def flat(self, number: str) -> str | None:
+        """The expression, where all it reads stands in order."""
+        return self.by_number(number)
+
+
+def row_major(shape: Sequence[int]) -> tuple[int, ...]:
+    """Strides of an array without gaps, in elements."""
+    return tuple(math.prod(shape[axis + 1 :]) for axis in range(len(shape)))
+
+
+_TYPES = {
+    "float64": "double",
+    "int64": "int64_t",
+    "int32": "int32_t",
+    "uint32": "uint32_t",
+    "uint64": "uint64_t",
+    "bool": "bool",
+    "uint8": "uint8_t",
+}
+
+
+def c_type(dtype: Any) -> str:
+    """The C type of the elements of an array."""
+    return _TYPES.get(np.dtype(dtype).name, "double")
+
+
+def literal(number: Any, dtype: Any) -> str:
+    """A number in C; 17 digits, which give it back exactly."""
+    kind = np.dtype(dtype).kind
+    if kind == "b":
+        return "1" if number else "0"
+    if kind in "iu":
+        return f"({int(number)})" if number < 0 else str(int(number))
+    if math.isnan(number):
+        return "((double)NAN)"
+    if math.isinf(number):
+        return "((double)INFINITY)" if number > 0 else "(-(double)INFINITY)"
+    text = repr(float(number))
+    text = text if any(c in text for c in ".e") else text + ".0"
+    return f"({text})" if text.startswith("-") else text

@@ -1,0 +1,26 @@
+"""Write a machine as a folder of C."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from supple.export.c.machine_source import machine_files
+from supple.export.c.machine_step import MachineStep
+from supple.storage.atomic_write import replacing
+
+__all__ = ["write_machine"]
+
+
+def write_machine(folder: Path, step: MachineStep, title: str) -> tuple[Path, ...]:
+    """Write `machine.c`, `machine.h`, `test.c` and `Makefile`; files of these names are replaced.
+
+    Raises
+    ------
+    ModelError          an operation of the equations that has no form in C
+    ResultFileError     a folder that cannot be written
+    """
+    files = machine_files(step, title)
+    for name, text in files.items():
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, "utf-8")
+    return tuple(folder / name for name in files)

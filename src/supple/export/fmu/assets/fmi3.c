@@ -1,0 +1,231 @@
+/* Functional Mock-up Interface 3.0 (fmi-standard.org), co-simulation. */
+#include "instance.h"
+
+typedef void *fmi3Instance;
+typedef void *fmi3InstanceEnvironment;
+typedef void *fmi3FMUState;
+typedef uint32_t fmi3ValueReference;
+typedef double fmi3Float64;
+typedef bool fmi3Boolean;
+typedef const char *fmi3String;
+typedef uint8_t fmi3Byte;
+typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } fmi3Status;
+typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String);
+
+typedef struct {
+    machine m;
+    fmi3InstanceEnvironment environment;
+    fmi3LogMessageCallback log;
+} instance;
+
+static fmi3Status failed(instance *one, const char *message)
+{
+    if (one->log) one->log(one->environment, fmi3Error, "logStatusError", message);
+    return fmi3Error;
+}
+
+EXPORT const char *fmi3GetVersion(void)
+{
+    return "3.0";
+}
+
+EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance given, fmi3Boolean on, size_t n, const fmi3String categories[])
+{
+    (void)given, (void)on, (void)n, (void)categories;
+    return fmi3OK;
+}
+
+EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+                                                fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean events,
+                                                fmi3Boolean early, const fmi3ValueReference required[], size_t n,
+                                                fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+                                                void *intermediate)
+{
+    (void)name, (void)resources, (void)visible, (void)logging, (void)events, (void)early, (void)required, (void)n;
+    (void)intermediate;
+    if (!token || strcmp(token, TOKEN) != 0) {
+        if (log) log(environment, fmi3Error, "logStatusError", "the instantiation token is another machine's");
+        return NULL;
+    }
+    instance *one = calloc(1, sizeof *one);
+    if (!one) return NULL;
+    one->environment = environment;
+    one->log = log;
+    machine_init(&one->m);
+    return one;
+}
+
+EXPORT void fmi3FreeInstance(fmi3Instance given)
+{
+    free(given);
+}
+
+EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance given, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
+                                              fmi3Float64 start, fmi3Boolean has_stop, fmi3Float64 stop)
+{
+    instance *one = given;
+    (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
+    return same_time(start, one->m.time) ? fmi3OK : failed(one, OTHER_START);
+}
+
+EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance given)
+{
+    (void)given;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3Terminate(fmi3Instance given)
+{
+    (void)given;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3Reset(fmi3Instance given)
+{
+    machine_init(&((instance *)given)->m);
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3GetFloat64(fmi3Instance given, const fmi3ValueReference references[], size_t n,
+                                 fmi3Float64 values[], size_t n_values)
+{
+    instance *one = given;
+    if (n != n_values) return failed(one, "one number is needed for each variable");
+    for (size_t k = 0; k < n; ++k) {
+        const double *found = readable(&one->m, references[k]);
+        if (!found) return failed(one, "there is no variable of this value reference");
+        values[k] = *found;
+    }
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SetFloat64(fmi3Instance given, const fmi3ValueReference references[], size_t n,
+                                 const fmi3Float64 values[], size_t n_values)
+{
+    instance *one = given;
+    if (n != n_values) return failed(one, "one number is needed for each variable");
+    for (size_t k = 0; k < n; ++k) {
+        double *found = writable(&one->m, references[k]);
+        if (!found) return failed(one, "only inputs can be set");
+        if (!isfinite(values[k])) return failed(one, "an input must be a finite number");
+        *found = values[k];
+    }
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3GetFMUState(fmi3Instance given, fmi3FMUState *state)
+{
+    if (!*state) *state = malloc(sizeof(machine));
+    if (!*state) return fmi3Error;
+    memcpy(*state, &((instance *)given)->m, sizeof(machine));
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SetFMUState(fmi3Instance given, fmi3FMUState state)
+{
+    memcpy(&((instance *)given)->m, state, sizeof(machine));
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance given, fmi3FMUState *state)
+{
+    (void)given;
+    free(*state);
+    *state = NULL;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance given, fmi3FMUState state, size_t *size)
+{
+    (void)given, (void)state;
+    *size = sizeof(machine);
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance given, fmi3FMUState state, fmi3Byte bytes[], size_t size)
+{
+    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    memcpy(bytes, state, size);
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance given, const fmi3Byte bytes[], size_t size,
+                                          fmi3FMUState *state)
+{
+    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    if (!*state) *state = malloc(sizeof(machine));
+    if (!*state) return fmi3Error;
+    memcpy(*state, bytes, size);
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 size, fmi3Boolean no_return,
+                             fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *reached)
+{
+    instance *one = given;
+    (void)no_return;
+    const int how = moved(&one->m, begin, size);
+    *event = *terminate = *early = false;
+    *reached = one->m.time;
+    return how == 0 ? fmi3OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
+}
+
+/* What co-simulation of this machine has no use for. */
+EXPORT fmi3Instance fmi3InstantiateModelExchange(void) { return NULL; }
+EXPORT fmi3Instance fmi3InstantiateScheduledExecution(void) { return NULL; }
+EXPORT fmi3Status fmi3GetFloat32(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetFloat32(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetInt8(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetInt8(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetUInt8(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetUInt8(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetInt16(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetInt16(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetUInt16(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetUInt16(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetInt32(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetInt32(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetUInt32(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetUInt32(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetInt64(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetInt64(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetUInt64(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetUInt64(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetBoolean(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetBoolean(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetString(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetString(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetBinary(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetBinary(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetClock(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetClock(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetVariableDependencies(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetDirectionalDerivative(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetAdjointDerivative(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3EnterConfigurationMode(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3ExitConfigurationMode(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3EnterEventMode(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetIntervalDecimal(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetIntervalFraction(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetShiftDecimal(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetShiftFraction(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetIntervalDecimal(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetIntervalFraction(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetShiftDecimal(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetShiftFraction(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3EvaluateDiscreteStates(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3UpdateDiscreteStates(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3EnterContinuousTimeMode(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3CompletedIntegratorStep(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetTime(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3SetContinuousStates(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetContinuousStateDerivatives(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetEventIndicators(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetContinuousStates(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetNumberOfEventIndicators(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetNumberOfContinuousStates(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3EnterStepMode(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3GetOutputDerivatives(void) { return fmi3Error; }
+EXPORT fmi3Status fmi3ActivateModelPartition(void) { return fmi3Error; }

@@ -1,0 +1,110 @@
+"""Write a machine as an FMU: a description, its sources, and a library for the computer it is written on."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+from supple.errors import ModelError
+from supple.export.c.machine_source import machine_sources
+from supple.export.c.machine_step import MachineStep
+from supple.export.fmu.model_description import (
+    IDENTIFIER,
+    build_description,
+    model_description_2,
+    model_description_3,
+)
+from supple.storage.atomic_write import replacing
+
+__all__ = ["write_fmu"]
+
+_WRAPPERS = {2: "fmi2.c", 3: "fmi3.c"}
+_FOLDERS = {2: {"x86_64": "linux64"}, 3: {"x86_64": "x86_64-linux", "aarch64": "aarch64-linux"}}
+"""Of the library, by version and kind of processor."""
+
+
+def write_fmu(path: Path, step: MachineStep, title: str, *, fmi: int = 3) -> Path:
+    """Write an FMU for co-simulation.
+
+    fmi : version of the interface, 3 or 2
+
+    Raises
+    ------
+    ModelError          another version; no C compiler, or one that fails; an operation of the equations that
+                        has no form in C
+    ResultFileError     a file that cannot be written
+    """
+    if fmi not in _WRAPPERS:
+        raise ModelError(f"FMUs of FMI 3 and 2 are written, not of {fmi}: give one of these")
+    made = machine_sources(step, title)
+    # One and the same machine has one token: an importer may cache what it knows of it.
+    token = hashlib.sha256((made["machine.c"] + made["machine.h"]).encode()).hexdigest()[:32]
+    wrapper = _WRAPPERS[fmi]
+    inputs_at = "offsetof(machine, input)" if step.inputs.variables else 0
+    instance = Template(_asset("instance.h")).substitute(token=token, inputs_at=inputs_at)
+    sources = {
+        "machine.c": made["machine.c"],
+        "machine.h": made["machine.h"],
+        "instance.h": instance,
+        wrapper: _asset(wrapper),
+    }
+    compiled = [name for name in sources if name.endswith(".c")]
+    parts: dict[str, str | bytes] = {f"sources/{name}": own for name, own in sources.items()}
+    if fmi == 3:
+        parts["modelDescription.xml"] = model_description_3(step, title, token)
+        parts["sources/buildDescription.xml"] = build_description(compiled)
+    else:
+        parts["modelDescription.xml"] = model_description_2(step, title, token, compiled)
+    parts[f"binaries/{_platform(fmi)}/{IDENTIFIER}.so"] = _library(sources, compiled)
+    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(parts):
+            entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, parts[name], zipfile.ZIP_DEFLATED)
+    return path
+
+
+def _asset(name: str) -> str:
+    return files("supple.export.fmu").joinpath("assets", name).read_text("utf-8")
+
+
+def _platform(fmi: int) -> str:
+    kind = _FOLDERS[fmi].get(platform.machine())
+    if not sys.platform.startswith("linux") or kind is None:
+        raise ModelError(
+            f"an FMU of FMI {fmi} is built on Linux ({', '.join(_FOLDERS[fmi])}), not on {sys.platform} "
+            f"{platform.machine()}: export the machine as C (--c FOLDER) and build it there"
+        )
+    return kind
+
+
+def _library(sources: Mapping[str, str], compiled: list[str]) -> bytes:
+    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if compiler is None:
+        raise ModelError("an FMU needs a C compiler: install one (gcc, clang), or name it in the variable CC")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, text in sources.items():
+            (folder / file).write_text(text, "utf-8")
+        own = os.environ.get("CFLAGS", "-O2 -ffp-contract=off").split()
+        options = ["-std=c99", *own, "-fPIC", "-shared", "-fvisibility=hidden"]
+        done = subprocess.run(
+            [compiler, *options, "-o", f"{IDENTIFIER}.so", *compiled, "-lm"],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if done.returncode:
+            raise ModelError(f"{compiler} could not build the FMU: {done.stderr.strip()[-400:]}")
+        return (folder / f"{IDENTIFIER}.so").read_bytes()

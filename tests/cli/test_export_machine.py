@@ -1,0 +1,90 @@
+"""`supple export --c` and `-o machine.fmu`: the machine of a case as C and as an FMU."""
+
+from __future__ import annotations
+
+import subprocess
+import zipfile
+
+import pytest
+from fixtures.compiled_c import needs_compiler
+from typer.testing import CliRunner
+
+from supple.cli.main import app
+
+PENDULUM = """
+title = "a rod on a hinge, driven"
+gravity = [0.0, -9.81, 0.0]
+units = { length = "m", mass = "kg", time = "s" }
+
+[[body]]
+name = "rod"
+rigid = { mass = 2.0, centre = [0.5, 0, 0], inertia = [[0.01, 0, 0], [0, 0.7, 0], [0, 0, 0.7]] }
+[[body.interface]]
+name = "eye"
+position = [0.0, 0.0, 0.0]
+[[body.interface]]
+name = "tip"
+position = [1.0, 0.0, 0.0]
+
+[[joint]]
+name = "hinge"
+kind = "revolute"
+first = "ground"
+second = "rod.eye"
+axis = [0, 0, 1]
+
+[[element]]
+name = "motor"
+kind = "torque-between"
+first = "ground"
+second = "rod.eye"
+axis = [0, 0, 1]
+value = 3.0
+
+[simulation]
+duration = 0.1
+output_step = 0.01
+step = 0.005
+
+[output]
+track = ["rod.tip"]
+"""
+
+
+@pytest.fixture
+def case(tmp_path):
+    """The file of a driven pendulum."""
+    (tmp_path / "rod.toml").write_text(PENDULUM)
+    return tmp_path / "rod.toml"
+
+
+def exported(*arguments):
+    return CliRunner().invoke(app, ["export", *map(str, arguments)])
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_a_machine_is_written_as_c_and_as_an_fmu(case, tmp_path, monkeypatch):
+    monkeypatch.setenv("CFLAGS", "-O0 -std=c99")
+    result = exported(case, "--c", tmp_path / "c", "--input", "motor")
+    assert result.exit_code == 0, result.output
+    assert "hinge.angle" in result.output
+    header = (tmp_path / "c" / "machine.h").read_text()
+    assert "[0] motor" in header
+    assert "[0] rod.tip.x (m)" in header
+    subprocess.run(["make", "test"], cwd=tmp_path / "c", check=True, capture_output=True)
+    result = exported(case, "-o", tmp_path / "rod.fmu", "--fmi", 2)
+    assert result.exit_code == 0, result.output
+    with zipfile.ZipFile(tmp_path / "rod.fmu") as archive:
+        assert {"modelDescription.xml", "sources/machine.c", "sources/fmi2.c"} <= set(archive.namelist())
+
+
+def test_mistakes_are_told_with_the_remedy(case, tmp_path):
+    both = exported(case, "--c", tmp_path / "c", "-o", tmp_path / "rod.fmu")
+    assert both.exit_code
+    assert "one of them" in both.output
+    unknown = exported(case, "--c", tmp_path / "c", "--input", "moter")
+    assert unknown.exit_code
+    assert "motor" in unknown.output
+    assert "name the file to write" in exported(case).output
+    assert "remove it" in exported(case, "-o", tmp_path / "rod.inp", "--input", "motor").output

@@ -1,0 +1,117 @@
+"""Machines in C against the compiled march, and against the sensors of a run."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from fixtures.compiled_c import MachineInC, needs_compiler
+from fixtures.exported_machines import EVERY, STEP, chain, driven_pair, linked, run
+
+from supple.errors import ModelError
+from supple.export.c.machine_source import sensor_sizes
+from supple.export.c.machine_step import machine_step
+from supple.export.c.write_machine import write_machine
+from supple.machine import System
+from supple.quantities import read_sensors
+from supple.simulation import simulate
+
+N = 1000
+AGREEMENT = {"length": 1e-12, "angle": 1e-12, "velocity": 1e-11, "angular velocity": 1e-11}
+"""Over 1000 steps, of the largest value of a quantity in the machine"""
+BY_STEP = 1e-8
+"""The same of all others: accelerations and joint forces carry rounding of positions by `1/(beta h^2)`."""
+
+
+def exported(machine, folder):
+    """The machine as it is stepped, and in C."""
+    system, its_run, sensors, inputs = machine
+    step = machine_step(system, its_run, sensors, inputs)
+    write_machine(folder, step, "machine")
+    return step, MachineInC(folder)
+
+
+def both(step, in_c, n=N):
+    """Outputs (n, o) of the compiled march and of the C under inputs that vary."""
+    now, rows = step.start, []
+    for k in range(1, n + 1):
+        given = 0.3 * np.sin(0.01 * k) * np.ones(len(step.inputs.variables))
+        now = step.compiled(now._replace(input=given), STEP * k)
+        assert in_c.advance(STEP * k, given)
+        rows.append((np.asarray(now.output), in_c.output))
+    return np.moveaxis(np.array(rows), 1, 0)
+
+
+@needs_compiler
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", EVERY, ids=lambda each: each.__name__)
+def test_c_gives_the_motion_of_the_compiled_march(machine, tmp_path):
+    step, in_c = exported(machine(), tmp_path)
+    assert not step.outputs.left_out
+    exact, own = both(step, in_c)
+    kinds = np.array([each.description.partition(",")[0] for each in step.outputs.variables])
+    for kind in set(kinds):
+        here = kinds == kind
+        error, size = np.abs(own - exact)[:, here].max(), np.abs(exact)[:, here].max()
+        assert error <= AGREEMENT.get(kind, BY_STEP) * size, kind
+
+
+@needs_compiler
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", [each for each in EVERY if not each()[3]], ids=lambda each: each.__name__)
+def test_outputs_are_what_the_sensors_of_a_run_read(machine, tmp_path):
+    system, its_run, sensors, _ = machine()
+    step, in_c = exported((system, its_run, sensors, {}), tmp_path)
+    readings = read_sensors(sensors, system, simulate(system, its_run))
+    expected = np.column_stack([each.values for each in readings])
+    assert [each.name for each in step.outputs.variables] == [
+        name for each in readings for name in each.names
+    ]
+    own = [in_c.output]
+    for time in its_run.times[1:]:
+        assert in_c.advance(time)
+        own.append(in_c.output)
+    sizes = sensor_sizes(step.outputs.variables, expected)
+    np.testing.assert_allclose(np.array(own) / sizes, expected / sizes, atol=1e-8)
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_the_written_test_passes_and_nothing_is_allocated(tmp_path):
+    system, its_run, sensors, inputs = chain(2)
+    write_machine(tmp_path, machine_step(system, its_run, sensors, inputs), "two rods */")
+    done = subprocess.run(["make", "test"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "largest difference" in done.stdout
+    symbols = subprocess.run(
+        [shutil.which("nm") or "nm", "-u", tmp_path / "machine.o"], capture_output=True, text=True, check=True
+    ).stdout.split()
+    of_libm = {"sin", "cos", "sincos", "sqrt", "pow", "atan2", "ceil", "fabs", "fmod", "floor"}
+    own = {"memset", "memcpy", "memmove", "_GLOBAL_OFFSET_TABLE_", "U"}
+    assert set(symbols) <= of_libm | own
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_a_state_that_is_brought_back_goes_on_alike(tmp_path):
+    step, in_c = exported(driven_pair(), tmp_path)
+    both(step, in_c, 50)
+    kept, time = in_c.state, in_c.time
+    ends = []
+    for _ in range(2):
+        in_c.state = kept
+        for k in range(1, 20):
+            in_c.advance(time + STEP * k, [1.0])
+        ends.append(in_c.output)
+    np.testing.assert_array_equal(*ends)
+
+
+def test_what_cannot_be_exported_is_refused():
+    bodies, joints = linked(2)
+    system = System(bodies, joints)
+    with pytest.raises(ModelError, match="no output"):
+        machine_step(system, run(), [])
+    sensors = driven_pair()[2][:1]
+    with pytest.raises(ModelError, match="nothing in 'j0' varies"):
+        machine_step(system, run(), sensors, {"j0": joints[0]})
