@@ -15,6 +15,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
     "name",
     [
         "calibrate_pendulum",
+        "digital_twin",
         "docked_satellites",
         "nastran_plate",
         "reference_blade",

@@ -8,6 +8,7 @@ Sixteen columns a field; one card per entry of the lower triangle, by columns.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from scipy import sparse
 
 from supple.errors import ModelError
 
-__all__ = ["write_dmig_punch"]
+__all__ = ["dmig_cards", "write_dmig_punch"]
 
 _SYMMETRIC, _REAL_DOUBLE = 6, 2
 
@@ -30,27 +31,38 @@ def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, 
     Raises ModelError for a matrix of another size, or that is not symmetric or finite; for no matrix.
     """
     ids = np.asarray(node_ids)
-    n = len(ids) * dofs_per_node
-    grids, components = np.repeat(ids, dofs_per_node), np.tile(np.arange(1, dofs_per_node + 1), len(ids))
+    components = np.tile(np.arange(1, dofs_per_node + 1), len(ids))
+    lines = dmig_cards(np.column_stack([np.repeat(ids, dofs_per_node), components]), matrices)
+    target = Path(path)
+    target.write_text("\n".join(lines) + "\n", encoding="ascii")
+    return target
+
+
+def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Any]) -> list[str]:
+    """The cards of matrices on freedoms (n, 2), grids and components (0: of a scalar point), by their names.
+
+    Raises ModelError as `write_dmig_punch`.
+    """
+    labels = np.asarray(freedoms)
+    n = len(labels)
     if not matrices:
         raise ModelError("a DMIG file needs a matrix: KAAX=body.stiffness")
     lines = []
     for name, given in matrices.items():
         matrix = sparse.csc_array(given)
         if matrix.shape != (n, n):
-            raise ModelError(f"{name} has shape {matrix.shape}; {len(ids)} nodes need ({n}, {n})")
+            raise ModelError(f"{name} has shape {matrix.shape}; {n} freedoms of nodes need ({n}, {n})")
         if len(name) > 8 or not np.isfinite(matrix.data).all():
             raise ModelError(f"{name}: a DMIG has finite entries and a name of at most eight characters")
         if abs(matrix - matrix.T).max() > 1e-9 * abs(matrix).max():
             raise ModelError(f"{name} is not symmetric; Radioss reads symmetric matrices only")
         lines.append(f"DMIG    {name:<8}{0:8d}{_SYMMETRIC:8d}{_REAL_DOUBLE:8d}{0:8d}")
         lower = sparse.csc_array(sparse.tril(matrix))
+        lower.eliminate_zeros()
         for j in np.flatnonzero(np.diff(lower.indptr)):
-            lines.append(f"DMIG*   {name:<16}{grids[j]:16d}{components[j]:16d}")
+            lines.append(f"DMIG*   {name:<16}{labels[j, 0]:16d}{labels[j, 1]:16d}")
             for at in range(lower.indptr[j], lower.indptr[j + 1]):
                 i, value = lower.indices[at], lower.data[at]
                 number = f"{value:.9E}".replace("E", "D")
-                lines.append(f"*       {grids[i]:16d}{components[i]:16d}{number:>16}")
-    target = Path(path)
-    target.write_text("\n".join(lines) + "\n", encoding="ascii")
-    return target
+                lines.append(f"*       {labels[i, 0]:16d}{labels[i, 1]:16d}{number:>16}")
+    return lines

@@ -1,0 +1,164 @@
+"""Write a reduced body of a case, or of its own file, for another program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import BodyForm
+from supple.cases import Case, read_case
+from supple.cases.outputs import check_not_an_input
+from supple.errors import ArgumentError, CaseError, did_you_mean
+from supple.export import (
+    InterfaceForm,
+    StatedFrequencies,
+    floating_frequencies,
+    interface_form,
+    write_abaqus_superelement,
+    write_beamdyn,
+    write_calculix_superelement,
+    write_dmig_superelement,
+    write_extptfm,
+    write_exudyn,
+    write_mbdyn,
+    write_output4_superelement,
+    write_sid,
+)
+from supple.importers import read_section_table
+from supple.methods.intrinsic import IntrinsicBody
+from supple.reduction import ReducedBody
+from supple.storage import read_reduced_body
+from supple.terminal import console, print_table, say, worded
+
+_OF_INTERFACES: dict[str, Callable[[Path, InterfaceForm], object]] = {
+    ".op4": write_output4_superelement,
+    ".pch": write_dmig_superelement,
+    ".dmig": write_dmig_superelement,
+}
+_OF_BODIES: dict[str, Callable[[Path, ReducedBody], object]] = {
+    ".sid": write_sid,
+    ".sid_fem": write_sid,
+    ".fem": write_mbdyn,
+    ".npz": lambda path, body: write_exudyn(path, _linear(body)),
+}
+_OPENFAST, _CLOSED = ".dat", ".mnf"
+_NONE = (
+    "give an elastic body a reduction of fixed size; of one that corrects itself, export the NAME-reduced.h5 "
+    "of its run"
+)
+SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
+
+
+def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None, abaqus: bool) -> None:
+    """Write a reduced body of the case at `path`, or of a file of its own, in the target's format.
+
+    body : its name, one; the only one when None
+    abaqus : of a deck (.inp), matrices for Abaqus, not equations for CalculiX
+
+    Raises
+    ------
+    ArgumentError       a format that is closed
+    CaseError           mistakes in the case file; no such body, or several to choose from
+    ModelError          whatever the format cannot hold
+    ResultFileError     a file that cannot be read or written
+    """
+    suffix = target.suffix.lower()
+    if suffix == _CLOSED:
+        raise ArgumentError(
+            f"cannot write {target}: MNF is a closed format of Adams; write .op4 or .pch for a program that "
+            "makes it, such as Nastran"
+        )
+    with console.status("reading") as status:
+        if path.suffix.lower() != ".toml":
+            _write(target, suffix, read_reduced_body(path), None, abaqus=abaqus)
+            return
+        case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
+        check_not_an_input(case, [target])
+        chosen = _chosen(case, body, ("reduced", "intrinsic") if suffix == _OPENFAST else ("reduced",))
+        if chosen.kind == "intrinsic":
+            _write_blade(target, case, cast("IntrinsicBody", chosen))
+        else:
+            _write(target, suffix, cast("ReducedBody", chosen), case, abaqus=abaqus)
+
+
+def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, abaqus: bool) -> None:
+    """Write a reduced body and print the frequencies that the other program must find."""
+    if suffix in _OF_BODIES:
+        _OF_BODIES[suffix](target, body)
+        _report(target, body, floating_frequencies(body), linear=suffix not in (".sid", ".sid_fem"))
+        return
+    form = interface_form(body)
+    if suffix in _OF_INTERFACES:
+        _OF_INTERFACES[suffix](target, form)
+    elif suffix == _OPENFAST:
+        if case is None:
+            raise ArgumentError("give the case file for .dat: its joints to the ground hold the superelement")
+        write_extptfm(target, form, _free_interface(case, form), gravity=case.tables.gravity)
+    else:
+        (write_abaqus_superelement if abaqus else write_calculix_superelement)(target, form)
+    _report(target, body, form.stated_frequencies(), linear=True)
+
+
+def _report(target: Path, body: ReducedBody, stated: StatedFrequencies, *, linear: bool) -> None:
+    rows = [(words, _listed(values)) for words, values in stated]
+    print_table(f"Frequencies of {body.name} to find", ["support", "cycles per unit of time"], rows)
+    if linear and not body.is_linear:
+        say("the linear part: nonlinear strains have no place in this format")
+    say(f"written to {target}")
+
+
+def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
+    table = next(one for one in case.tables.body if one.name == body.name)
+    if table.section_table is None:
+        raise CaseError(
+            f"{case.path}: body '{body.name}' has no section table for BeamDyn; reduce it in a floating "
+            "frame for ExtPtfm"
+        )
+    values = _listed(body.modes.frequencies[:6] / (2 * np.pi))
+    title = f"{body.name}: frequencies to find on its support, cycles per unit of time: {values}"
+    primary, blade = write_beamdyn(
+        target, read_section_table(case.folder / table.section_table), title=[title]
+    )
+    say(title)
+    say(f"written to {primary} and {blade}")
+
+
+def _free_interface(case: Case, form: InterfaceForm) -> str:
+    """The one interface of the body that no joint holds to the ground."""
+    ends = {(joint.first, joint.second) for joint in case.tables.joint}
+    held = {other for pair in ends for end, other in (pair, pair[::-1]) if end == "ground"}
+    free = [name for name in form.interfaces if f"{form.name}.{name}" not in held]
+    if len(free) != 1:
+        raise CaseError(
+            f"{case.path}: {len(free)} interfaces of '{form.name}' are not joined to the ground "
+            f"({', '.join(free) or 'none'}); ExtPtfm joins a superelement at one, with the others held"
+        )
+    return free[0]
+
+
+def _chosen(case: Case, names: Sequence[str] | None, kinds: tuple[str, ...]) -> BodyForm:
+    """The body of that name and one of these kinds, or the only one."""
+    if names and len(names) > 1:
+        raise CaseError(f"{case.path}: a superelement is one body, and {len(names)} are named: name one")
+    known = {placed.body.name: placed.body for placed in case.system.bodies if placed.body.kind in kinds}
+    name = names[0] if names else next(iter(known)) if len(known) == 1 else None
+    if name in known:
+        return known[name]
+    listed = ", ".join(known) or "none"
+    if name is None:
+        remedy = "name one: --body NAME" if known else _NONE
+        raise CaseError(f"{case.path} has {len(known)} reduced bodies ({listed}); {remedy}")
+    raise CaseError(f"{case.path} has no reduced body '{name}'{did_you_mean(name, list(known))}: {listed}")
+
+
+def _linear(body: ReducedBody) -> ReducedBody:
+    return replace(body, cubic=None, quartic=None, damping_cubic=None, damping_quartic=None, condensed=None)
+
+
+def _listed(values: NDArray[np.float64]) -> str:
+    return ", ".join(f"{value:.6g}" for value in values) or "none"

@@ -1,0 +1,21 @@
+"""Text files that programs of the old kind read: ASCII, whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from supple.storage.atomic_write import replacing
+
+__all__ = ["write_ascii"]
+
+
+def write_ascii(path: Path | str, lines: Iterable[str]) -> Path:
+    """Write lines, a question mark for what is no ASCII; returns the path.
+
+    Raises ResultFileError: the file cannot be written.
+    """
+    target = Path(path)
+    with replacing(target) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="ascii", errors="replace")
+    return target

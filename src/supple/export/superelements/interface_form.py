@@ -1,0 +1,163 @@
+"""A reduced body in the coordinates of other codes: its interfaces' motion, and modal coordinates.
+
+The body moves by rigid motion `a` (of its mesh axes) and its coordinates `gamma`; its interfaces by
+`u = B (a, gamma)`. With `N` the null space of B, and P the motion of least strain energy for given u,
+
+    (a, gamma) = P u + N Phi eta,    B P = 1,    N^T K P = 0,    N^T K N Phi = N^T M N Phi diag(omega^2)
+
+which is a change of coordinates: nothing is left out. It is Craig and Bampton's form, whatever the basis was.
+
+Source: [CraigBampton1968].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.body.rigid_motion import nodal_rigid_modes
+from supple.errors import ModelError, did_you_mean
+from supple.export.superelements.stated_frequencies import (
+    N_RIGID,
+    N_STATED,
+    StatedFrequencies,
+    free_matrices,
+    frequencies,
+    frequency_lines,
+)
+from supple.reduction import ReducedBody
+
+__all__ = ["InterfaceForm", "interface_form"]
+
+Array = NDArray[np.float64]
+
+INDEPENDENT = 1e-8
+"""Of the largest motion of the interfaces: a smaller one is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceForm:
+    """The linear part of a body, undamped modes clamped at all interfaces beside the interfaces' freedoms.
+
+        q = (u_1, theta_1, .., u_n, theta_n, eta)
+
+    name : str
+    interfaces : names;  positions : (n, 3), mesh axes
+    stiffness, mass, damping : (6 n + m, 6 n + m), free of supports; 0 and diag(omega^2), 1 at eta
+    to_body : (6 + r, 6 n + m)      rigid motion of the mesh axes about their origin, and gamma, by q
+    """
+
+    name: str
+    interfaces: tuple[str, ...]
+    positions: Array
+    stiffness: Array = field(repr=False)
+    mass: Array = field(repr=False)
+    damping: Array = field(repr=False)
+    to_body: Array = field(repr=False)
+
+    @property
+    def n_boundary(self) -> int:
+        """6 n, the freedoms of the interfaces."""
+        return 6 * len(self.interfaces)
+
+    @property
+    def n_modal(self) -> int:
+        """Number of modal coordinates."""
+        return len(self.stiffness) - self.n_boundary
+
+    @property
+    def is_damped(self) -> bool:
+        """Whether any damping is there to write."""
+        return bool(np.any(self.damping))
+
+    def frequencies(self, held: Collection[str] = ()) -> Array:
+        """Cycles per unit of time, ascending, with these interfaces clamped; of a free body the elastic ones.
+
+        Raises ModelError for an interface that the body lacks.
+        """
+        unknown = [name for name in held if name not in self.interfaces]
+        if unknown:
+            near = did_you_mean(unknown[0], self.interfaces)
+            raise ModelError(f"body '{self.name}' has no interface '{unknown[0]}'{near}")
+        of_interfaces = np.repeat([name not in held for name in self.interfaces], 6)
+        free = np.concatenate([of_interfaces, np.ones(self.n_modal, dtype=bool)])
+        found = frequencies(self.stiffness[np.ix_(free, free)], self.mass[np.ix_(free, free)])
+        return found if held else found[N_RIGID:]
+
+    def stated_frequencies(self) -> StatedFrequencies:
+        """What another program must find: by support, the lowest frequencies, cycles per unit of time."""
+        supports: list[tuple[str, tuple[str, ...]]] = [("free", ())]
+        supports += [(f"clamped at {name}", (name,)) for name in self.interfaces]
+        if len(self.interfaces) > 1 and self.n_modal:
+            supports.append(("clamped at all interfaces", self.interfaces))
+        return [(words, self.frequencies(held)[:N_STATED]) for words, held in supports]
+
+    def comment(self) -> list[str]:
+        """Lines for the head of a file: interfaces, and the frequencies to find."""
+        lines = [f"{self.name}: linear superelement with {self.n_modal} modal coordinates"]
+        lines += [
+            f"interface {number}: {name} at {x:.9g} {y:.9g} {z:.9g}"
+            for number, (name, (x, y, z)) in enumerate(zip(self.interfaces, self.positions, strict=True), 1)
+        ]
+        return [*lines, *frequency_lines(self.stated_frequencies())]
+
+
+def interface_form(body: ReducedBody) -> InterfaceForm:
+    """The body by the motion of its interfaces; of a nonlinear body the linear part.
+
+    Raises
+    ------
+    ModelError      no interface; interfaces whose freedoms are not independent in the body's coordinates
+    """
+    if not body.interfaces:
+        raise ModelError(
+            f"body '{body.name}' has no interface, where a superelement is joined to others; give it one"
+        )
+    K, M, D = free_matrices(body)
+    motion = np.concatenate([interface.motion for interface in body.interfaces])
+    positions = np.array([interface.position for interface in body.interfaces])
+    rigid = nodal_rigid_modes(positions, 6)
+    # Unit kinetic energy of every coordinate, rotations of interfaces as long as the body: pure numbers.
+    balance = linalg.block_diag(np.linalg.inv(linalg.cholesky(M[:N_RIGID, :N_RIGID])), np.eye(body.r))
+    size = float(np.linalg.norm(np.ptp(body.nodes, axis=0))) or 1.0
+    lengths = np.tile(np.repeat([1.0, size], 3), len(positions))
+    B = lengths[:, None] * (np.hstack([rigid, motion]) @ balance)
+    K, M, D = (balance.T @ matrix @ balance for matrix in (K, M, D))
+    left, values, right = linalg.svd(B)
+    n_boundary = len(B)
+    if n_boundary > len(M) or values[-1] < INDEPENDENT * values[0]:
+        independent = int(np.sum(values > INDEPENDENT * values[0]))
+        raise ModelError(
+            f"body '{body.name}': its {n_boundary} interface freedoms have {independent} independent motions "
+            f"in {body.r} coordinates and rigid motion; reduce it with CraigBampton or Rubin, or leave "
+            "interfaces out"
+        )
+    N = right[n_boundary:].T
+    P = (right[:n_boundary].T / values) @ left.T
+    if N.shape[1]:
+        stiff = N.T @ K @ N
+        P = P - N @ linalg.solve(stiff, N.T @ (K @ P), assume_a="pos")
+        N = N @ linalg.eigh(stiff, N.T @ M @ N)[1]
+    whole = np.hstack([P * lengths, N])
+    stiffness = whole.T @ K @ whole
+    stiffness[:n_boundary, n_boundary:] = stiffness[n_boundary:, :n_boundary] = 0.0
+    stiffness[n_boundary:, n_boundary:] = np.diag(np.diag(stiffness)[n_boundary:])
+    mass = whole.T @ M @ whole
+    mass[n_boundary:, n_boundary:] = np.eye(N.shape[1])
+    return InterfaceForm(
+        body.name,
+        tuple(interface.name for interface in body.interfaces),
+        positions,
+        _symmetric(stiffness),
+        _symmetric(mass),
+        _symmetric(whole.T @ D @ whole),
+        balance @ whole,
+    )
+
+
+def _symmetric(matrix: Array) -> Array:
+    return 0.5 * (matrix + matrix.T)

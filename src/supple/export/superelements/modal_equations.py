@@ -1,0 +1,136 @@
+"""Superelements for CalculiX: masses and springs of free vibrations, tied to interfaces by equations.
+
+CalculiX reads no matrices. It reads what makes the same ones: with the modes of the free body,
+`u = B z`, mass 1 and stiffness omega^2 of each modal coordinate z. The interfaces' freedoms are independent;
+as many of the modal coordinates depend on them (`*EQUATION`):
+
+    B_d z_d = u - B_f z_f
+
+Any program with point masses, grounded springs and equations can run it.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.export.superelements.ascii_file import write_ascii
+from supple.export.superelements.interface_form import InterfaceForm
+
+__all__ = ["write_calculix_superelement"]
+
+Array = NDArray[np.float64]
+
+_RIGID = 6
+_TERMS_PER_LINE = 4
+
+
+def write_calculix_superelement(path: Path | str, form: InterfaceForm) -> Path:
+    """Write nodes, masses, springs and equations, to be included (`*INCLUDE`) before steps; returns the path.
+
+    Of interface i the node 2 i - 1 has the translations, the node 2 i the rotations as its freedoms 1 to 3:
+    they are the reference node and the rotation node of a `*RIGID BODY` of your own mesh. Node sets are named
+    after the interfaces. Damping is not in it.
+
+    Raises ResultFileError: the file cannot be written.
+    """
+    omega, motion = _free_vibrations(form)
+    dependent, free, by_interfaces, by_free = _dependence(form, motion)
+    n_found = max(1, (len(omega) - _RIGID) // 4)
+    lines = [
+        *(f"** {line}" for line in form.comment()),
+        "** interfaces: the first node of a set has translations, the second has rotations, as 1, 2, 3:",
+        "** REF NODE and ROT NODE of a *RIGID BODY. Alone, CalculiX finds a quarter of the modes:",
+        f"** *BOUNDARY / {set_names(form)[0]}, 1, 3 / *STEP / *FREQUENCY / {n_found} / *END STEP",
+        *_nodes(form, len(omega)),
+        *_masses_and_springs(form, omega),
+        *_equations(form, dependent, free, by_interfaces, by_free),
+    ]
+    return write_ascii(path, lines)
+
+
+def set_names(form: InterfaceForm) -> list[str]:
+    """Names of node sets: letters, digits and underscores of the interfaces' names, numbered."""
+    plain = ("".join(c if c.isascii() and c.isalnum() else "_" for c in name) for name in form.interfaces)
+    return [f"I{number}_{name.upper()}" for number, name in enumerate(plain, 1)]
+
+
+def _free_vibrations(form: InterfaceForm) -> tuple[Array, Array]:
+    """Frequencies (k,) of the free body, six zeros first, and the interfaces' motion (6 n, k) in them."""
+    scale = 1.0 / np.sqrt(np.diag(form.mass))
+    K, M = (matrix * np.outer(scale, scale) for matrix in (form.stiffness, form.mass))
+    squares, modes = linalg.eigh(K, M)
+    squares[:_RIGID] = 0.0
+    return np.sqrt(squares), (scale[:, None] * modes)[: form.n_boundary]
+
+
+def _dependence(
+    form: InterfaceForm, motion: Array
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, Array]:
+    """Dependent and free modal coordinates, and the dependent ones by the interfaces and by the free ones."""
+    sizes = np.linalg.norm(motion, axis=1)
+    order = linalg.qr(motion / sizes[:, None], mode="r", pivoting=True)[1]
+    dependent, free = np.sort(order[: form.n_boundary]), np.sort(order[form.n_boundary :])
+    inverse = linalg.inv(motion[:, dependent])
+    return dependent, free, inverse, -inverse @ motion[:, free]
+
+
+def _nodes(form: InterfaceForm, n_modes: int) -> list[str]:
+    n = 2 * len(form.interfaces)
+    places = np.repeat(form.positions, 2, axis=0)
+    modal = np.tile(form.positions[0], (-(-n_modes // 3), 1))
+    lines = ["*NODE, NSET=SUPPLE_ALL"]
+    lines += [
+        f"{number}, {x:.12e}, {y:.12e}, {z:.12e}"
+        for number, (x, y, z) in enumerate(np.concatenate([places, modal]), 1)
+    ]
+    for number, name in enumerate(set_names(form)):
+        lines += [f"*NSET, NSET={name}", f"{2 * number + 1}, {2 * number + 2}"]
+    return [*lines, "*NSET, NSET=SUPPLE_INTERFACES, GENERATE", f"1, {n}"]
+
+
+def _masses_and_springs(form: InterfaceForm, omega: Array) -> list[str]:
+    """Three modal coordinates a node; what is left of the last node is held."""
+    first, k = 2 * len(form.interfaces) + 1, len(omega)
+    last = first + (k - 1) // 3
+    lines = ["*ELEMENT, TYPE=MASS, ELSET=SUPPLE_MASSES"]
+    lines += [f"{number - first + 1}, {number}" for number in range(first, last + 1)]
+    lines += ["*MASS, ELSET=SUPPLE_MASSES", "1.0"]
+    for number in range(_RIGID, k):
+        element, node, component = last - first + 1 + number, *_place(first, number)
+        lines += [
+            f"*ELEMENT, TYPE=SPRING1, ELSET=SUPPLE_MODE_{number + 1}",
+            f"{element}, {node}",
+            f"*SPRING, ELSET=SUPPLE_MODE_{number + 1}",
+            f"{component}",
+            f"{omega[number] ** 2:.12e}",
+        ]
+    if k % 3:
+        lines += ["*BOUNDARY", f"{last}, {k % 3 + 1}, 3"]
+    return lines
+
+
+def _place(first: int, number: int) -> tuple[int, int]:
+    """Node and component of a modal coordinate."""
+    return first + number // 3, number % 3 + 1
+
+
+def _equations(
+    form: InterfaceForm, dependent: NDArray[np.intp], free: NDArray[np.intp], own: Array, others: Array
+) -> list[str]:
+    first = 2 * len(form.interfaces) + 1
+    of_interfaces = [_place(1, number) for number in range(form.n_boundary)]
+    independent = of_interfaces + [_place(first, int(number)) for number in free]
+    lines = []
+    for number, row in zip(dependent, np.hstack([own, others]), strict=True):
+        there = np.flatnonzero(row)
+        terms = [(*_place(first, int(number)), -1.0)]
+        terms += [(*independent[j], float(row[j])) for j in there]
+        lines += ["*EQUATION", f"{len(terms)}"]
+        words = [f"{node}, {component}, {value:.12e}" for node, component, value in terms]
+        starts = range(0, len(words), _TERMS_PER_LINE)
+        lines += [", ".join(words[at : at + _TERMS_PER_LINE]) for at in starts]
+    return lines

@@ -1,0 +1,78 @@
+"""Superelements for Nastran: grids at the interfaces, scalar points for modal coordinates, DMIG or OUTPUT4.
+
+Grids are numbered from 1 in the order of the interfaces, scalar points after them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.export.dmig_punch import dmig_cards
+from supple.export.superelements.ascii_file import write_ascii
+from supple.export.superelements.interface_form import InterfaceForm
+from supple.export.superelements.output4 import write_output4
+
+__all__ = ["write_dmig_superelement", "write_output4_superelement"]
+
+_TO_RUN = (
+    "to run: SOL 103 / CEND / K2GG = KAAX / M2GG = MAAX{damped} / METHOD = 1",
+    "        BEGIN BULK / EIGRL,1,,,10 / INCLUDE 'this file' / your own cards / ENDDATA",
+)
+
+
+def write_dmig_superelement(path: Path | str, form: InterfaceForm) -> Path:
+    """Write one bulk data file: GRID, SPOINT, ASET1, QSET1, DMIG KAAX, MAAX (BAAX); returns the path.
+
+    Entries have ten digits, as cards of 16 columns hold; OUTPUT4 holds all.
+
+    Raises ResultFileError: the file cannot be written.
+    """
+    matrices = {"KAAX": form.stiffness, "MAAX": form.mass}
+    if form.is_damped:
+        matrices["BAAX"] = form.damping
+    run = [line.format(damped=" / B2GG = BAAX" if form.is_damped else "") for line in _TO_RUN]
+    cards = [*_bulk_data(form, run), *dmig_cards(_freedoms(form), matrices)]
+    return write_ascii(path, cards)
+
+
+def write_output4_superelement(path: Path | str, form: InterfaceForm) -> tuple[Path, Path]:
+    """Write KAA, MAA (BAA) as OUTPUT4, and the grids and sets of their rows as a .bdf beside it.
+
+    Rows are the analysis set in the order of the cards: six of each grid, then the scalar points.
+
+    Returns (path of the matrices, path of the cards). Raises ResultFileError: a file cannot be written.
+    """
+    target = Path(path)
+    matrices = {"KAA": form.stiffness, "MAA": form.mass}
+    if form.is_damped:
+        matrices["BAA"] = form.damping
+    of_rows = [f"rows of {', '.join(matrices)} in {target.name}: six of each grid, then the scalar points"]
+    beside = write_ascii(target.with_suffix(".bdf"), _bulk_data(form, of_rows))
+    return write_output4(target, matrices), beside
+
+
+def _freedoms(form: InterfaceForm) -> NDArray[np.int64]:
+    """Grid and component of every row; component 0 of scalar points."""
+    n = len(form.interfaces)
+    grids = np.column_stack([np.repeat(np.arange(1, n + 1), 6), np.tile(np.arange(1, 7), n)])
+    points = n + 1 + np.arange(form.n_modal)
+    return np.concatenate([grids, np.column_stack([points, np.zeros_like(points)])])
+
+
+def _bulk_data(form: InterfaceForm, further: Sequence[str]) -> list[str]:
+    """Comments, then the cards of grids, scalar points and sets."""
+    n, last = len(form.interfaces), len(form.interfaces) + form.n_modal
+    lines = [f"$ {line}" for line in (*form.comment(), *further)]
+    for number, (name, place) in enumerate(zip(form.interfaces, form.positions, strict=True), 1):
+        # Sixteen columns hold 17 digits of no number: ten, as the matrices have.
+        x, y, z = (f"{value:.9E}".rjust(16) for value in place)
+        lines += [f"$ {name}", f"GRID*   {number:<16d}{'':16}{x}{y}", f"*       {z}"]
+    lines.append(f"ASET1   123456  1       THRU    {n}" if n > 1 else "ASET1   123456  1")
+    if form.n_modal:
+        points = f"{n + 1:<8d}THRU    {last}" if form.n_modal > 1 else f"{last}"
+        lines += [f"SPOINT  {points}", f"QSET1   0       {points}"]
+    return lines

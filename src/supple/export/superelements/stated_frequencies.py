@@ -1,0 +1,53 @@
+"""The frequencies that another program must find of a body, cycles per unit of time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from supple.reduction import ReducedBody
+
+__all__ = ["StatedFrequencies", "floating_frequencies"]
+
+Array = NDArray[np.float64]
+
+StatedFrequencies = list[tuple[str, Array]]
+"""By support, in words, the lowest frequencies."""
+
+N_STATED = 6
+N_RIGID = 6
+
+
+def floating_frequencies(body: ReducedBody) -> StatedFrequencies:
+    """Of a body in its floating frame: free, and with its frame at rest."""
+    stiffness, mass, _ = free_matrices(body)
+    free = frequencies(stiffness, mass)[N_RIGID:]
+    at_rest = frequencies(body.stiffness, mass[N_RIGID:, N_RIGID:])
+    return [("free", free[:N_STATED]), ("its frame at rest", at_rest[:N_STATED])]
+
+
+def free_matrices(body: ReducedBody) -> tuple[Array, Array, Array]:
+    """Stiffness, mass and damping (6 + r, 6 + r) of rigid motion of the mesh axes and the coordinates."""
+    own = np.r_[:N_RIGID, N_RIGID + 3 * body.r : len(body.gram)]
+    mass = np.array(body.gram[np.ix_(own, own)])
+    still = np.zeros((N_RIGID, N_RIGID))
+    return linalg.block_diag(still, body.stiffness), mass, linalg.block_diag(still, body.damping)
+
+
+def frequencies(stiffness: Array, mass: Array) -> Array:
+    """All of them, ascending."""
+    if not len(mass):
+        return np.empty(0)
+    scale = 1.0 / np.sqrt(np.diag(mass))
+    both = np.outer(scale, scale)
+    squares = linalg.eigh(stiffness * both, mass * both, eigvals_only=True)
+    return np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi)
+
+
+def frequency_lines(stated: StatedFrequencies) -> list[str]:
+    """Lines for the head of a file."""
+    lines = [
+        f"  {words}: {', '.join(f'{value:.6g}' for value in values) or 'none'}" for words, values in stated
+    ]
+    return ["frequencies to find, cycles per unit of time", *lines]

@@ -1,0 +1,134 @@
+"""`supple export` of a reduced body for other programs."""
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from supple.cli.main import app
+from supple.export import interface_form, write_beamdyn
+from supple.importers import SectionTable, read_section_table
+from supple.storage import read_reduced_body
+
+
+def exported(*arguments):
+    return CliRunner().invoke(app, ["export", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def strip_file(tmp_path_factory):
+    """The strip of the case, reduced once and kept in its own file."""
+    from fixtures.strip_case import filled
+
+    folder = filled(tmp_path_factory.mktemp("strip"))
+    result = CliRunner().invoke(app, ["reduce", str(folder / "strip.toml"), "-o", str(folder)])
+    assert result.exit_code == 0, result.output
+    return folder / "strip-reduced.h5"
+
+
+MARKS = {
+    "x.op4": "1P,3E24.16",
+    "x.pch": "DMIG    KAAX",
+    "x.dmig": "QSET1",
+    "x.sid": "new modal",
+    "x.fem": "** RECORD GROUP 18",
+}
+
+
+@pytest.mark.parametrize("name", MARKS)
+def test_a_reduced_body_is_written_by_the_ending_with_its_frequencies(strip_file, tmp_path, name):
+    result = exported(strip_file, "-o", tmp_path / name)
+    assert result.exit_code == 0, result.output
+    assert MARKS[name] in (tmp_path / name).read_text()
+    body = read_reduced_body(strip_file)
+    in_its_frame = name in ("x.sid", "x.fem")
+    held = body.frequencies / (2 * np.pi) if in_its_frame else interface_form(body).frequencies(["root"])
+    assert f"{held[0]:.6g}" in result.output
+    assert ("the linear part" in result.output) == (name != "x.sid")
+
+
+def test_a_deck_with_the_superelement_is_for_calculix_or_abaqus(strip_file, tmp_path):
+    for arguments, mark in (((), "*EQUATION"), (("--abaqus",), "*MATRIX ASSEMBLE")):
+        result = exported(strip_file, "-o", tmp_path / "x.inp", "--superelement", *arguments)
+        assert result.exit_code == 0, result.output
+        assert mark in (tmp_path / "x.inp").read_text()
+
+
+def test_exudyn_takes_the_linear_part(strip_file, tmp_path):
+    assert exported(strip_file, "-o", tmp_path / "x.npz").exit_code == 0
+    with np.load(tmp_path / "x.npz", allow_pickle=True) as file:
+        np.testing.assert_array_equal(file["stiffnessMatrixReduced"], read_reduced_body(strip_file).stiffness)
+
+
+def test_what_cannot_be_written_is_refused(strip_file, tmp_path):
+    for name, arguments, message in (
+        ("x.mnf", (), "MNF is a closed format of Adams; write .op4 or .pch"),
+        ("x.dat", (), "give the case file for .dat"),
+        ("x.op4", ("--superelement",), "--superelement is for a deck (.inp)"),
+        ("x.op4", ("--times", "0:1:3"), "a superelement takes --body and --abaqus alone"),
+        ("x.inp", ("--superelement", "--time", "1"), "a superelement takes --body and --abaqus alone"),
+    ):
+        result = exported(strip_file, "-o", tmp_path / name, *arguments)
+        assert result.exit_code != 0
+        assert message in " ".join(result.output.split())
+        assert not (tmp_path / name).exists()
+
+
+def test_of_a_case_the_interface_that_no_joint_holds_is_where_a_tower_begins(case_folder, tmp_path):
+    case = case_folder / "strip.toml"
+    text = case.read_text()
+    tip = '[[body.interface]]\nname = "top"\nnodes = "TIP"\n\n[[joint]]'
+    case.write_text(
+        text.replace("[[joint]]", tip).replace('"rubin", modes = 4', '"craig-bampton", modes = 4')
+    )
+    result = exported(case, "-o", tmp_path / "x.dat")
+    assert result.exit_code == 0, result.output
+    assert "at top, all other interfaces clamped" in (tmp_path / "x.dat").read_text()
+    case.write_text(text)
+    refused = exported(case, "-o", tmp_path / "y.dat")
+    assert "0 interfaces of 'strip' are not joined to the ground" in " ".join(refused.output.split())
+    unknown = exported(case, "-o", tmp_path / "y.op4", "--body", "strap")
+    assert "has no reduced body 'strap'" in " ".join(unknown.output.split())
+
+
+BLADE = """\
+title = "blade"
+
+[[body]]
+name = "blade"
+section_table = "given.dat"
+condense = { root = "root", tip = "tip", stations = 9 }
+
+[[body.interface]]
+name = "root"
+
+[[body.interface]]
+name = "tip"
+
+[[joint]]
+kind = "fixed"
+first = "ground"
+second = "blade.root"
+
+[simulation]
+duration = 0.1
+output_step = 0.01
+step = 0.01
+"""
+
+
+def test_a_body_of_sections_is_written_for_beamdyn(tmp_path):
+    """Sections along z, in the case from BeamDyn's own files: written and read back alike."""
+    s = np.linspace(0.0, 1.0, 6)
+    stiffness = np.array([np.diag([1e8, 1.2e8, 3e9, 4e8, 2e8, 1e8]) * (1.2 - k) for k in s])
+    inertia = np.array([np.diag([50.0, 50.0, 50.0, 8.0, 4.0, 12.0]) * (1.2 - k) for k in s])
+    places = np.column_stack([0 * s, 0 * s, 20.0 * s])
+    table = SectionTable(places, np.tile(np.eye(3), (6, 1, 1)), stiffness, inertia)
+    write_beamdyn(tmp_path / "given.dat", table)
+    (tmp_path / "blade.toml").write_text(BLADE)
+    result = exported(tmp_path / "blade.toml", "-o", tmp_path / "again.dat")
+    assert result.exit_code == 0, result.output
+    assert "frequencies to find on its support" in (tmp_path / "again_blade.dat").read_text()
+    first, second = (read_section_table(tmp_path / f"{name}.dat") for name in ("given", "again"))
+    for name in ("positions", "axes", "stiffness", "inertia"):
+        mine, its = getattr(first, name), getattr(second, name)
+        np.testing.assert_allclose(its, mine, rtol=1e-9, atol=1e-9 * abs(mine).max())
