@@ -297,9 +297,8 @@ def test_a_chunk_that_would_not_fit_in_memory_is_refused(pushes, monkeypatch):
         simulate_batch(pushes, FLEXIBLE_RUN)
 
 
-@pytest.mark.parametrize(
-    "fewest", [pytest.param(1, id="each by itself"), pytest.param(1000, id="mapped", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("fewest", [1, 1000], ids=["each by itself", "mapped"])
 def test_cases_of_another_core_are_the_same_to_the_last_digit(pushes, fewest, monkeypatch):
     """By the number of coordinates from which tangents are kept; what is left after the first share waits for
     the other process."""

@@ -22,6 +22,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
 from supple.linearization import linearize, machine_modes
 from supple.machine import GROUND, At, Fixed, Placed, PrescribedRotation, Revolute, Spin, System
 from supple.mesh import CellType, block, strip
+from supple.quantities import Place, tracked_places
 from supple.reduction import (
     CompressedDerivatives,
     CraigBampton,
@@ -34,7 +35,7 @@ from supple.reduction import (
     reduce,
     reduction_basis,
 )
-from supple.simulation import equilibrium, full_rest
+from supple.simulation import equilibrium, full_rest, place_errors
 
 LENGTH, E, DENSITY, RATE = 1.0, 1e9, 1000.0, 20.0
 STRETCH = DENSITY * RATE**2 * LENGTH**3 / (3 * E)
@@ -90,6 +91,61 @@ def test_a_rest_out_of_reach_of_the_reduced_one_is_found_from_the_start(bar, mon
     near, far = errors
     assert far.known
     assert far.displacement == pytest.approx(near.displacement, abs=1e-6 * near.worst)
+
+
+@pytest.fixture(scope="module")
+def spun():
+    """A bar with a mass at its end, that spins: by bending modes alone, and with all coordinates."""
+    model = solid_model(block(LENGTH, 0.02, 0.01, 4, 1, 1, CellType.HEXA20), Isotropic(E, 0.0, DENSITY))
+    ends = (RigidInterface("root", "root"), RigidInterface("tip", "tip"))
+    bar = flexible_body("bar", model, ends).linearized()
+    ball = RigidBody("mass", 0.01, np.zeros(3), 1e-6 * np.eye(3), {"centre": np.zeros(3)})
+    mass = Placed(ball, position=(LENGTH, 0, 0))
+    weld = Fixed(name="weld", first=At("bar", "tip"), second=At("mass", "centre"))
+    frame = MeanAxisFrame()
+    full = FullBody(bar, frame)
+    reduced = reduce(bar, frame, NormalModes(8), derivatives=NoDerivatives(), loads=NoLoads)
+
+    def machine(form):
+        hub = turned(form)
+        return replace(hub, bodies=(*hub.bodies, mass), joints=(*hub.joints, weld))
+
+    with pytest.warns(BasisWarning, match="at rest a node is off by"):
+        found = equilibrium(machine(reduced), spin=SPIN, fulls=[full])
+    return found, equilibrium(machine(full), spin=SPIN)
+
+
+def test_errors_at_places_are_those_of_the_full_machine(spun):
+    """Of the mass too, which has no basis: it is where the bar holds it."""
+    found, exact = spun
+    middle = tuple(np.flatnonzero(np.isclose(found.system.placed("bar").body.nodes[:, 0], 0.5)).tolist())
+    places = {"end": Place("bar", "tip"), "middle": Place("bar", middle), "mass": Place("mass", "centre")}
+    errors = place_errors(found, places)
+    by_basis = tracked_places(found.system, found.solution, places)
+    right = tracked_places(exact.system, exact.solution, places)
+    for name, place in right.items():
+        true = by_basis[name].position[0] - place.position[0]
+        assert errors[name].position == pytest.approx(true, abs=1e-6 * STRETCH)
+        assert true[0] < -0.2 * STRETCH
+    true = by_basis["end"].deflection[0] - right["end"].deflection[0]
+    assert errors["end"].deflection == pytest.approx(true, abs=1e-6 * STRETCH)
+    assert errors["mass"].deflection is None
+    assert place_errors(replace(found, full=None), places) == {}
+
+
+def test_a_place_that_no_joint_holds_has_no_error_of_position(spun):
+    found, _ = spun
+    (error,) = place_errors(replace(found, is_held=False), {"end": Place("bar", "tip")}).values()
+    assert error.position is None
+    assert error.deflection[0] < -0.2 * STRETCH
+
+
+def test_a_full_body_without_a_reduced_one_is_refused(bar):
+    other = RigidBody("bar", 1.0, np.zeros(3), np.eye(3), {"root": np.zeros(3)})
+    with pytest.raises(ModelError, match="body 'bar' is rigid, and at rest the error is that of reduced"):
+        equilibrium(turned(other), fulls=[FullBody(bar, ROOT)])
+    with pytest.raises(ModelError, match="there is no body 'bar'"):
+        equilibrium(System((replace(other, name="rod"),)), fulls=[FullBody(bar, ROOT)])
 
 
 def test_a_reduction_as_it_comes_holds_steady_loads(bar):

@@ -2,6 +2,7 @@
 
 from supple.error.basis_error import *
 from supple.error.batch_estimate import *
+from supple.error.case_indicator import *
 from supple.error.correction_folder import *
 from supple.error.correction_rounds import *
 from supple.error.error_estimate import *

@@ -15,13 +15,13 @@ import numpy as np
 from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
 from supple.error.check_run import check_run
-from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
+from supple.error.error_estimate import INSTANTS, ErrorEstimate, ErrorEstimator
 from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, largest_displacement, quantity_distance
 from supple.reduction import ReductionBasis
 
-__all__ = ["basis_parts", "distances", "in_full", "stated_of"]
+__all__ = ["assessed_basis", "basis_parts", "distances", "in_full", "stated_of"]
 
 NEGLIGIBLE = 1e-3
 """Of the largest displacement: motion missed at rest that is less raises no doubt."""
@@ -41,21 +41,44 @@ def basis_parts(
 
     fulls, bases : of the reduced bodies whose bases are assessed, by name
     """
-    asked = stated_of(system, bases, quantities)
     if system.controllers:  # they have no part in the error equation
+        asked = stated_of(system, bases, quantities)
         return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+    whole = in_full(system, fulls, bases)
+    return assessed_basis(whole, system, run, solution, bases, quantities, progress=progress)[0]
+
+
+def assessed_basis(
+    whole: System,
+    system: System,
+    run: Run,
+    solution: Solution,
+    bases: Mapping[str, ReductionBasis],
+    quantities: Sequence[QuantityOfInterest],
+    *,
+    instants: int = INSTANTS,
+    progress: StepProgress | None = None,
+) -> tuple[dict[str, ErrorPart], ErrorEstimate]:
+    """The same, and the estimate by the error equation, whatever it is worth.
+
+    whole : the machine with all coordinates of the bodies that are assessed, as it should start
+    instants : as for `ErrorEstimator.assess`
+    """
+    asked = stated_of(system, bases, quantities)
     step = "the error equation"
     share = None if progress is None else lambda fraction: progress(step, fraction)
-    whole = in_full(system, fulls, bases)
-    estimate = ErrorEstimator(whole, run).assess(system, bases, solution, progress=share)
+    estimate = ErrorEstimator(whole, run).assess(system, bases, solution, instants=instants, progress=share)
     found = estimate.error.bodies
     doubtful = any(each.is_doubtful(_negligible(system, solution, name)) for name, each in found.items())
     if all(each.is_converged for each in found.values()) and not doubtful:
-        return {
+        parts = {
             name: ErrorPart(value, step, ENRICH)
             for name, value in distances(system, solution, estimate, asked).items()
         }
-    return check_run(system, run, solution, fulls, bases, asked, progress=progress)
+    else:
+        fulls = whole.bodies_of(FullBody)
+        parts = check_run(system, run, solution, fulls, bases, asked, progress=progress)
+    return parts, estimate
 
 
 def stated_of(

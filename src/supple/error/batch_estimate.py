@@ -23,7 +23,7 @@ from supple.error.equation import (
     error_space,
     modes_in_frame,
     run_columns,
-    second_correction,
+    second_corrections,
 )
 from supple.error.equation.error_batch import first_together
 from supple.error.equation.linearised_march import ErrorState
@@ -40,7 +40,7 @@ from supple.error.error_estimate import (
     reduced_form,
 )
 from supple.error.error_study import ErrorStudy, statements
-from supple.error.residual_correction import system_corrections
+from supple.error.residual_correction import active_constraints, system_corrections
 from supple.error.sample_times import stratified_samples
 from supple.error.stopping import withheld
 from supple.errors import ModelError
@@ -209,7 +209,7 @@ class _Batch:
             {name: each.along(each.motion.at(rows)) for name, each in bodies.items()},
             self.run.second_order_method.coefficients,
             steps,
-            estimator.active(self.solutions[number]),
+            active_constraints(self.cases[number], self.solutions[number]),
             estimator.start_errors(steps, self.bases),
         )
 
@@ -218,7 +218,7 @@ class _Batch:
     ) -> BasisError:
         histories = equation.histories(found)
         if all(np.isfinite(history.rms).all() for history in histories.values()):
-            second = {name: second_correction(history) for name, history in histories.items()}
+            second = second_corrections(equation, histories)
             small = is_small(histories, second)
             if small and not is_smooth(self.cases[number]):
                 _, histories, second = converged(equation, found, histories, smooth=False)

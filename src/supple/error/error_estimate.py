@@ -10,7 +10,6 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_log
 from supple.body import FullBody, ModalDamping
-from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
 from supple.error.basis_error import FIRST_ORDER, BasisError, BodyError
@@ -25,10 +24,15 @@ from supple.error.equation import (
     error_space,
     modes_in_frame,
     run_columns,
-    second_correction,
+    second_corrections,
 )
+from supple.error.equation.elastic_history import PROVEN
 from supple.error.missing_motion import FOLLOWED
-from supple.error.residual_correction import ResidualCorrections, system_corrections
+from supple.error.residual_correction import (
+    ResidualCorrections,
+    active_constraints,
+    system_corrections,
+)
 from supple.error.sample_times import followed, load_peaks, stratified_samples
 from supple.error.stopping import withheld
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
@@ -128,12 +132,14 @@ class ErrorEstimator:
         *,
         instants: int = INSTANTS,
         allowed: Mapping[str, float] | None = None,
+        proven: float = PROVEN,
         progress: Progress | None = None,
     ) -> ErrorEstimate:
         """What the bases of one run cost; parameters as for `estimate_error`.
 
         instants : at which the residual is balanced, beside those where loads peak or kink
         allowed : RMS over the nodes, by body: errors that are clearly larger are estimated to first order
+        proven : of the stiffness at rest: what tangents along the run may miss, and an error in its energy
         """
         fulls = self._to_assess(bases)
         # Of a run that broke off the motion outside its bases is known, but not what that costs.
@@ -167,8 +173,9 @@ class ErrorEstimator:
             assessed,
             self._run.second_order_method.coefficients,
             steps.solution,
-            self.active(solution),
+            active_constraints(reduced, solution),
             start,
+            proven,
         )
 
         def missed_along() -> dict[str, ResidualCorrections]:
@@ -213,15 +220,6 @@ class ErrorEstimator:
         looked = stratified_samples(len(times), max(1, instants - fresh), seed=0)
         looked = np.union1d(looked, load_peaks(self._system, times))
         return looked, stratified_samples(len(times), fresh, seed=1)
-
-    def active(self, solution: Solution) -> tuple[int, ...]:
-        """The constraint equations that the run kept, by their numbers."""
-        known = solution.engine_state.get("active")
-        if known is not None:
-            return tuple(int(index) for index in known)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RedundantConstraintWarning)
-            return compiled_start(self._system, self._run.start).model.active
 
     def _assessed_body(
         self,
@@ -358,7 +356,7 @@ def _differences(
     first: Differences = found, histories, dict.fromkeys(histories, np.inf)
     bounded = _are_bounded(histories)
     if bounded:
-        second = {name: second_correction(history) for name, history in histories.items()}
+        second = second_corrections(equation, histories)
         known = (smooth and is_small(histories, second)) or is_clearly_larger(histories, second, allowed)
         first = (found, histories, second) if known else converged(equation, found, histories, smooth=smooth)
     nonlinear = not all(history.body.full.is_linear for history in histories.values())

@@ -132,13 +132,13 @@ class MissingMotionSearch:
         What is out of balance besides is left so.
         """
         evaluation = self._evaluated(state, self._none(state))
-        self._tangent = self._factored(evaluation, self._by_position)
+        tangent = self._factored(evaluation, self._by_position)
         left = []
         for interior in self._machine.interiors:
             own = forces.get(interior.full.name, np.zeros(interior.full.n_coordinates))
             left.append(np.concatenate([np.zeros(6), own]))
         on_border = np.zeros_like(evaluation.border.inertia)
-        return self._more(evaluation.left_with(on_border, tuple(left)), self._tangent)
+        return self._more(evaluation.left_with(on_border, tuple(left)), tangent)
 
     def _searches(self, state: FullState) -> Iterator[tuple[Search, MissingMotion]]:
         begin = self._beginning(state)
@@ -176,7 +176,8 @@ class MissingMotionSearch:
             if not rate <= FAST:
                 return None
             at = at + more
-            if FAST * size <= self._last_correction(state, at, tolerance):
+            # The next correction is smaller by the same rate; of the first none is known.
+            if (rate or FAST) * size <= self._last_correction(state, at, tolerance):
                 return at
         return None
 

@@ -41,7 +41,7 @@ from supple.methods.floating.full.full_system import FullSystem
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 from supple.simulation.full_rest import holds_all
 
-__all__ = ["ResidualCorrections", "residual_corrections", "system_corrections"]
+__all__ = ["ResidualCorrections", "active_constraints", "residual_corrections", "system_corrections"]
 
 _SLOWNESS = 100.0
 """How many times slower than the body's lowest vibration the missing motion is taken to be: slow enough that
@@ -221,15 +221,11 @@ def expanded_states(
     for index, full in zip(indices, fulls, strict=True):
         at_rest = np.zeros(full.n_coordinates)
         placed[index] = replace(placed[index], body=full, coordinates=at_rest, coordinate_rates=at_rest)
-    with warnings.catch_warnings():
-        # The run has named them already.
-        warnings.simplefilter("ignore", RedundantConstraintWarning)
-        active = compiled_start(system, float(solution.times[0])).model.active
     expanded = {
         full.name: _expanded_motion(full, body, bases[full.name], solution.bodies[full.name], instants)
         for full, body in zip(fulls, reduced, strict=True)
     }
-    prepared = FullSystem(replace(system, bodies=placed), active)
+    prepared = FullSystem(replace(system, bodies=placed), active_constraints(system, solution))
     lowest = min(body.lowest_frequency() for body in reduced)
     slowness = (
         _SLOWNESS if holds_all(prepared.system, prepared.model) else _slowness_in_flight(solution, lowest)
@@ -242,6 +238,17 @@ def expanded_states(
         instants=instants,
         expanded=expanded,
     )
+
+
+def active_constraints(system: System, solution: Solution) -> tuple[int, ...]:
+    """The constraint equations that a run kept, by their numbers."""
+    known = solution.engine_state.get("active")
+    if known is not None:
+        return tuple(int(index) for index in known)
+    with warnings.catch_warnings():
+        # The run has named them already.
+        warnings.simplefilter("ignore", RedundantConstraintWarning)
+        return compiled_start(system, float(solution.times[0])).model.active
 
 
 def _slowness_in_flight(solution: Solution, lowest: float) -> float:

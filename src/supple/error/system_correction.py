@@ -21,15 +21,17 @@ from supple.error.correction_rounds import (
     SelfCorrection,
     SelfCorrectionError,
 )
+from supple.error.equation.elastic_history import PROVEN
 from supple.error.error_estimate import ErrorEstimate, ErrorEstimator
 from supple.error.round_archive import MissedMotion, RoundArchive, RoundBases
 from supple.error.start_deformation import with_reduced, with_start
-from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part
+from supple.error.stopping import doubt, is_confirmed, is_useless, missed_part, withheld
 from supple.errors import ConvergenceError, LockingWarning
 from supple.integrate import ErrorPart, Run, Solution, StepProgress
 from supple.machine.system import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, WholeBody, quantity_distance
 from supple.reduction import ReducedBody, enrich, padded, project, reduction_basis
+from supple.reduction.locking import TOLERATED
 from supple.reduction.tensor_memory import require_tensor_memory
 
 __all__ = ["Accepted", "Announce", "Problem", "correct"]
@@ -40,6 +42,8 @@ Announce = Callable[[Round], None]
 Accepted = Callable[[CorrectedSystem], None]
 """Called with the run whose basis keeps to the error, before the other parts of the error are stated."""
 
+PASSING = 1e-2
+"""As `PROVEN`, in a first round that is never the last: its error need be known to a factor of two."""
 MOST_STEPS_WITH_ROOM = 20_000
 """Of runs whose rounds share compiled programs (`padded`): in longer ones padding coordinates cost more."""
 
@@ -136,7 +140,8 @@ def correct(problem: Problem) -> CorrectedSystem:
         number = model.number + 1
         allowed = {name: _allowed(problem, name, run) for name in problem.fulls}
         kept = problem.archive.read_bases(number, problem.fulls)
-        next_bases = kept or _enriched(problem, estimator, run, allowed)
+        proven = PASSING if before is None and _is_unconfirmed(problem, model) else PROVEN
+        next_bases = kept or _enriched(problem, estimator, run, allowed, proven)
         for name, assessed in past.items():
             confirmed = _confirmed(problem, name, assessed, before, run, allowed[name])
             assessed.append(_assess(problem, name, assessed, run, next_bases, allowed[name], confirmed))
@@ -199,10 +204,17 @@ def _simulated(problem: Problem, model: _Model) -> _Run:
     return _Run(model, solution, solution.stopped is None, seconds)
 
 
+def _is_unconfirmed(problem: Problem, model: _Model) -> bool:
+    """Whether a first round cannot be the last, as a body locks."""
+    return any(
+        name not in problem.confirmed and withheld(body) > TOLERATED for name, body in model.bodies.items()
+    )
+
+
 def _enriched(
-    problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float]
+    problem: Problem, estimator: ErrorEstimator, run: _Run, allowed: Mapping[str, float], proven: float
 ) -> RoundBases:
-    """The bases of the next run, and the errors estimated of this one."""
+    """The bases of the next run, and the errors estimated of this one; proven as for the estimator."""
     began = perf_counter()
     model = run.model
     step = f"{model.label}: motion outside their bases"
@@ -217,6 +229,7 @@ def _enriched(
             for name, error in allowed.items()
             if isinstance(problem.target(name).quantity(name), WholeBody)
         },
+        proven=proven,
         progress=lambda fraction: problem.report(step, fraction),
     )
     bases, found = {}, {}

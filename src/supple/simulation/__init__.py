@@ -7,6 +7,7 @@ from supple.simulation.engines import *
 from supple.simulation.equilibrium import *
 from supple.simulation.kept_bodies import *
 from supple.simulation.kept_run import *
+from supple.simulation.place_error import *
 from supple.simulation.recorded_run import *
 from supple.simulation.simulate import *
 from supple.simulation.start import *

@@ -15,7 +15,7 @@ from supple.errors import BasisWarning
 from supple.integrate import Solution
 from supple.machine import Spin, System
 from supple.progress import with_progress_bar
-from supple.simulation.full_rest import RestError, full_rest, known_fulls, rest_errors
+from supple.simulation.full_rest import RestError, full_rest, holds_all, known_fulls, rest_errors
 from supple.simulation.rest_stability import is_stable
 from supple.simulation.resting_state import (
     RestingState,
@@ -43,6 +43,7 @@ class Equilibrium(Summarized):
     stable : bool | None    whether the tangent stiffness, in axes that turn along, is positive on the motions
                             that the joints leave free; None where it does not decide: loads that follow the
                             bodies, controllers, gyroscopic forces that may hold two directions of fall
+    is_held : bool          whether the joints leave no rigid motion free
     """
 
     system: System
@@ -51,6 +52,7 @@ class Equilibrium(Summarized):
     errors: Mapping[str, RestError] = field(default_factory=dict)
     full: tuple[System, Solution] | None = None
     stable: bool | None = None
+    is_held: bool = False
 
     def summary(self) -> Summary:
         """Stability, what the bases cost, and the size of the force of each joint."""
@@ -108,15 +110,15 @@ def equilibrium(
     Raises
     ------
     ModelError          whatever the start of a run would find wrong with the joints; a controller that is
-        sampled; a full body that is not the one that was reduced; an intrinsic body whose support holds it
-        against the spin
+        sampled; a full body that is not the one that was reduced, or of a body that is not reduced; an
+        intrinsic body whose support holds it against the spin
     ConvergenceError    no equilibrium was found, or a controller's state has none
     Warns BasisWarning where a body lacks 1 % of its largest displacement or more.
     Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()
-    found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     known = known_fulls(system, fulls)
+    found = resting_state(system, time=time, spin=spin, search=search, progress=progress)
     full = full_rest(found, known, time, search)
     errors = {} if full is None else rest_errors(found, known, full)
     warn_of_rest(errors)
@@ -128,6 +130,7 @@ def equilibrium(
         errors,
         None if balanced is None else (placed_at_rest(balanced), _one_instant(balanced, time)),
         is_stable(found, time),
+        holds_all(found.system, found.equations.model),
     )
 
 

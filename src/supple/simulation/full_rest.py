@@ -27,7 +27,7 @@ from supple.equations.static_search import (
     moved_state,
     search_equilibrium,
 )
-from supple.errors import AccuracyError, ConvergenceError
+from supple.errors import AccuracyError, ConvergenceError, ModelError
 from supple.machine import System
 from supple.methods.floating.full.statics import FullStatics, full_statics
 from supple.quantities.quantity_of_interest import largest_displacement
@@ -125,11 +125,22 @@ class FullRest:
 def known_fulls(
     system: System, fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None
 ) -> dict[str, FullBody]:
-    """Full bodies by name: those given, or where that is left out (None) those that reduced ones know."""
+    """Full bodies by name: those given, or where that is left out (None) those that reduced ones know.
+
+    Raises ModelError for a full body of which the machine has no reduced one.
+    """
     if fulls is None:
         reduced = system.bodies_of(ReducedBody)
         return {name: body.full for name, body in reduced.items() if body.full is not None}
-    return dict(fulls) if isinstance(fulls, Mapping) else {full.name: full for full in fulls}
+    given = dict(fulls) if isinstance(fulls, Mapping) else {full.name: full for full in fulls}
+    for name in given:
+        body = system.placed(name, "fulls").body
+        if body.kind not in ("reduced", "full"):
+            raise ModelError(
+                f"fulls: body '{name}' is {body.kind}, and at rest the error is that of reduced bodies: "
+                "leave it out"
+            )
+    return given
 
 
 def full_rest(

@@ -43,7 +43,7 @@ def test_the_force_is_that_of_the_elements(along):
 
 def test_tangents_between_the_chosen_instants_are_those_of_the_elements(along):
     body, motion, onto, coordinates, _ = along
-    tangents = tangent_history(body, motion, coordinates, onto, material=True)
+    tangents = tangent_history(body, motion, coordinates, onto, material=True, proven=0.0)
     assert len(tangents.whole) < N_STEPS / 2
     for row in range(1, N_STEPS):
         q = motion @ coordinates[row]
@@ -87,7 +87,7 @@ def test_what_strain_rates_add_is_the_derivative_of_their_force(along, monkeypat
     """Central difference over the coordinates at constant rates; the force is quadratic in them: exact."""
     monkeypatch.setattr(elastic_history, "SMALLEST_RATE", smallest)
     body, motion, onto, coordinates, rates = along
-    told = strain_rate_history(body, motion, coordinates, rates, onto)
+    told = strain_rate_history(body, motion, coordinates, rates, onto, 1.0, proven=0.0)
     assert len(told.samples) < N_STEPS / 2
     for row in (3, 30, 52):
         q, rate = motion @ coordinates[row], motion @ rates[row]
@@ -105,5 +105,5 @@ def test_a_body_that_does_not_deform_gains_nothing(along):
     body, motion, onto, coordinates, rates = along
     tangents = tangent_history(body, motion, 0 * coordinates, onto)
     assert tangents.whole.shape == tangents.material.shape == (0, 9, 9)
-    assert strain_rate_history(body, motion, 0 * coordinates, 0 * rates, onto).samples.shape == (0, 9, 9)
+    assert strain_rate_history(body, motion, 0 * coordinates, 0 * rates, onto, 1.0).samples.shape == (0, 9, 9)
     assert not force_polynomial(body.assembly.works(motion, onto))(0 * coordinates).any()

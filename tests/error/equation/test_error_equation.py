@@ -17,7 +17,14 @@ from error.equation.machines import (
 )
 
 from supple.body import FullBody, RayleighDamping
-from supple.error.equation import AssessedBody, ErrorEquation, ErrorSpace, run_columns
+from supple.error.equation import (
+    AssessedBody,
+    ErrorEquation,
+    ErrorHistory,
+    ErrorSpace,
+    run_columns,
+    second_corrections,
+)
 from supple.error.equation.linearised_march import _linearized, _weighted
 from supple.error.residual_correction import _expanded, _expanded_motion
 from supple.integrate import StepFactors
@@ -79,6 +86,27 @@ def test_its_residual_is_that_of_the_full_equations(spun):
     exact = np.concatenate([whole[:6], Z.T @ whole[6:]])
     got = np.asarray(told.residual)[: len(exact)]
     np.testing.assert_allclose(got, exact, atol=1e-6 * np.abs(exact).max())
+
+
+def test_a_second_correction_is_what_the_first_leaves_of_the_forces(spun):
+    """Of any error e, by definition: K_t(q) d = -( f(q + e) - f(q) - K_t(q) e ), |d| / |e|; once."""
+    equation = equation_of(*spun)
+    own, times = equation.bodies["strip"], equation.steps.times
+    row, n = 70, len(equation.steps.times)
+    found, rms = np.zeros((n, own.space.size)), np.zeros(n)
+    found[row] = (
+        1e-3 * np.random.default_rng(1).standard_normal(own.space.size) / np.arange(1, own.space.size + 1)
+    )
+    rms[row] = 1.0
+    none = np.zeros((n, 3))
+    history = ErrorHistory(own, times, equation.steps.bodies["strip"].rotation, none, none, found, rms)
+    assembly, Z = own.full.body.assembly, own.space.vectors
+    q, e = own.motion.vectors @ own.motion.coordinates[row], Z @ found[row]
+    tangent = assembly.tangent(q)
+    left = assembly.internal_force(q + e) - assembly.internal_force(q) - tangent @ e
+    second = np.linalg.solve(Z.T @ (tangent @ Z), Z.T @ left)
+    exact = np.linalg.norm(second) / np.linalg.norm(found[row])
+    assert second_corrections(equation, {"strip": history})["strip"] == pytest.approx(exact, rel=1e-2)
 
 
 def linearized_at(equation, row):

@@ -28,7 +28,7 @@ def at(matrix):
 
 def piola(law, F, dF=((0, 0, 0),) * 3, state=None):
     out = law.respond(at(F), at(dF), law.initial((1,)) if state is None else state)
-    return np.array([[float(out.stress[i][j][0]) for j in range(3)] for i in range(3)]), out
+    return np.array([[np.asarray(out.stress[i][j])[0] for j in range(3)] for i in range(3)]), out
 
 
 def svk_energy(F):
@@ -47,7 +47,7 @@ def neo_hookean_energy(F):
 def test_stress_is_the_derivative_of_the_energy(law, energy):
     F = np.eye(3) + 0.2 * np.random.default_rng(0).standard_normal((3, 3))
     stress, out = piola(law, F)
-    assert stress == pytest.approx(np.asarray(jax.grad(energy)(jnp.asarray(F))), rel=1e-12)
+    assert stress == pytest.approx(np.asarray(jax.jit(jax.grad(energy))(F)), rel=1e-12)
     assert float(out.volume_ratio[0]) == pytest.approx(np.linalg.det(F))
 
 

@@ -144,6 +144,7 @@ def test_increments_solve_the_discrete_equation_of_motion():
     fields = mass_fields(box.body, box.points, box.vectors)
     W, Phi, M = jnp.asarray(fields.weights), jnp.asarray(fields.shapes), fields.mass
 
+    @jax.jit
     def x(q):
         p, y = q[:12].reshape(4, 3), q[12:]
         return W @ p + (Phi @ y) @ arms(p).T
@@ -151,13 +152,13 @@ def test_increments_solve_the_discrete_equation_of_motion():
     def q(state):
         return jnp.concatenate([state.p.reshape(12), state.y])
 
-    B = jax.jacobian(x)(q(now))
+    B = jax.jit(jax.jacobian(x))(q(now))
     old = jnp.concatenate([(now.p - step * now.vp).reshape(12), now.y - step * now.vy])
     change = M @ np.asarray(x(q(after)) - 2 * x(q(now)) + x(old))
-    residual = np.array(jnp.einsum("fiq,fi->q", B, jnp.asarray(change)))
+    residual = np.einsum("fiq,fi->q", B, change)
     residual[12:] += step**2 * np.asarray(model.stiffness @ now.y)
     links = np.asarray(
-        jax.jacobian(lambda p: link_residual(p.reshape(4, 3), model.squared_lengths))(q(now)[:12])
+        jax.jit(jax.jacobian(lambda p: link_residual(p.reshape(4, 3), model.squared_lengths)))(q(now)[:12])
     )
     outside = residual[:12] - links.T @ np.linalg.lstsq(links.T, residual[:12], rcond=None)[0]
     size = float(np.abs(M @ np.asarray(x(q(now)) - x(old))).sum())

@@ -151,8 +151,8 @@ def test_the_face_of_a_modal_part_takes_part(which):
 
 def test_what_cannot_touch_is_refused():
     with pytest.raises(ModelError, match="inside the surface"):
-        ExplicitEngine(rods(gap=-0.02), Run(1.0, 1.0))
+        ExplicitEngine(rods(gap=-0.02, cells=4), Run(1.0, 1.0))
     with pytest.raises(ModelError, match="does not touch itself"):
         SurfaceContact(At("first", "tip"), At("first", "root"))
     with pytest.raises(ModelError, match="stiffness of a contact"):
-        rods(stiffness=-1.0)
+        rods(cells=4, stiffness=-1.0)

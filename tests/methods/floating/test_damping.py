@@ -94,7 +94,7 @@ def test_energy_is_lost_to_the_work_of_the_damping_force(bar):
 def test_damping_against_an_interface_does_not_know_the_frame(damping):
     """A beam held at its root, pushed at its tip: the same path, half a millimetre, in both frames."""
     body = beam_body("root", "tip", n=2, length=4.0).linearized()
-    run = Run(duration=0.1, output_step=0.01, step=FixedStep(2e-3), tolerances=TIGHT)
+    run = Run(duration=0.05, output_step=0.01, step=FixedStep(2e-3), tolerances=TIGHT)
 
     def path(frame, given):
         full = FullBody(body, frame, given)

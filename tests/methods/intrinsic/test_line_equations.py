@@ -144,6 +144,7 @@ def test_rates_can_be_differentiated_by_the_data_of_the_modes():
     modes = intrinsic_modes(tree_line(), CLAMPED, 8)
     model, (q1, q2) = line_model(modes), amplitudes(modes)
 
+    @jax.jit
     def power(factor):
         return line_rates(replace(model, omega=factor * model.omega), q1, q2)[0] @ q1
 

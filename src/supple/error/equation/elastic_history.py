@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,7 @@ from supple.error.equation.products_of_run import few_instants, pair_products, w
 from supple.fem import StrainWorks
 
 __all__ = [
+    "PROVEN",
     "ForcePolynomial",
     "StrainRateHistory",
     "StrainRatePolynomial",
@@ -33,10 +35,11 @@ SMALLEST_RATE = 3e-3
 """The same of what strain rates add: of damping, which is a few hundredths of stiffness; ten times as much
 changes estimates by less than 0.1 %."""
 MOST_SAMPLES = 120
-AT_ONCE = 8
-"""Instants whose tangents show whether those before already give them."""
-PROVEN = 1e-4
-"""Of the stiffness at rest, in any direction: what tangents from the instants before may miss of the next."""
+AT_ONCE = 4
+"""Instants whose matrices show whether those before already give them."""
+PROVEN = 3e-4
+"""Of the stiffness at rest, in any direction: what matrices from the instants before may miss of the next;
+the error of a run changes by as much in its energy."""
 FACTOR_ROWS = 256
 
 
@@ -140,7 +143,13 @@ class TangentHistory:
 
 
 def tangent_history(
-    body: FlexibleBody, motion: Array, coordinates: Array, onto: Array, *, material: bool = False
+    body: FlexibleBody,
+    motion: Array,
+    coordinates: Array,
+    onto: Array,
+    *,
+    material: bool = False,
+    proven: float = PROVEN,
 ) -> TangentHistory:
     """Tangents along q = X g(t) from those at a few instants, chosen so that all others follow from them.
 
@@ -149,6 +158,7 @@ def tangent_history(
 
     motion : (n, s) X;  coordinates : (t, s);  onto : (n, k) Z
     material : bool     whether the part through the strains is wanted as well, as damping by their rate does
+    proven : float      of the stiffness at rest, in any direction: what may be missed of the next tangents
     """
     k = onto.shape[1]
     scale = _unit_energies(body, motion, coordinates)
@@ -159,34 +169,43 @@ def tangent_history(
     monomials = np.hstack([g, pair_products(g, g)])
     chosen = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
     at_rest = _projected(body.stiffness, onto)
-    unit = _unit_stiffness(at_rest)
-    through_strains, whole = np.zeros((0, k, k)), np.zeros((0, k, k))
+    through_strains: list[Array] = []
+
+    def gained(instant: int) -> Array:
+        q = motion @ coordinates[instant]
+        if not material:
+            return _projected(body.assembly.tangent(q), onto) - at_rest
+        of_strains, of_stress = (_projected(part, onto) for part in body.assembly.tangent_parts(q))
+        through_strains.append(of_strains - at_rest)
+        return of_strains + of_stress - at_rest
+
+    whole = _samples(gained, monomials, chosen, at_rest, proven)
+    weights = weights_of_instants(monomials, chosen[: len(whole)], monomials)
+    return TangentHistory(whole, np.reshape(through_strains, (-1, k, k)), weights)
+
+
+def _samples(
+    matrix_at: Callable[[int], Array],
+    monomials: Array,
+    chosen: NDArray[np.intp],
+    at_rest: Array,
+    proven: float,
+) -> Array:
+    """Matrices (m, k, k) at the first of the chosen instants, until those give the next ones.
+
+    at_rest : (k, k)    stiffness, of which so much may be missed
+    """
+    scaled = _unit_stiffness(at_rest)
+    samples = np.zeros((0, *at_rest.shape))
     for start in range(0, len(chosen), AT_ONCE):
         instants = chosen[start : start + AT_ONCE]
-        of_strains, more = _gained_at(body, motion @ coordinates[instants].T, onto, at_rest, material)
-        through_strains = np.concatenate([through_strains, of_strains])
-        foreseen = weights_of_instants(monomials, chosen[:start], monomials[instants])
-        missed = unit.T @ (more - np.tensordot(foreseen, whole, axes=1)) @ unit
-        whole = np.concatenate([whole, more])
-        if np.linalg.norm(missed, axis=(1, 2)).max() <= PROVEN:
+        more = np.array([matrix_at(int(instant)) for instant in instants])
+        predicted = weights_of_instants(monomials, chosen[:start], monomials[instants])
+        missed = scaled.T @ (more - np.tensordot(predicted, samples, axes=1)) @ scaled
+        samples = np.concatenate([samples, more])
+        if np.linalg.norm(missed, ord=2, axis=(1, 2)).max() <= proven:
             break
-    weights = weights_of_instants(monomials, chosen[: len(whole)], monomials)
-    return TangentHistory(whole, through_strains, weights)
-
-
-def _gained_at(
-    body: FlexibleBody, q: Array, onto: Array, at_rest: Array, material: bool
-) -> tuple[Array, Array]:
-    """What tangents gain at coordinates q (n, c): through the strains, if that is wanted, and as a whole."""
-    through_strains, whole = [], []
-    for at in q.T:
-        if not material:
-            whole.append(_projected(body.assembly.tangent(at), onto) - at_rest)
-            continue
-        of_strains, of_stress = (_projected(part, onto) for part in body.assembly.tangent_parts(at))
-        through_strains.append(of_strains - at_rest)
-        whole.append(of_strains + of_stress - at_rest)
-    return np.reshape(through_strains, (-1, *at_rest.shape)), np.array(whole)
+    return samples
 
 
 def _unit_stiffness(stiffness: Array) -> Array:
@@ -214,24 +233,35 @@ class StrainRateHistory:
 
 
 def strain_rate_history(
-    body: FlexibleBody, motion: Array, coordinates: Array, rates: Array, onto: Array
+    body: FlexibleBody,
+    motion: Array,
+    coordinates: Array,
+    rates: Array,
+    onto: Array,
+    time: float,
+    *,
+    proven: float = PROVEN,
 ) -> StrainRateHistory:
-    """The same at few instants, whose monomials (g_dot, g g_dot) span those of the run.
+    """The same at few instants, chosen by the monomials (g_dot, g g_dot) as those of the tangents are.
 
     motion : (n, s) X;  coordinates, rates : (t, s);  onto : (n, k) Z
+    time : float    of retardation
+    proven : as for `tangent_history`
     """
     k, t = onto.shape[1], len(coordinates)
     scale = _unit_energies(body, motion, coordinates)
-    if scale is None or not np.any(rates):
+    if scale is None or not time or not np.any(rates):
         return StrainRateHistory(np.zeros((0, k, k)), np.zeros((t, 0)))
     g, rate = coordinates * scale, rates * scale
     monomials = np.hstack([rate, (g[:, :, None] * rate[:, None]).reshape(t, -1)])
     chosen = few_instants(monomials, SMALLEST_RATE, MOST_SAMPLES)
-    samples = [
-        _projected(body.assembly.strain_rate_tangent(motion @ coordinates[i], motion @ rates[i]), onto)
-        for i in chosen
-    ]
-    return StrainRateHistory(np.array(samples), weights_of_instants(monomials, chosen, monomials))
+
+    def added(instant: int) -> Array:
+        q, moving = motion @ coordinates[instant], motion @ rates[instant]
+        return _projected(body.assembly.strain_rate_tangent(q, moving), onto)
+
+    samples = _samples(added, monomials, chosen, _projected(body.stiffness, onto), proven / time)
+    return StrainRateHistory(samples, weights_of_instants(monomials, chosen[: len(samples)], monomials))
 
 
 def _projected(matrix: Any, onto: Array) -> Array:

@@ -21,20 +21,28 @@ __all__ = ["first_together"]
 AT_ONCE = 64
 
 
-def first_together(equations: Sequence[ErrorEquation]) -> list[ErrorState]:
+def first_together(
+    equations: Sequence[ErrorEquation], *, rest: float = 0.0, at_once: int | None = None
+) -> list[ErrorState]:
     """`ErrorEquation.first` of runs of as many steps, whose bodies share one space of errors.
 
     What the deformation adds is taken from instants of all runs together, so that it is computed once.
+
+    rest : a time, long against all vibrations, of runs that start at rest: so does their true motion, from
+        where the residual at the start moves it within that time; 0 of runs that start as they are placed
+    at_once : runs of one call, for which the program is compiled; left out: all of them, 64 at most
     """
+    number = at_once or min(AT_ONCE, len(equations))
     gains, histories = _gains(equations)
     found: list[ErrorState] = []
-    for begin in range(0, len(equations), AT_ONCE):
-        rows = range(begin, min(begin + AT_ONCE, len(equations)))
+    for begin in range(0, len(equations), number):
+        rows = range(begin, min(begin + number, len(equations)))
         found += _marched(
             [equations[row] for row in rows],
             gains,
             [histories[row] for row in rows],
-            min(AT_ONCE, len(equations)),
+            number,
+            rest,
         )
     return found
 
@@ -42,24 +50,34 @@ def first_together(equations: Sequence[ErrorEquation]) -> list[ErrorState]:
 def _gains(
     equations: Sequence[ErrorEquation],
 ) -> tuple[tuple[ElasticGain, ...], list[tuple[GainHistory, ...]]]:
-    """Shared matrices of nonlinear bodies, and of every run its weights."""
-    first = equations[0]
-    gains, histories = [], []
-    for name, assessed in first.bodies.items():
+    """Shared matrices of nonlinear bodies, and of every run its weights and its damping."""
+    names, gains, histories = [], [], []
+    for name, assessed in equations[0].bodies.items():
         if assessed.full.body.is_linear:
             continue
+        times = [equation.bodies[name].retardation_time for equation in equations]
+        damped = equations[int(np.argmax(times))]
         motions = [equation.point.bodies[name] for equation in equations]
         together = motions[0]._replace(
             coordinates=np.concatenate([each.coordinates for each in motions]),
             rates=np.concatenate([each.rates for each in motions]),
         )
-        gain, history = first.gained(name, together)
+        gain, history = damped.gained(name, together)
         ends = np.cumsum([len(each.coordinates) for each in motions])[:-1]
+        names.append(name)
         gains.append(gain)
+        split = zip(*(np.split(leaf, ends) for leaf in history), strict=True)
         histories.append(
-            [GainHistory(*parts) for parts in zip(*(np.split(leaf, ends) for leaf in history), strict=True)]
+            [
+                own._replace(retardation=np.full(len(own.force), time))
+                for own, time in zip((GainHistory(*parts) for parts in split), times, strict=True)
+            ]
         )
-    return tuple(gains), [tuple(own) for own in zip(*histories, strict=True)] or [()] * len(equations)
+    of_runs: list[tuple[GainHistory, ...]] = [tuple(own) for own in zip(*histories, strict=True)]
+    of_runs = of_runs or [()] * len(equations)
+    for equation, own in zip(equations, of_runs, strict=True):
+        equation.share_gains(dict(zip(names, zip(gains, own, strict=True), strict=True)))
+    return tuple(gains), of_runs
 
 
 def _marched(
@@ -67,6 +85,7 @@ def _marched(
     gains: tuple[ElasticGain, ...],
     histories: Sequence[tuple[GainHistory, ...]],
     at_once: int,
+    rest: float,
 ) -> list[ErrorState]:
     """Of one chunk; the last case is repeated where it has fewer than the others."""
     numbers = [*range(len(equations)), *[len(equations) - 1] * (at_once - len(equations))]
@@ -86,7 +105,13 @@ def _marched(
     position, velocity = (np.stack([starts[i][part] for i in numbers]) for part in (0, 1))
     none = np.zeros_like(velocity)
     state = ErrorState(position, velocity, none, none, np.zeros((len(numbers), len(models[0].active))))
-    begun = marched(state, [standing(*each) for each in zip(points, histories, strict=True)])
+    standstill = [standing(*each) for each in zip(points, histories, strict=True)]
+    if rest:
+        # One step so long that nothing but stiffness resists.
+        moved = marched(state, [block._replace(h=np.full_like(block.h, rest)) for block in standstill])
+        position = position + moved.position[:, 0]
+        state = state._replace(position=position)
+    begun = marched(state, standstill)
     acceleration = begun.acceleration[:, 0]
     state = ErrorState(position, velocity, acceleration, acceleration, begun.multipliers[:, 0])
     parts = [jax.tree.map(lambda leaf: leaf[:, None], state)]

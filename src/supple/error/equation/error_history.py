@@ -11,18 +11,20 @@ import jax
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.body import FullBody, in_space
+from supple.body import in_space
 from supple.equations.build_model import build_model
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.floating_solution import floating_solution
 from supple.equations.model import Model
 from supple.error.equation.assessed_body import AssessedBody, MissedAtRest, StartError
 from supple.error.equation.elastic_history import (
+    PROVEN,
     force_polynomial,
     strain_rate_history,
     strain_rate_polynomial,
     tangent_history,
 )
+from supple.error.equation.elastic_polynomial import ElasticPolynomial
 from supple.error.equation.error_model import system_of_columns
 from supple.error.equation.linearised_march import (
     ElasticGain,
@@ -31,7 +33,6 @@ from supple.error.equation.linearised_march import (
     first_error,
     march_error,
 )
-from supple.error.equation.nodal_squares import nodal_squares
 from supple.error.equation.steps_of_run import blocks_of_run, rotation_vectors, rotations, standing
 from supple.integrate import Coefficients, Solution, Statistics
 from supple.machine import System
@@ -43,6 +44,8 @@ Array = NDArray[np.float64]
 MORE_DIRECTIONS = 8
 SMALLEST_DIRECTION = 0.02
 """Of the error: what the columns of the corrected motion leave out of it."""
+FEWEST_SAMPLES = 32
+"""Tangents along a run that a compiled march of the error has room for."""
 
 
 class _InColumns(NamedTuple):
@@ -106,6 +109,7 @@ class ErrorEquation:
     steps : Solution        of the run, at every step that it took
     active : constraint equations of the run, the redundant ones left out
     start : StartError      by name, of those bodies that do not start as they should
+    proven : float          what tangents along the run may miss (`tangent_history`)
     """
 
     reduced: System
@@ -114,6 +118,7 @@ class ErrorEquation:
     steps: Solution
     active: tuple[int, ...]
     start: Mapping[str, StartError]
+    proven: float = PROVEN
 
     def first(self, tangents: TangentMotion | None = None) -> ErrorState:
         """Differences of the true motion and the run's at every step, to first order; of all columns.
@@ -121,6 +126,22 @@ class ErrorEquation:
         tangents : the motion at which elastic tangents are taken; none: the run
         """
         return self._march(self.point, *self.start_vectors(), tangents)
+
+    @cached_property
+    def gains(self) -> dict[str, tuple[ElasticGain, GainHistory]]:
+        """What the deformation of nonlinear bodies adds along the run, by name."""
+        return self._gained_along(self.point.bodies, None)
+
+    def share_gains(self, gains: Mapping[str, tuple[ElasticGain, GainHistory]]) -> None:
+        """Take for this run's what was made of many together."""
+        object.__setattr__(self, "gains", dict(gains))
+
+    def stiffness(self, name: str, row: int) -> Array:
+        """Tangent `Z^T K_t Z` (k, k) of a nonlinear body at a step of the run."""
+        k = self.bodies[name].space.size
+        gain, history = self.gains[name]
+        gained = np.tensordot(history.weights[row], gain.stiffness, axes=1)
+        return self.bodies[name].columns.stiffness[:k, :k] + gained[:k, :k]
 
     def with_missed(self, missed: Mapping[str, MissedAtRest]) -> TangentMotion:
         """The deformation of the bodies with the motion outside the bases at rest, to take tangents at."""
@@ -332,11 +353,8 @@ class ErrorEquation:
 
         tangents : motion at which the bodies' tangents are taken, where that is another
         """
-        gained = [
-            self.gained(name, own, own if tangents is None else tangents[name])
-            for name, own in point.bodies.items()
-            if not self.bodies[name].full.body.is_linear
-        ]
+        at_run = point is self.point and tangents is None
+        gained = (self.gains if at_run else self._gained_along(point.bodies, tangents)).values()
         gains, histories = tuple(each[0] for each in gained), tuple(each[1] for each in gained)
         model, gains = jax.device_put((self.model, gains))
         state = first_error(
@@ -349,23 +367,26 @@ class ErrorEquation:
             found.append(jax.tree.map(lambda leaf, n=number: leaf[:n], states))
         return jax.tree.map(lambda *leaves: np.concatenate(leaves), *found)
 
+    def _gained_along(
+        self, motion: TangentMotion, tangents: TangentMotion | None
+    ) -> dict[str, tuple[ElasticGain, GainHistory]]:
+        """Of nonlinear bodies; tangents as for `_march`."""
+        return {
+            name: self.gained(name, own, own if tangents is None else tangents[name])
+            for name, own in motion.items()
+            if not self.bodies[name].full.body.is_linear
+        }
+
     def gained(
         self, name: str, motion: _InColumns, tangent_motion: _InColumns | None = None
     ) -> tuple[ElasticGain, GainHistory]:
         """What the deformation of a nonlinear body adds along a motion: forces, and tangents at another."""
-        bent = tangent_motion or motion
         assessed, start = self.bodies[name], self._places[name].start + 6
-        body, Z = assessed.full.body, assessed.space.vectors
         k, size = assessed.space.size, self._places[name].stop - start
-        columns = Z @ motion.chosen
-        works = body.assembly.works(columns, Z)
-        force = force_polynomial(works)(motion.coordinates)
-        time = 0.0 if assessed.damping is None else assessed.damping.retardation_time
-        tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z, material=time > 0)
-        if time:
-            force += time * strain_rate_polynomial(works)(motion.coordinates, motion.rates)
-        moving = motion.rates if time else 0 * motion.rates
-        rates = strain_rate_history(body, columns, motion.coordinates, moving, Z)
+        if assessed.polynomial is None:
+            own = _from_instants(assessed, motion, tangent_motion or motion, self.proven)
+        else:
+            own = _from_polynomial(assessed, assessed.polynomial, motion)
 
         def padded(samples: Array) -> Array:
             return np.pad(samples, ((0, _more(len(samples))), (0, size - k), (0, size - k)))
@@ -375,30 +396,91 @@ class ErrorEquation:
 
         gain = ElasticGain(
             start,
-            stiffness=padded(tangents.whole),
-            viscous=time * padded(tangents.material),
-            viscous_stiffness=time * padded(rates.samples),
+            stiffness=padded(own.stiffness),
+            viscous=padded(own.viscous),
+            viscous_stiffness=padded(own.viscous_stiffness),
         )
         return gain, GainHistory(
-            np.pad(force, ((0, 0), (0, size - k))), filled(tangents.weights), filled(rates.weights)
+            np.pad(own.force, ((0, 0), (0, size - k))),
+            np.pad(own.viscous_force, ((0, 0), (0, size - k))),
+            filled(own.weights),
+            filled(own.rate_weights),
+            np.full(len(own.force), assessed.retardation_time),
         )
 
     def _history(self, name: str, errors: Array) -> ErrorHistory:
         assessed, own = self.bodies[name], self.steps.bodies[name]
-        full, motion = assessed.full, assessed.motion
+        motion = assessed.motion
         coordinates = errors[:, 6 : 6 + assessed.space.size]
-        squares = nodal_squares(
-            full.nodes, _at_nodes(full, motion.vectors), _at_nodes(full, assessed.space.vectors)
-        )
         origin = errors[:, :3] - np.einsum("tij,tj->ti", own.rotation, motion.rigid[:, :3])
         turn = errors[:, 3:6] - motion.rigid[:, 3:]
-        rms = squares.rms(own.rotation, origin, turn, motion.coordinates, coordinates)
+        rms = assessed.squares.rms(own.rotation, origin, turn, motion.coordinates, coordinates)
         return ErrorHistory(assessed, self.steps.times, own.rotation, origin, turn, coordinates, rms)
 
 
+class _Elasticity(NamedTuple):
+    """What the deformation of a body adds along a motion: as of `ElasticGain` and `GainHistory`."""
+
+    force: Array
+    viscous_force: Array
+    stiffness: Array
+    viscous: Array
+    viscous_stiffness: Array
+    weights: Array
+    rate_weights: Array
+
+
+def _from_instants(
+    assessed: AssessedBody, motion: _InColumns, bent: _InColumns, proven: float
+) -> _Elasticity:
+    """Forces from one pass over the elements, tangents from a few instants at another motion."""
+    body, Z = assessed.full.body, assessed.space.vectors
+    columns = Z @ motion.chosen
+    works = body.assembly.works(columns, Z)
+    force = force_polynomial(works)(motion.coordinates)
+    time = assessed.retardation_time
+    tangents = tangent_history(body, Z @ bent.chosen, bent.coordinates, Z, material=time > 0, proven=proven)
+    viscous_force = np.zeros_like(force)
+    if time:
+        viscous_force = strain_rate_polynomial(works)(motion.coordinates, motion.rates)
+    rates = strain_rate_history(body, columns, motion.coordinates, motion.rates, Z, time, proven=proven)
+    return _Elasticity(
+        force,
+        viscous_force,
+        tangents.whole,
+        tangents.material,
+        rates.samples,
+        tangents.weights,
+        rates.weights,
+    )
+
+
+def _from_polynomial(
+    assessed: AssessedBody, polynomial: ElasticPolynomial, motion: _InColumns
+) -> _Elasticity:
+    """The same of the columns of the run itself, exactly."""
+    force, (whole, material) = polynomial.force(motion.coordinates), polynomial.tangents
+    weights = polynomial.monomials(motion.coordinates)
+    if not assessed.retardation_time:
+        none = np.zeros((0, *whole.shape[1:]))
+        return _Elasticity(force, np.zeros_like(force), whole, none, none, weights, np.zeros((len(force), 0)))
+    return _Elasticity(
+        force,
+        polynomial.strain_rate_force(motion.coordinates, motion.rates),
+        whole,
+        material,
+        polynomial.rate_tangents,
+        weights,
+        polynomial.rate_monomials(motion.coordinates, motion.rates),
+    )
+
+
 def _more(number: int) -> int:
-    """Room for more samples, as with the columns: runs that take nearly as many share one program."""
-    return -number % 16
+    """Room for more samples, as with the columns: 32, 64, 128 .., so that rounds share one program.
+
+    A sample more costs a product of two small matrices a block, and one program more seconds.
+    """
+    return (FEWEST_SAMPLES << max(0, (number - 1) // FEWEST_SAMPLES).bit_length()) - number if number else 0
 
 
 def _with_directions(errors: Array, n_motion: int) -> Array:
@@ -412,8 +494,3 @@ def _with_directions(errors: Array, n_motion: int) -> Array:
     chosen[:n_motion, :n_motion] = np.eye(n_motion)
     chosen[n_motion:, n_motion:] = rows[:number].T
     return chosen
-
-
-def _at_nodes(full: FullBody, columns: Array) -> Array:
-    """Displacements (N, 3, m) of columns (n, m)."""
-    return np.moveaxis(full.expand(columns.T), 0, 2)

@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame, frame_projector
 
-__all__ = ["ErrorSpace", "ModesInFrame", "error_space", "modes_in_frame"]
+__all__ = ["ErrorSpace", "ModesInFrame", "error_space", "modes_in_frame", "small_space"]
 
 Array = NDArray[np.float64]
 
 N_MODES = 40
 N_CORRECTIONS = 30
 N_COUPLINGS = 30
+N_COMBINATIONS = 48
+"""Of all couplings, at random: their answers have the leading directions of all, for fewer solutions."""
 SMALLEST_REMAINDER = 1e-6
 """Of the largest column of a block: what is left of it outside the others and smaller is round-off."""
 
@@ -92,10 +94,24 @@ def error_space(modes: ModesInFrame, motion: Array, corrections: Array, deformed
     return ErrorSpace(space.columns, motion.shape[1])
 
 
+def small_space(modes: ModesInFrame, motion: Array, fields: Array, number: int) -> ErrorSpace:
+    """Z = orth_M [ V | fields | modes ], on D q = 0, of `number` columns besides V.
+
+    motion : (n, s) V;  fields : (n, m), whose leading directions are half of these at most
+    """
+    space = _Growing(modes.body, modes.frame, motion)
+    space.add(fields, number // 2)
+    space.add(modes.vectors[:, : number - (space.columns.shape[1] - motion.shape[1])])
+    return ErrorSpace(space.columns, motion.shape[1])
+
+
 def _couplings(modes: ModesInFrame, deformed: Array) -> Array:
     body, shapes = modes.body, modes.vectors
     at_rest = body.stiffness @ shapes
     pushes = np.hstack([body.assembly.tangent(q) @ shapes - at_rest for q in deformed.T])
+    if pushes.shape[1] > N_COMBINATIONS:
+        size = pushes.shape[1], N_COMBINATIONS
+        pushes = pushes @ (np.random.default_rng(0).standard_normal(size) / np.sqrt(N_COMBINATIONS))
     return -body.constrained(modes.frame.constraint(body)).solve(pushes)
 
 

@@ -52,20 +52,24 @@ class ElasticGain:
     stiffness: Any
     """(m, k, k)"""
     viscous: Any
-    """(m, k, k): damping's; (0, k, k) where it does not follow the strain rate"""
+    """(m, k, k): damping's by unit of retardation time; (0, k, k) where it does not follow the strain rate"""
     viscous_stiffness: Any
-    """(n, k, k): of the stress of strain rates"""
+    """(n, k, k): of the stress of strain rates, by unit of retardation time"""
 
 
 class GainHistory(NamedTuple):
     """Of one body at every step."""
 
     force: Any
-    """(t, k) elastic and of damping, beyond stiffness and damping at rest"""
+    """(t, k) elastic, beyond the stiffness at rest"""
+    viscous_force: Any
+    """(t, k) of the strain rates, beyond damping at rest, by unit of retardation time"""
     weights: Any
     """(t, m)"""
     rate_weights: Any
     """(t, n)"""
+    retardation: Any
+    """(t,) the retardation time of the body"""
 
 
 class StepOfRun(NamedTuple):
@@ -150,10 +154,12 @@ def _linearized(
 
 def _weighted(body: ElasticGain, history: GainHistory) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Force, tangent and damping that a body gains at every step of a stretch."""
+    time = history.retardation[:, None]
     gained = jnp.tensordot(history.weights, body.stiffness, axes=1)
-    gained = gained + jnp.tensordot(history.rate_weights, body.viscous_stiffness, axes=1)
-    weights = history.weights[:, : body.viscous.shape[0]]
-    return history.force, gained, jnp.tensordot(weights, body.viscous, axes=1)
+    gained = gained + jnp.tensordot(time * history.rate_weights, body.viscous_stiffness, axes=1)
+    weights = time * history.weights[:, : body.viscous.shape[0]]
+    force = history.force + time * history.viscous_force
+    return force, gained, jnp.tensordot(weights, body.viscous, axes=1)
 
 
 def _on_rotations(model: Model, matrices: jax.Array, vector: jax.Array) -> jax.Array:

@@ -2,44 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.error.equation.error_history import ErrorHistory
+from supple.error.equation.error_history import ErrorEquation, ErrorHistory
 
-__all__ = ["second_correction"]
+__all__ = ["second_corrections"]
+
+Array = NDArray[np.float64]
 
 MOST_INSTANTS = 10
+IMAGINARY = 1e-20
+"""Of a step along an error: the force is a polynomial, whose derivative such a step has to round-off."""
 
 
-def second_correction(history: ErrorHistory) -> float:
-    """Size of a second elastic correction over the first at the worst instants, at rest.
+def second_corrections(equation: ErrorEquation, histories: Mapping[str, ErrorHistory]) -> dict[str, float]:
+    """Size of a second elastic correction over the first at the worst instants, at rest, by body.
 
-        K_t(q + e) d = -( f(q + e) - f(q) - K_t(q) e ),    |d| / |e| in the mass norm
+        K_t(q) d = -( f(q + e) - f(q) - K_t(q) e ),    |d| / |e| in the mass norm
 
-    with q the motion about which the error e was found; zero for a linear body.
+    with q the run, about which the errors e were found; zero for a linear body.
     """
+    return {
+        name: 0.0
+        if history.body.full.is_linear
+        else _second_correction(history, lambda row, name=name: equation.stiffness(name, row))
+        for name, history in histories.items()
+    }
+
+
+def _second_correction(history: ErrorHistory, stiffness: Callable[[int], Array]) -> float:
+    """Of a nonlinear body, by `Z^T K_t Z` (k, k) at steps of the run."""
     assessed = history.body
-    body, motion, Z = assessed.full.body, assessed.motion, assessed.space.vectors
-    if body.is_linear:
-        return 0.0
+    motion, Z = assessed.motion, assessed.space.vectors
+    force = assessed.full.body.assembly.internal_force
     largest = 0.0
-    for row in _worst(history.rms):
+    for row in _worst(history.rms).tolist():
         q = motion.vectors @ motion.coordinates[row]
         found = history.coordinates[row]
         size = np.linalg.norm(found)
         if not size:
             continue
         e = Z @ found
-        assembly = body.assembly
-        left = assembly.internal_force(q + e) - assembly.internal_force(q) - assembly.tangent(q) @ e
-        stiffness = Z.T @ (assembly.tangent(q + e) @ Z)
-        second = np.linalg.lstsq(stiffness, Z.T @ left, rcond=None)[0]
+        at_run = force(q + 1j * IMAGINARY * e)
+        left = force(q + e) - at_run.real - at_run.imag / IMAGINARY
+        second = np.linalg.lstsq(stiffness(row), Z.T @ left, rcond=None)[0]
         largest = max(largest, float(np.linalg.norm(second) / size))
     return largest
 
 
-def _worst(rms: NDArray[np.float64]) -> NDArray[np.intp]:
+def _worst(rms: Array) -> NDArray[np.intp]:
     """Instants of the largest errors, at some distance from each other."""
     spans = np.array_split(np.arange(len(rms)), min(len(rms), 4 * MOST_INSTANTS))
     peaks = np.array([span[np.argmax(rms[span])] for span in spans])

@@ -12,7 +12,7 @@ from supple.error.equation.products_of_run import few_instants, pair_products, w
 from supple.integrate import FloatingMotion
 from supple.reduction import Condensation, ReducedBody, ReductionBasis
 
-__all__ = ["RunColumns", "run_columns"]
+__all__ = ["MotionColumns", "RunColumns", "motion_columns", "run_columns"]
 
 Array = NDArray[np.float64]
 
@@ -87,6 +87,60 @@ def run_columns(
         joined.append(moved)
     rigid = weights_of_instants(products, chosen, products) @ condensation.rigid_part(sampled).T
     return RunColumns(columns, *joined, rigid=rigid)
+
+
+@dataclass(frozen=True, eq=False)
+class MotionColumns:
+    """Columns in which all runs of a reduced body move, the first r of which are V.
+
+    vectors : (n, s)
+    following : (s, r (r + 1) / 2)      what z of a pair of V's columns takes of them; None: nothing follows
+    rigid : (6, r (r + 1) / 2)          the same of `RunColumns.rigid`
+    """
+
+    vectors: Array
+    following: Array | None = None
+    rigid: Array | None = None
+
+    def along(self, motion: FloatingMotion) -> RunColumns:
+        """The motion of a run in these columns."""
+        gamma, rate, acceleration = (
+            motion.coordinates,
+            motion.coordinate_rates,
+            motion.coordinate_accelerations,
+        )
+        if self.following is None or self.rigid is None:
+            return RunColumns(self.vectors, gamma, rate, acceleration, np.zeros((len(gamma), 6)))
+        products = pair_products(gamma, gamma)
+        changes = (
+            products,
+            2 * pair_products(gamma, rate),
+            2 * pair_products(rate, rate) + 2 * pair_products(gamma, acceleration),
+        )
+        moved = [change @ self.following.T for change in changes]
+        for own, given in zip(moved, (gamma, rate, acceleration), strict=True):
+            own[:, : gamma.shape[1]] += given
+        return RunColumns(self.vectors, *moved, rigid=products @ self.rigid.T)
+
+
+def motion_columns(
+    body: FlexibleBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: Array
+) -> MotionColumns:
+    """The columns of all runs of a reduced body: V, and directions that z takes at some of their coordinates.
+
+    coordinates : (t, r)    of those runs, some instants of which show where z goes
+    """
+    if reduced.condensed is None or not np.any(coordinates):
+        return MotionColumns(basis.vectors)
+    first, second = np.triu_indices(basis.r)
+    unit, counts = np.eye(basis.r), np.where(first == second, 1.0, 2.0)
+    condensation = Condensation(body, basis)
+    pairs = condensation.bilinear(unit[first], unit[second]) * counts
+    chosen = np.unique(np.linspace(0, len(coordinates) - 1, MOST_SAMPLES).round().astype(int))
+    some = coordinates[chosen]
+    sampled = pairs @ pair_products(some, some).T
+    columns = np.hstack([basis.vectors, _leading(body, basis, sampled, float(np.linalg.norm(some)))])
+    return MotionColumns(columns, columns.T @ (body.mass @ pairs), condensation.rigid_part(pairs))
 
 
 def _leading(body: FlexibleBody, basis: ReductionBasis, fields: Array, moved: float) -> Array:

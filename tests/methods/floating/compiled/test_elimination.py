@@ -101,8 +101,8 @@ def test_what_is_not_a_number_stays_so(elimination):
 def test_cases_can_be_mapped_over(elimination):
     rng = np.random.default_rng(3)
     systems = [saddle(rng, 5, 2) for _ in range(3)]
-    solutions = jax.vmap(elimination.solution)(np.stack([np.column_stack(s) for s in systems]))
-    inverses = jax.vmap(elimination.inverse)(np.stack([matrix for matrix, _ in systems]))
+    solutions = jax.jit(jax.vmap(elimination.solution))(np.stack([np.column_stack(s) for s in systems]))
+    inverses = jax.jit(jax.vmap(elimination.inverse))(np.stack([matrix for matrix, _ in systems]))
     for (matrix, load), solution, inverse in zip(systems, solutions, inverses, strict=True):
         np.testing.assert_allclose(matrix @ solution, load, atol=1e-12)
         np.testing.assert_allclose(inverse @ load, solution, atol=1e-11)

@@ -43,15 +43,16 @@ def test_a_run_has_the_same_bits_whatever_its_process_did_before(pendulum):
     assert bits(simulate(pendulum, RUN)) == bits(first)
 
 
-def test_the_march_is_one_function_of_machine_code(pendulum):
+@pytest.mark.parametrize(
+    ("elimination", "is_one"), [(ByLoops(), True), pytest.param(ByLapack(), False, marks=pytest.mark.slow)]
+)
+def test_the_march_is_one_function_of_machine_code(pendulum, elimination, is_one):
     """What its loop would be kept from by a call of a library: of LAPACK, or of one for products."""
-    run = controls(RUN)
     model, start = initial_state(pendulum, 0.0, 0.01)
-    for elimination, is_one in ((ByLoops(), True), (ByLapack(), False)):
-        lowered = jax.jit(partial(march, elimination)).lower(model, run, start, RUN.times)
-        text = lowered.compile(compiler_options=STARTING).as_text()
-        whole = text[text.index("ENTRY") :]
-        assert ("xla_cpu_small_call" in whole and " while(" not in whole) == is_one
+    lowered = jax.jit(partial(march, elimination)).lower(model, controls(RUN), start, RUN.times)
+    text = lowered.compile(compiler_options=STARTING).as_text()
+    whole = text[text.index("ENTRY") :]
+    assert ("xla_cpu_small_call" in whole and " while(" not in whole) == is_one
 
 
 def marched_by(program, system, run, monkeypatch, **how):

@@ -246,6 +246,14 @@ def errors(machine, solution):
     return np.array([np.max(wrong) / np.max(size) if size.size else 0.0 for wrong, size in parts])
 
 
+@partial(jax.jit, static_argnums=0, compiler_options=STARTING)
+def solved(elimination, model, fronts, load):
+    """The dense matrix of fronts, its product with a load, and the solution along the tree."""
+    layout = TreeLayout.of(model)
+    along_tree = tree_solution(elimination, model, layout, fronts, load)
+    return layout.dense(fronts), layout.product(fronts, load), along_tree
+
+
 @LOOPS_FIRST
 @pytest.mark.parametrize(
     "machine",
@@ -254,12 +262,12 @@ def errors(machine, solution):
     ids=named,
 )
 def test_solution_is_as_good_as_that_of_the_dense_matrix(machine, elimination):
-    model, layout, matrix, fronts, load = machine
+    model, _, matrix, fronts, load = machine
     size = abs(matrix).max()
-    np.testing.assert_allclose(layout.dense(fronts), matrix, rtol=0, atol=1e-15 * size)
-    product = layout.product(fronts, load)
+    assembled, product, along_tree = map(np.asarray, solved(elimination, model, fronts, load))
+    np.testing.assert_allclose(assembled, matrix, rtol=0, atol=1e-15 * size)
     np.testing.assert_allclose(product, matrix @ load, rtol=0, atol=1e-13 * size * abs(load).max())
-    along_tree = errors(machine, tree_solution(elimination, model, layout, fronts, load))
+    along_tree = errors(machine, along_tree)
     dense = errors(machine, solve_bordering_column(np.column_stack([matrix, load])))
     assert np.all(along_tree <= 10 * dense + 1e-11)
 
@@ -268,8 +276,8 @@ def test_solution_is_as_good_as_that_of_the_dense_matrix(machine, elimination):
 @pytest.mark.parametrize("machine", EXTREME, indirect=True, ids=named)
 def test_extreme_masses_cost_newton_no_iteration(machine, elimination):
     """Light bodies know their accelerations to eight digits: Newton's iteration gains so many at a time."""
-    model, layout, _, fronts, load = machine
-    assert np.all(errors(machine, tree_solution(elimination, model, layout, fronts, load)) <= 1e-7)
+    model, _, _, fronts, load = machine
+    assert np.all(errors(machine, np.asarray(solved(elimination, model, fronts, load)[2])) <= 1e-7)
 
 
 @BOTH
@@ -298,8 +306,7 @@ def test_a_singular_body_is_left_to_the_dense_matrix(elimination):
     n, fronts = layout.own, fronts.copy()
     fronts[0, :6, :6] = 0.0
     fronts[0, :6, n : n + 6] = fronts[0, n : n + 6, :6] = np.eye(6)
-    matrix = np.asarray(layout.dense(fronts))
-    solution = tree_solution(elimination, model, layout, fronts, load)
+    matrix, _, solution = solved(elimination, model, fronts, load)
     np.testing.assert_allclose(solution, np.linalg.solve(matrix, load))
 
 
@@ -310,7 +317,7 @@ def test_cases_can_be_mapped_over(elimination):
     singular = fronts.copy()
     singular[0, :6, :6] = 0.0
     both = np.stack([fronts, singular])
-    found = jax.vmap(lambda own: tree_solution(elimination, model, layout, own, load))(both)
+    found = jax.jit(jax.vmap(lambda own: tree_solution(elimination, model, layout, own, load)))(both)
     for own, solution in zip(both, found, strict=True):
         expected = np.linalg.solve(layout.dense(own), load)
         np.testing.assert_allclose(solution, expected, rtol=0, atol=1e-9 * abs(expected).max())

@@ -176,6 +176,7 @@ def test_high_spin_takes_the_unsymmetric_tangent(monkeypatch):
     assert_same_motion(engine.solution(leg), exact.at(slice(1, None)), 1e-6)
 
 
+@pytest.mark.slow
 def test_steps_of_changing_size_take_factors_of_their_own(full):
     step = AdaptiveStep(first=1e-3, largest=0.01, tolerance=1e-5)
     modified, exact = both(pendulum(full), options(step=step))

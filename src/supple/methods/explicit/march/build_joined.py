@@ -13,6 +13,7 @@ from scipy import linalg
 
 from supple.algebra.cross import cross_matrix
 from supple.equations import marker_force
+from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import SystemMotion
 from supple.equations.model import Model
 from supple.equations.places import assembled_matrix
@@ -29,6 +30,7 @@ from supple.methods.explicit.modal_tie import ModalTie, TiedSide, tied_rows
 from supple.methods.explicit.projected_difference import ProjectedDifference
 from supple.methods.explicit.published_scheme import PublishedScheme
 from supple.methods.explicit.step_limit import damped_limit
+from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["JoinedFrames", "joined_frames"]
 
@@ -93,7 +95,7 @@ def joined_frames(
         for tie, pair in zip(ties, pairs, strict=True)
     ]
     if machine.active:
-        of_joints = joint_rows(machine, arrays, states, now)
+        of_joints = _JOINT_ROWS(machine, arrays, states, now)
         rows.append(_pencil_rows(dict(enumerate(of_joints)), rigid, arrays))
     names = [order[number] for number in limited]
     mass = np.asarray(linalg.block_diag(*(frames[name].pencil()[0] for name in names)))
@@ -108,7 +110,8 @@ def joined_frames(
     rates = (_floating_rates(system, name, frame) for name, frame in frames.items())
     moving = np.asarray(linalg.block_diag(*rates))
     elastic, damping = (
-        (moving.T @ part @ moving)[np.ix_(own, own)] for part in _of_elements(machine, arrays, states, now)
+        (moving.T @ np.asarray(part) @ moving)[np.ix_(own, own)]
+        for part in _OF_ELEMENTS(machine, arrays, states, now)
     )
     every = np.concatenate([each[:, own] for each in rows]) if rows else np.zeros((0, len(mass)))
     kept = _independent(every, mass)
@@ -166,22 +169,26 @@ def _floating_rates(system: System, name: str, frame: ModalFrame) -> FloatArray:
 
 def _of_elements(
     machine: Model, arrays: tuple[FrameArrays, ...], states: tuple[FrameState, ...], time: Array
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Array, Array]:
     """Stiffness and damping (n, n) of force elements at the start, their ends at rest."""
     n = machine.n_velocities
     where, still = configuration(tuple(each.chart for each in arrays), states), jnp.zeros(n)
     motion = SystemMotion(time, where, still, still, jnp.zeros(len(machine.active)))
     unturned = jnp.broadcast_to(jnp.eye(3), (len(states), 3, 3))
 
-    def matrix(factors: StepFactors) -> FloatArray:
+    def matrix(factors: StepFactors) -> Array:
         blocks = [
             block
             for group in machine.forces
             for block in marker_force.tangent(machine, group, motion, unturned, factors)
         ]
-        return np.asarray(assembled_matrix((n, n), blocks))
+        return assembled_matrix((n, n), blocks)
 
     return matrix(StepFactors(-1.0, 0.0)), matrix(StepFactors(0.0, -1.0))
+
+
+_JOINT_ROWS = KeptProgram(joint_rows, STARTING)
+_OF_ELEMENTS = KeptProgram(_of_elements, STARTING)
 
 
 def _pencil_rows(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import jax
@@ -10,6 +11,7 @@ import numpy as np
 from scipy.sparse import block_array, coo_array, csr_array
 
 from supple.algebra.cross import cross_matrices, cross_matrix
+from supple.algebra.jax_settings import when_given_back
 from supple.algebra.rotation import rotation_right_jacobian
 from supple.body.full_body import FullBody
 from supple.equations.full_inertia import FullInertia, FullMotion
@@ -29,6 +31,9 @@ from supple.methods.floating.full.full_tangent import Factored, FullTangent, Tan
 
 __all__ = ["FullInterior", "InteriorForces", "InteriorState", "prepare_interior", "tangent_point"]
 
+
+MOST_PREPARED = 4
+"""Bodies that a process holds prepared."""
 
 _right_jacobian = jax.jit(rotation_right_jacobian)
 _forces = jax.jit(nodal_forces)
@@ -270,13 +275,23 @@ def _unit_rows(rows: np.ndarray) -> np.ndarray:
 
 def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -> FullInterior:
     """Everything of a full body that does not change from step to step."""
+    return replace(
+        _unloaded_interior(full),
+        index=index,
+        loads=tuple(_LoadOnNodes(load.nodes, jax.device_put(prepared(load))) for load in loads),
+    )
+
+
+@lru_cache(maxsize=MOST_PREPARED)
+def _unloaded_interior(full: FullBody) -> FullInterior:
+    """Of a body by itself: the same in its equilibrium, in every round and in the statement of its error."""
     body = full.body
     inertia = FullInertia(body)
     damping = full_damping(full)
     interface_rows, frame_rows = full.interface_motions, _unit_rows(full.frame.constraint(body))
     couplings = np.column_stack([interface_rows.T.toarray(), frame_rows.T])
     return FullInterior(
-        index=index,
+        index=0,
         full=full,
         inertia=inertia,
         interface_rows=interface_rows,
@@ -284,5 +299,8 @@ def prepare_interior(index: int, full: FullBody, loads: tuple[NodalLoad, ...]) -
         strains=None if body.is_linear else strain_operator(body.assembly),
         damping=damping,
         tangent=full_tangent(full, inertia, damping, couplings),
-        loads=tuple(_LoadOnNodes(load.nodes, jax.device_put(prepared(load))) for load in loads),
+        loads=(),
     )
+
+
+when_given_back(_unloaded_interior.cache_clear)

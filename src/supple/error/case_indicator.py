@@ -1,0 +1,224 @@
+"""An indicator of what the bases cost many runs of one machine: the error equation in few columns.
+
+The statement of a run takes a hundred columns, found by factorisations of its own. Here some thirty columns
+serve all runs of a group: those of their bases, the motion that statements of representative runs have found
+outside them, and the lowest vibrations. The elasticity in these is one polynomial (`ElasticPolynomial`), so
+that a run costs one linear march besides its own, mapped over the cases in one compiled program.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.body import Damping, FullBody
+from supple.body.damping import damping_matrix
+from supple.equations.compiled_machine import compiled_start
+from supple.error.equation import (
+    AssessedBody,
+    ErrorEquation,
+    ErrorHistory,
+    ErrorSpace,
+    MotionColumns,
+    RunColumns,
+    modes_in_frame,
+    motion_columns,
+    small_space,
+)
+from supple.error.equation.elastic_polynomial import ElasticPolynomial
+from supple.error.equation.error_batch import first_together
+from supple.error.equation.error_model import body_of_columns, padded_size
+from supple.error.error_estimate import WILD, modal_damping, reduced_form
+from supple.errors import RedundantConstraintWarning
+from supple.integrate import FloatingMotion, Run, Solution
+from supple.machine import System
+from supple.methods.floating.compiled.every_step import every_step
+from supple.quantities.quantity_of_interest import largest_displacement
+from supple.reduction import ReducedBody, ReductionBasis
+
+__all__ = ["Indicated", "IndicatorBody", "case_indicators", "indicator_body", "size_of_motion"]
+
+Array = NDArray[np.float64]
+
+MORE = 12
+"""Columns of the error besides those of the motion, at least; half of them of the fields that are known."""
+SLOWNESS = 1e2
+"""How many times slower than its lowest vibration a body comes to rest."""
+AT_ONCE = 16
+"""Runs that march together: 0.2 GB of 5000 steps in 14 coordinates."""
+MOST_INSTANTS = 1250
+"""Steps of the error in a run, at most; statements take all steps, and their ratio holds the difference."""
+MANY_STEPS = np.inf
+"""Of all runs of a sweep: a column more costs time in each, and one program serves them all."""
+LOOKED = 200
+"""Instants at which the size of a motion is taken."""
+
+
+class Indicated(NamedTuple):
+    """The indicator of a body in a run: largest RMS error of its nodes, and its largest displacement.
+
+    error : infinite where the run broke off, or where it grows beyond the displacement
+    """
+
+    error: float
+    size: float
+
+
+@dataclass(frozen=True, eq=False)
+class IndicatorBody:
+    """A body of many runs, with the columns of their motion and of their error.
+
+    full : as any of them has it, but for its damping
+    columns : of the motion;  space : of the error, which holds them
+    """
+
+    full: FullBody
+    columns: MotionColumns
+    space: ErrorSpace
+    _damped: dict[str, AssessedBody] = field(default_factory=dict)
+
+    def along(self, motion: FloatingMotion, damping: Damping | None, reduced: ReducedBody) -> AssessedBody:
+        """The body along a run, with the damping that it has there."""
+        run = self.columns.along(motion)
+        key = repr(damping)
+        if key not in self._damped:
+            self._damped[key] = self._with_damping(run, damping, reduced)
+        return self._damped[key].along(run)
+
+    def _with_damping(self, run: RunColumns, damping: Damping | None, reduced: ReducedBody) -> AssessedBody:
+        own = damping or modal_damping(reduced)
+        full = replace(self.full, damping=damping)
+        made = AssessedBody(full, run, self.space, own, self._polynomial)
+        k, undamped = self.space.size, self._undamped
+        matrix = damping_matrix(own, full.body, self.space.vectors, undamped.stiffness[:k, :k])
+        padded = np.pad(matrix, (0, undamped.r - k))
+        # Of all dampings the inertia, and the gram matrix of the nodes, is the same.
+        object.__setattr__(made, "columns", replace(undamped, damping=padded))
+        for other in list(self._damped.values())[:1]:
+            object.__setattr__(made, "squares", other.squares)
+        return made
+
+    @cached_property
+    def _undamped(self) -> ReducedBody:
+        return body_of_columns(self.full.body, self.full.frame, self.space.vectors, None, MANY_STEPS)
+
+    @cached_property
+    def _polynomial(self) -> ElasticPolynomial | None:
+        body, Z = self.full.body, self.space.vectors
+        return None if body.is_linear else ElasticPolynomial(body.assembly.works(Z, Z), self.space.n_motion)
+
+
+def indicator_body(
+    full: FullBody, reduced: ReducedBody, basis: ReductionBasis, coordinates: Array, fields: Array
+) -> IndicatorBody:
+    """A body of many runs.
+
+    coordinates : (t, r)    of some of them, where condensed tensors let motion follow
+    fields : (n, m)         that statements of some of them have found outside the basis
+    """
+    columns = motion_columns(full.body, reduced, basis, coordinates)
+    moving = columns.vectors.shape[1]
+    number = padded_size(moving + MORE, MANY_STEPS) - moving
+    space = small_space(modes_in_frame(full.body, full.frame, number), columns.vectors, fields, number)
+    return IndicatorBody(full, columns, space)
+
+
+def case_indicators(
+    cases: Sequence[System],
+    run: Run,
+    solutions: Sequence[Solution],
+    bodies: Mapping[str, IndicatorBody],
+    dampings: Sequence[Mapping[str, Damping | None]],
+    *,
+    at_rest: bool,
+) -> list[dict[str, Indicated]]:
+    """What the bases cost each of many runs, by body, as far as few columns show it: to first order.
+
+    Parameters
+    ----------
+    cases, run, solutions : as they were simulated
+    bodies : whose bases are assessed, by name
+    dampings : of these bodies in each case
+    at_rest : whether the runs start at rest, in equilibrium
+
+    Raises ModelError for machines whose equations are not linearised here.
+    """
+    found = [
+        {
+            name: Indicated(np.inf, size_of_motion(reduced_form(system, name), solution.bodies[name]))
+            for name in bodies
+        }
+        for system, solution in zip(cases, solutions, strict=True)
+    ]
+    if not bodies:
+        return found
+    whole = [number for number, solution in enumerate(solutions) if solution.stopped is None]
+    for start in range(0, len(whole), AT_ONCE):
+        rows = whole[start : start + AT_ONCE]
+        steps = [_seen_instants(cases[i], run, solutions[i]) for i in rows]
+        active = _active(cases[rows[0]], run, solutions[rows[0]])
+        equations = [
+            ErrorEquation(
+                cases[i],
+                {
+                    name: body.along(each.bodies[name], dampings[i][name], reduced_form(cases[i], name))
+                    for name, body in bodies.items()
+                },
+                run.second_order_method.coefficients,
+                each,
+                active,
+                {},
+            )
+            for i, each in zip(rows, steps, strict=True)
+        ]
+        rest = _long(cases[rows[0]], bodies) if at_rest else 0.0
+        # A compiled march goes over as many steps in all its runs.
+        lengths = [len(each.times) for each in steps]
+        for length in sorted(set(lengths)):
+            own = [place for place, each in enumerate(lengths) if each == length]
+            at_once = 1 << (len(own) - 1).bit_length()  # few sizes, each of which is compiled
+            states = first_together([equations[place] for place in own], rest=rest, at_once=at_once)
+            for place, state in zip(own, states, strict=True):
+                histories = equations[place].histories(state)
+                for name, history in histories.items():
+                    case = found[rows[place]]
+                    case[name] = _bounded(history, case[name].size)
+    return found
+
+
+def size_of_motion(body: ReducedBody, motion: FloatingMotion) -> float:
+    """Largest displacement of a node along a run, seen from the first interface."""
+    stride = max(1, len(motion.coordinates) // LOOKED)
+    return largest_displacement(body, motion.coordinates[::stride])
+
+
+def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
+    """The run at every step; of a long one at fewer instants, between which the error takes longer steps."""
+    seen = solution if len(solution.times) > MOST_INSTANTS else every_step(system, run, solution).solution
+    return seen.at(slice(None, None, -(-(len(seen.times) - 1) // MOST_INSTANTS)))
+
+
+def _bounded(history: ErrorHistory, size: float) -> Indicated:
+    largest = float(history.rms.max())
+    return Indicated(largest if largest <= WILD * size else np.inf, size)
+
+
+def _active(system: System, run: Run, solution: Solution) -> tuple[int, ...]:
+    """The constraint equations that the runs kept."""
+    known = solution.engine_state.get("active")
+    if known is None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RedundantConstraintWarning)
+            known = compiled_start(system, run.start).model.active
+    return tuple(int(index) for index in known)
+
+
+def _long(system: System, bodies: Mapping[str, IndicatorBody]) -> float:
+    """A time long against the vibrations of all bodies."""
+    return SLOWNESS / min(reduced_form(system, name).lowest_frequency() for name in bodies)

@@ -1,0 +1,118 @@
+"""Elasticity of a body in few columns, as one polynomial that serves every run in these columns.
+
+Of a hundred columns the polynomial of the tangent would not fit in memory, and `elastic_history` takes it
+from instants of one run. Of the thirty columns of an indicator it does, and costs one pass over the elements
+however many runs follow. With g the coordinates of a run in the first s columns, beyond the stiffness at rest
+
+    f_a       = (L_ajl / 2 + T_ajl) g_j g_l + C_iajl g_i g_j g_l / 2
+    df_a/dg_b = (L_abl + T_abl + T_alb) g_l + (C_bajl / 2 + C_jabl) g_j g_l
+
+with L, T, C the works `linear`, `turned`, `cubic` of the columns on themselves; and of damping by strain rate
+v_a = (L_ajk + T_ajk) g_j g'_k + C_iajk g_i g_j g'_k and its derivatives by g' and g.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.error.equation.elastic_history import force_polynomial, strain_rate_polynomial
+from supple.fem import StrainWorks
+
+__all__ = ["ElasticPolynomial"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticPolynomial:
+    """What a deformation `X g` adds to force, tangent and damping in k columns Z, the first s of which are X.
+
+    works : of Z on itself (`Assembly.works`)
+    n_motion : s
+    """
+
+    works: StrainWorks
+    n_motion: int
+
+    @cached_property
+    def _of_motion(self) -> StrainWorks:
+        """The works of X on Z."""
+        s, k = self.n_motion, self.works.turned.shape[2]
+        first, second = np.triu_indices(k)
+        kept = (first < s) & (second < s)
+        return StrainWorks(
+            self.works.linear[:, kept], self.works.turned[:, :s, :s], self.works.cubic[:s][..., kept]
+        )
+
+    def force(self, coordinates: Array) -> Array:
+        """Forces (t, k) beyond the stiffness at rest, at coordinates (t, s)."""
+        return force_polynomial(self._of_motion)(coordinates)
+
+    def strain_rate_force(self, coordinates: Array, rates: Array) -> Array:
+        """Forces (t, k) of the strain rates beyond those at rest, by unit of retardation time."""
+        return strain_rate_polynomial(self._of_motion)(coordinates, rates)
+
+    def monomials(self, coordinates: Array) -> Array:
+        """(t, s + s (s + 1) / 2): g_l, then g_j g_l with j <= l: the weights of `tangents`."""
+        first, second = np.triu_indices(self.n_motion)
+        return np.hstack([coordinates, coordinates[:, first] * coordinates[:, second]])
+
+    @cached_property
+    def tangents(self) -> tuple[Array, Array]:
+        """What a monomial adds to the tangent, and through the strains alone, (m, k, k) each."""
+        linear, turned, cubic = self._symmetric
+        first, second = np.triu_indices(self.n_motion)
+        s, k = self.n_motion, linear.shape[0]
+        own = np.where(first == second, 0.5, 1.0)[:, None, None]
+        of_first, of_second = cubic[first], cubic[second]  # (p, a, j, l)
+        pairs = np.arange(len(first))
+        # (p, a, b): C_jabl and C_labj.
+        crossed = of_first[pairs, :, :, second] + of_second[pairs, :, :, first]
+        geometric = np.moveaxis(cubic[:, :, first, second], 2, 0).swapaxes(1, 2)  # C_bajl
+        whole = np.concatenate(
+            [
+                np.moveaxis((linear + turned + turned.swapaxes(1, 2))[:, :, :s], 2, 0),
+                own * (geometric + crossed),
+            ]
+        )
+        material = np.concatenate([np.moveaxis(self._bilinear[:, :s], 1, 0), own * crossed])
+        assert whole.shape == material.shape == (s + len(first), k, k)
+        return whole, material
+
+    def rate_monomials(self, coordinates: Array, rates: Array) -> Array:
+        """(t, s + s^2): g'_k, then g_j g'_k: the weights of `rate_tangents`."""
+        products = (coordinates[:, :, None] * rates[:, None]).reshape(len(rates), -1)
+        return np.hstack([rates, products])
+
+    @cached_property
+    def rate_tangents(self) -> Array:
+        """What a monomial with a rate adds to the tangent, by unit of retardation time, (s + s^2, k, k)."""
+        _, _, cubic = self._symmetric
+        s, k = self.n_motion, cubic.shape[0]
+        own = np.moveaxis(self._bilinear[:, :, :s], 2, 0)
+        # C_bajk + C_jabk, of each j and k.
+        products = cubic[:, :, :s, :s].transpose(2, 3, 1, 0) + cubic[:s][..., :s].transpose(0, 3, 1, 2)
+        return np.concatenate([own, products.reshape(s * s, k, k)])
+
+    @cached_property
+    def _symmetric(self) -> tuple[Array, Array, Array]:
+        """Linear (k, k, k), turned, cubic (i, k, k, k) with both orders of each pair."""
+        k = self.works.turned.shape[2]
+        first, second = np.triu_indices(k)
+
+        def both(packed: Array) -> Array:
+            full = np.empty((*packed.shape[:-1], k, k))
+            full[..., first, second] = full[..., second, first] = packed
+            return full
+
+        return both(self.works.linear), self.works.turned, both(self.works.cubic)
+
+    @cached_property
+    def _bilinear(self) -> Array:
+        """B (k, k, k)."""
+        linear, turned, _ = self._symmetric
+        return linear + turned

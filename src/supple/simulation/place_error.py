@@ -1,0 +1,59 @@
+"""What the bases of reduced bodies cost at places of a machine at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from supple.arguments import checked_arguments
+from supple.machine import At
+from supple.quantities import Place, tracked_places
+from supple.simulation.equilibrium import Equilibrium
+
+__all__ = ["PlaceError", "place_errors"]
+
+
+@dataclass(frozen=True, eq=False)
+class PlaceError:
+    """Errors by the bases at one place at rest; what was found less its error is right.
+
+    position : (3,) | None      in global axes; None where the joints leave rigid motion free
+    deflection : (3,) | None    seen from the body's first interface, in its axes; None of a rigid body
+    """
+
+    position: np.ndarray | None
+    deflection: np.ndarray | None
+
+
+@checked_arguments
+def place_errors(
+    found: Equilibrium, places: Mapping[str, Place], bases: Mapping[str, At] = MappingProxyType({})
+) -> dict[str, PlaceError]:
+    """Errors of the positions and deflections of places at an equilibrium, by their names.
+
+        error = place by the bases - place with all coordinates
+
+    places, bases : as of `tracked_places`
+    Left out are places whose error is not known; where no rest with all coordinates is, these are all.
+    """
+    if found.full is None:
+        return {}
+    known = {name: place for name, place in places.items() if _is_known(found, place.body)}
+    exact = tracked_places(*found.full, known, bases)
+    errors = {}
+    for name, own in tracked_places(found.system, found.solution, known, bases).items():
+        position = own.position[0] - exact[name].position[0] if found.is_held else None
+        deflection = own.deflection[0] - exact[name].deflection[0] if own.is_elastic else None
+        errors[name] = PlaceError(position, deflection)
+    return errors
+
+
+def _is_known(found: Equilibrium, body: str) -> bool:
+    """Whether the rest with all coordinates has the body in a form with the same places."""
+    if found.full is None:
+        return False
+    other = found.full[0].placed(body).body
+    return other.kind == "full" or other is found.system.placed(body).body
