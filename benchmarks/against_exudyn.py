@@ -12,7 +12,9 @@ Run: OMP_NUM_THREADS=1 taskset -c 0 python benchmarks/against_exudyn.py
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 from exudyn_run import Outcome, TimedRun, best_of, exudyn, march_as_long_runs_do, timed_run
@@ -68,9 +70,9 @@ def in_supple(mesh: Mesh, body: FlexibleBody) -> TimedRun:
     return run
 
 
-def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> TimedRun:
-    exu = exudyn()
-    from exudyn import itemInterface as items  # noqa: N813
+def reduced_in_exudyn(mesh: Mesh, body: FlexibleBody) -> Any:
+    """The body with its lowest modes, as Exudyn reduces it."""
+    exudyn()
     from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 
     finite_elements = FEMinterface()
@@ -78,11 +80,17 @@ def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> Timed
     finite_elements.massMatrix = csr_matrix(body.mass)
     finite_elements.stiffnessMatrix = csr_matrix(body.stiffness)
     finite_elements.ComputeEigenmodes(nModes=N_MODES, excludeRigidBodyModes=6, useSparseSolver=False)
-    reduced = ObjectFFRFreducedOrderInterface(finite_elements)
+    return ObjectFFRFreducedOrderInterface(finite_elements)
+
+
+def assembled_in_exudyn(mesh: Mesh, reduced: Any, gravity: Sequence[float]) -> tuple[Any, int]:
+    """The system, ready to run, and the number of the sensor at its tip."""
+    exu = exudyn()
+    from exudyn import itemInterface as items  # noqa: N813
 
     container = exu.SystemContainer()
     mbs = container.AddSystem()
-    added = reduced.AddObjectFFRFreducedOrder(mbs, positionRef=[0, 0, 0], gravity=list(GRAVITY))
+    added = reduced.AddObjectFFRFreducedOrder(mbs, positionRef=[0, 0, 0], gravity=list(gravity))
     number = added["oFFRFreducedOrder"]
 
     def mean_of(nodes: np.ndarray) -> int:
@@ -105,6 +113,11 @@ def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> Timed
         )
     )
     mbs.Assemble()
+    return mbs, sensor
+
+
+def in_exudyn(mesh: Mesh, body: FlexibleBody, *, modified_newton: bool) -> TimedRun:
+    mbs, sensor = assembled_in_exudyn(mesh, reduced_in_exudyn(mesh, body), GRAVITY)
     return timed_run(
         mbs,
         sensor,

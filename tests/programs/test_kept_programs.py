@@ -166,6 +166,7 @@ for _ in range(2):
 """
 
 
+@pytest.mark.slow
 def test_a_process_with_several_processors_reads_a_program_for_one(tmp_path):
     """Without being told, JAX reads it for all that it has, and has too few arguments for them then."""
     shown = subprocess.run(

@@ -69,6 +69,7 @@ def test_another_process_takes_its_share(program, started):
     assert len({thread for _, thread in began}) == 2
 
 
+@pytest.mark.slow
 def test_what_a_killed_process_leaves_is_done_here(program, started):
     began = []
     finished = []
@@ -80,6 +81,7 @@ def test_what_a_killed_process_leaves_is_done_here(program, started):
     assert started[0].returncode == -signal.SIGKILL
 
 
+@pytest.mark.slow
 def test_who_asks_no_more_ends_them(program, started):
     turns = on_all_cores(program, tasks_of(30, [], started))
     next(turns), next(turns)

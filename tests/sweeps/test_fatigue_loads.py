@@ -6,9 +6,13 @@ from fixtures.swept_pendulum import TABLE
 from pydantic import ValidationError
 from sweeps.test_sweep import Here
 
+from supple.cases import bodies, read_case
+from supple.cases.result_tables import recorded_quantities
+from supple.errors import CaseError
 from supple.fatigue import Residue, damage_equivalent_load, rainflow
 from supple.sweeps import CaseTable, FatigueLoads, read_sweep, read_sweep_file, sweep
 from supple.sweeps.fatigue_loads import class_of, range_of, summed_spectra
+from supple.sweeps.planned_channels import planned_channels
 from supple.sweeps.read_sweep import SweepColumns
 
 LOADS = FatigueLoads(exponents=[4, 10], channels=["joint *"], reference_frequency=2.0, residue="closed")
@@ -67,14 +71,23 @@ def test_without_them_nothing_is_added(pendulum, tmp_path):
     assert "fatigue" not in read_sweep(tmp_path / "out").attrs
 
 
-def test_a_name_that_matches_no_channel_is_warned_of(pendulum, tmp_path):
-    loads = FatigueLoads(exponents=[4], channels=["joint *", "hub.*"])
-    status = sweep(
-        pendulum, CaseTable({"gravity[2]": [-9.81]}), tmp_path / "out", executor=Here(), fatigue=loads
-    )
-    ((text, shares),) = status.warnings
-    assert "no channel is named 'hub.*'" in text
-    assert (status.n_ran, shares) == (1, 1)
+def test_a_name_that_matches_no_channel_is_refused_before_anything_runs(pendulum, tmp_path):
+    loads = FatigueLoads(exponents=[4], channels=["joint *", "joint hing.*"])
+    with pytest.raises(CaseError, match=r"no channel is named 'joint hing\.\*'; did you mean 'joint hinge"):
+        sweep(pendulum, CaseTable({"gravity[2]": [-9.81]}), tmp_path / "out", executor=Here(), fatigue=loads)
+    assert not (tmp_path / "out").exists()
+
+
+def test_names_of_channels_are_known_before_bodies_are_reduced(case_folder, monkeypatch):
+    case = read_case(case_folder / "strip.toml")
+    names = [
+        f"{quantity.name}.{channel.name}"
+        for quantity in recorded_quantities(case, case.system)
+        for channel in quantity.channels(case.system)
+    ]
+    assert any(name.startswith("deflection strip.") for name in names)
+    monkeypatch.setattr(bodies, "reduce", None)
+    assert planned_channels(read_case(case.path)) == tuple(names)
 
 
 def test_the_table_of_the_file(pendulum, tmp_path):

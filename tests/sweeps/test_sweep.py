@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,10 @@ from fixtures.swept_pendulum import TABLE
 from scipy.integrate import solve_ivp
 
 from supple.cases import read_case
-from supple.errors import CaseError, ResultFileError
+from supple.errors import CaseError, ResultFileError, SuppleError
 from supple.quantities import read_sensors
 from supple.simulation import simulate
-from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case
+from supple.sweeps import CaseTable, read_sweep, sweep, sweep_status, swept_case, write_parquet
 from supple.sweeps.channel_statistics import STATISTICS, channel_statistics
 from supple.sweeps.part_file import CaseStatus, part_path, read_part
 from supple.sweeps.plan import make_plan, read_plan
@@ -58,7 +59,7 @@ def test_a_sweep_is_its_cases_one_by_one(pendulum, tmp_path):
         solution = simulate(own.system, own.run)
         columns = read_sensors(own.quantities, own.system, solution).columns()
         expected = channel_statistics(columns.times, columns.values)
-        # Mapped over cases the program rounds otherwise, and Newton's iteration ends a step earlier or later.
+        # Mapped over cases the program rounds otherwise: see the test below.
         assert np.abs(read.statistics[number].values.T - expected).max() < 1e-10 * np.abs(expected).max()
     assert list(read["body.bob.rigid.mass"].values) == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0]
     tension = read.statistics.sel(channel="joint hinge.Fx")
@@ -73,6 +74,29 @@ def test_a_sweep_is_its_cases_one_by_one(pendulum, tmp_path):
     assert angle < pendulum_angle(mass=3.0, gravity=9.81)
     with pytest.raises(ResultFileError, match="keeps no motion of case 0"):
         SweepColumns(folder).motion(0)
+
+
+def test_the_distance_from_single_runs_is_round_off(pendulum, tmp_path):
+    """A single run is as far from itself with a gravity of a few units in the last place more.
+
+    Forces of joints hold the round-off of positions over `beta h^2`.
+    """
+    folder = tmp_path / "out"
+    sweep(pendulum, TABLE, folder, executor=Here(), keep="all")
+    for number in (0, 4):
+        own = swept_case(folder, number)
+
+        def alone(units, own=own):
+            system = replace(
+                own.system, gravity=np.array(own.system.gravity) * (1 + units * np.finfo(float).eps)
+            )
+            return read_sensors(own.quantities, system, simulate(system, own.run)).columns().values
+
+        single = alone(0)
+        spread = max(np.abs(alone(units) - single).max() for units in (1, 2, 5, 9))
+        found = SweepColumns(folder).motion(number)["channels"]
+        assert 0 < np.abs(found - single).max() < 10 * spread
+        assert spread < 1e-10 * np.abs(single).max()
 
 
 def pendulum_angle(mass, gravity):
@@ -102,6 +126,25 @@ def test_the_same_call_does_what_is_missing_and_nothing_else(pendulum, tmp_path)
     sweep(pendulum, table, folder, executor=again)
     assert again.tasks == 2
     assert np.array_equal(read_sweep(folder).statistics.values, expected), "to the last bit"
+
+
+class GivesUp(Here):
+    """Cancels all tasks but the first, as the client of a cluster does whose scheduler is gone."""
+
+    def submit(self, task, *arguments):
+        if not self.tasks:
+            return super().submit(task, *arguments)
+        future = Future()
+        future.cancel()
+        future.set_running_or_notify_cancel()
+        return future
+
+
+def test_tasks_that_are_given_up_are_an_error_and_missing(pendulum, tmp_path):
+    table = CaseTable({"gravity[2]": np.linspace(-9.81, -1.0, 40).tolist()})
+    with pytest.raises(SuppleError, match=r"loses its scheduler: .* the same command does the rest"):
+        sweep(pendulum, table, tmp_path / "out", executor=GivesUp())
+    assert sweep_status(tmp_path / "out").missing == (1, 2)
 
 
 def test_a_sweep_of_other_inputs_is_refused(pendulum, tmp_path):
@@ -164,6 +207,10 @@ def test_what_no_case_can_be_is_refused_before_anything_runs(pendulum, tmp_path)
         sweep(pendulum, {"body.bo.rigid.mass": [1.0]}, tmp_path / "out")
     with pytest.raises(CaseError, match="keep names case 7"):
         sweep(pendulum, {"gravity[2]": [-1.0]}, tmp_path / "out", keep=[7])
+    (tmp_path / "controller.py").write_text("def made(system): ...\n")
+    pendulum.write_text('control = "controller.py:made"\n' + pendulum.read_text())
+    with pytest.raises(CaseError, match="have no permission to run"):
+        sweep(pendulum, {"gravity[2]": [-1.0]}, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -174,3 +221,16 @@ def test_the_table_of_a_case_file_is_that_of_its_own_run(pendulum, tmp_path):
     solution = simulate(case.system, case.run)
     force = read_sweep(tmp_path / "out").statistics.sel(channel="joint hinge.Fz", statistic="maximum")[1]
     assert float(force) == pytest.approx(solution.joint_forces["hinge"][:, 2].max(), rel=1e-12)
+
+
+def test_a_parquet_file_has_a_row_a_case(pendulum, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    sweep(pendulum, TABLE, tmp_path / "out", executor=Here())
+    read = read_sweep(tmp_path / "out")
+    write_parquet(read, tmp_path / "cases.parquet")
+    table = parquet.read_table(tmp_path / "cases.parquet")
+    assert table.num_rows == 6
+    assert table["gravity[2]"].to_pylist() == list(TABLE.columns["gravity[2]"])
+    for statistic in ("mean", "time of maximum"):
+        expected = read.statistics.sel(channel="joint hinge.Fx", statistic=statistic).values
+        assert np.array_equal(table[f"joint hinge.Fx {statistic}"].to_numpy(), expected)

@@ -35,7 +35,7 @@ _WORDS = {CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
 def chosen_executors(workers: int | None, cluster: str | None, mpi: bool) -> Executors:
     """Where the tasks run; ArgumentError for more than one place."""
     if sum([workers is not None, cluster is not None, mpi]) > 1:
-        raise ArgumentError("--workers, --cluster and --mpi each name where a sweep runs: give one of them")
+        raise ArgumentError("--workers, --cluster and --mpi are alternatives: give one of them")
     if cluster is not None:
         return Cluster(cluster)
     return MpiProcesses() if mpi else LocalProcesses(workers)
@@ -53,7 +53,7 @@ def share_of(text: str) -> tuple[int, int]:
 
 
 def sweep_cases(path: Path, folder: Path, executors: Executors, share: str | None, *, force: bool) -> None:
-    """Run the cases of a file of a sweep, those that are not done; exit with 3 or 4 as `SweepStatus` says.
+    """Run the cases of a file of a sweep, those that are not done; exit with 3 or 4 as in `SweepStatus`.
 
     Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is done, and exits with 130 or 143.
     """
@@ -100,7 +100,7 @@ def write_page(folder: Path, n_reports: int) -> None:
 
 
 def print_status(folder: Path) -> None:
-    """Print how far the sweep in a folder has come; exit with 3 or 4 as `SweepStatus` says."""
+    """Print the progress of the sweep in a folder; exit with 3 or 4 as in `SweepStatus`."""
     status = sweep_status(folder)
     _print(status, folder)
     raise typer.Exit(status.exit_code)
@@ -121,4 +121,13 @@ def _print(status: SweepStatus, folder: Path) -> None:
         f"{killed} killed their process, {status.n_cases - status.n_recorded} to do"
         + (f"; {len(status.begun)} shares begun" if status.begun else "")
     )
+    errors = status.errors
+    if errors.n_estimated:
+        say(
+            f"{status.n_cases} cases, largest estimated error {errors.largest:.3g}, "
+            f"{status.n_again} run again"
+            + (f", {errors.n_above} above their accuracy" if errors.n_above else "")
+        )
+    else:
+        say("The errors of the cases are not estimated")
     say(f"Results are in {folder}/")

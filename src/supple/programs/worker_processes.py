@@ -4,6 +4,12 @@ JAX runs the programs of a process one after the other where it has one thread, 
 takes twice the processor for nothing (`jax_settings`). So the other cores have processes of their own. Those
 of a compiled program read it from where it is kept and know nothing else: what it is made of, functions of a
 user among them, need not be sent. They are ready in the time that it takes to import JAX.
+
+`concurrent.futures.ProcessPoolExecutor` does not replace them. Its processes import the script of the caller
+anew (JAX does not survive a fork), which runs it again unless all it does stands under
+`if __name__ == "__main__":`; a batch is called from scripts and notebooks that know nothing of processes.
+`sweep`, whose processes are the caller's business, demands that and takes such an executor. A pool also keeps
+its caller waiting, which here does tasks like the others, and breaks as a whole with one of its processes.
 """
 
 from __future__ import annotations

@@ -1,8 +1,10 @@
 """Sweeps: many cases of one case file, run anywhere, kept in one folder, read by the column."""
 
 from supple.sweeps.case_table import *
+from supple.sweeps.certified_group import *
 from supple.sweeps.executors import *
 from supple.sweeps.fatigue_loads import *
+from supple.sweeps.over_seeds import *
 from supple.sweeps.plan import *
 from supple.sweeps.read_sweep import *
 from supple.sweeps.run_share import *

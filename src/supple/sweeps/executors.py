@@ -12,6 +12,7 @@ from threading import Thread
 from typing import Protocol
 
 from supple.algebra.available_memory import available_memory
+from supple.errors import SuppleError
 from supple.optional_packages import optional_package
 from supple.other_processes import available_cores
 
@@ -67,15 +68,21 @@ class Cluster:
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:
-        """The cluster as an executor; MissingPackageError without Dask."""
+        """The cluster as an executor; MissingPackageError without Dask, SuppleError without a scheduler."""
         distributed = optional_package("distributed", "a sweep on a Dask cluster", "cluster")
-        with distributed.Client(self.address) as client:
+        try:
+            client = distributed.Client(self.address)
+        except OSError as error:
+            raise SuppleError(
+                f"no scheduler of Dask answers at {self.address} ({error}): check the address, or start one"
+            ) from error
+        with client:
             yield client.get_executor(pure=False)
 
 
 @dataclass(frozen=True)
 class MpiProcesses:
-    """Processes of MPI: the command runs under `mpiexec -n N python -m mpi4py.futures -m supple.cli.main`."""
+    """Processes of MPI: the command runs under `mpiexec -n N python -m mpi4py.futures -m supple`."""
 
     @contextmanager
     def opened(self) -> Iterator[Executor]:

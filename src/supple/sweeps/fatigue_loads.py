@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
-from typing import Annotated
-from warnings import warn
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
-from supple.errors import SuppleWarning, did_you_mean
+from supple.cases.case import Case
+from supple.errors import CaseError, did_you_mean
 from supple.fatigue import Residue, damage_equivalent_load, rainflow
 from supple.importers.toml import CheckedTable, Positive
+from supple.sweeps.case_table import CaseTable
+from supple.sweeps.hot_spots import HotSpot, check_hot_spots
+from supple.sweeps.lifetime_of_sweep import LifetimeOfCases
+from supple.sweeps.planned_channels import planned_channels
 
 __all__ = ["FatigueLoads", "class_of", "range_of", "summed_spectra"]
 
@@ -21,6 +25,8 @@ Array = NDArray[np.float64]
 
 CLASSES = 20
 """Of the ranges of a spectrum, in each decade."""
+DAMAGE = "damage"
+"""The statistic of hot spots: Miner's sum of a case, failure at 1."""
 _SMALLEST = 1e-3
 """Of the largest range of a channel: smaller ones do no damage that is seen."""
 
@@ -29,8 +35,7 @@ class FatigueLoads(CheckedTable):
     """Which damage-equivalent loads are kept of the cases: `[output.fatigue]`."""
 
     exponents: Annotated[tuple[Positive, ...], Field(strict=False)] = Field(
-        min_length=1,
-        description="slopes of S-N curves, such as [4, 10], with a statistic each",
+        (), description="slopes of S-N curves, such as [4, 10], with a statistic each"
     )
     reference_frequency: Positive = Field(
         1.0, description="reference cycles in a unit of time: N_eq is this times the duration of the run"
@@ -44,6 +49,19 @@ class FatigueLoads(CheckedTable):
         description='names of channels; * stands for any letters: ["joint root.*"]',
     )
 
+    hot_spot: Annotated[tuple[HotSpot, ...], Field(strict=False)] = Field(
+        (), description="nodes whose damage is found, a channel each"
+    )
+    lifetime: LifetimeOfCases | None = Field(
+        None, description="how often the cases occur, by their wind speed"
+    )
+
+    @model_validator(mode="after")
+    def _ask_for_something(self) -> Self:
+        if not (self.exponents or self.hot_spot):
+            raise ValueError("give exponents, a hot_spot, or both")
+        return self
+
     @field_validator("exponents")
     @classmethod
     def _differ(cls, exponents: tuple[float, ...]) -> tuple[float, ...]:
@@ -53,32 +71,50 @@ class FatigueLoads(CheckedTable):
 
     @property
     def statistics(self) -> tuple[str, ...]:
-        """Names of the loads, one for each exponent."""
-        return tuple(f"damage-equivalent range, m = {exponent:g}" for exponent in self.exponents)
+        """Names of the loads, one for each exponent, and of the damage of hot spots."""
+        loads = tuple(f"damage-equivalent range, m = {exponent:g}" for exponent in self.exponents)
+        return (*loads, DAMAGE) if self.hot_spot else loads
 
     @property
     def conventions(self) -> str:
         """What the loads depend on, in words."""
+        correction = {spot.name: spot.ultimate for spot in self.hot_spot if spot.ultimate is not None}
+        goodman = ", ".join(f"Goodman's of {name} (ultimate {own:g})" for name, own in correction.items())
         return (
             f"damage-equivalent ranges peak to peak, {self.reference_frequency:g} reference cycles a unit of "
-            f"time, rainflow by ASTM E1049-85, residue as {self.residue.value}, no mean correction"
+            f"time, rainflow by ASTM E1049-85, residue as {self.residue.value}, "
+            + (f"mean correction: {goodman}" if goodman else "no mean correction")
         )
+
+    def check(self, case: Case, table: CaseTable) -> None:
+        """CaseError for a name of no channel, a hot spot that is not there, a speed that does not vary.
+
+        Meshes of the case are read where channels or nodes are named.
+        """
+        check_hot_spots(self.hot_spot, case)
+        if self.lifetime is not None:
+            self.lifetime.check(table)
+        if self.channels == ("*",):
+            return
+        known = planned_channels(case)
+        unknown = np.array(self.channels)[~self._matches(known).any(axis=0)]
+        if len(unknown):
+            name = str(unknown[0])
+            raise CaseError(f"fatigue: no channel is named {name!r}{did_you_mean(name, known)}")
+
+    def _matches(self, names: Sequence[str]) -> NDArray[np.bool_]:
+        """(c, p) of names and entries of `channels`."""
+        found = np.array([[fnmatchcase(name, own) for own in self.channels] for name in names], dtype=bool)
+        return found.reshape(len(names), len(self.channels))
 
     def of(self, names: Sequence[str], times: Array, values: Array) -> tuple[Array, Array]:
         """Loads (e, c) of channels, NaN of those not asked for, and the rows (m, 3) of their spectra.
 
-        A row: number of the channel, number of the class of ranges, cycles. Names that match no channel are
-        warned of.
+        A row: number of the channel, number of the class of ranges, cycles.
 
         names : (c,)    times : (t,)    values : (t, c)
         """
-        matches = np.array([[fnmatchcase(name, own) for own in self.channels] for name in names], dtype=bool)
-        matches = matches.reshape(len(names), len(self.channels))
-        for own in np.array(self.channels)[~matches.any(axis=0)]:
-            warn(
-                f"fatigue: no channel is named '{own}'{did_you_mean(own, names)}", SuppleWarning, stacklevel=2
-            )
-        chosen = np.flatnonzero(matches.any(axis=1))
+        chosen = np.flatnonzero(self._matches(names).any(axis=1))
         loads = np.full((len(self.exponents), len(names)), np.nan)
         if not len(chosen):
             return loads, np.zeros((0, 3))

@@ -55,17 +55,18 @@ class GroupBodies:
         body, like = self.reduced[name], self.tables[name]
         if table.damping == like.damping:
             return body
-        before = self._damping(name, like, 1.0)
-        share = 1.0
-        if isinstance(like.damping, RayleighRatio | LinearRayleighRatio):
-            assert isinstance(table.damping, RayleighRatio | LinearRayleighRatio)
-            share = table.damping.ratio / like.damping.ratio if like.damping.ratio else 0.0
-        return redamped(body, before, self._damping(name, table, share))
+        before, after = self.damping(name, like), self.damping(name, table)
+        assert before is not None
+        assert after is not None
+        return redamped(body, before, after)
 
-    def _damping(self, name: str, table: Body, share: float) -> Damping:
+    def damping(self, name: str, table: Body) -> Damping | None:
+        """That of a case."""
         given: Any = table.damping
         if not isinstance(given, RayleighRatio | LinearRayleighRatio):
-            return given.build()
+            return None if given is None else given.build()
+        like: Any = self.tables[name].damping
+        share = given.ratio / like.ratio if like.ratio else 0.0
         alpha, beta = (share * factor for factor in self.rayleigh[name])
         kind = RayleighDamping if isinstance(given, RayleighRatio) else LinearRayleighDamping
         return kind(alpha, beta, given.held)
@@ -79,7 +80,7 @@ def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
     folder : of the sweep
     Raises errors of reductions; SelfCorrectionError where an accuracy is not met.
     """
-    tables = {table.name: table for table in case.parts.body if _is_reduced_here(table)}
+    tables = {table.name: table for table in case.parts.body if is_reduced_here(table)}
     if not tables:
         return GroupBodies({}, {}, {})
     own = folder / "bodies" / _digest(case, tables)
@@ -94,7 +95,7 @@ def bodies_of_group(case: Case, folder: Path) -> GroupBodies:
     return GroupBodies(reduced, {name: tuple(own) for name, own in record["rayleigh"].items()}, tables)
 
 
-def _is_reduced_here(table: Body) -> bool:
+def is_reduced_here(table: Body) -> bool:
     return (
         table.elastic is not None
         and table.condense is None

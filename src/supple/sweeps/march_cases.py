@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 import time as clock
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from supple.cases.notify import silent
-from supple.errors import MemoryShortageError, MissingPackageError, ResultFileError, SuppleError
+from supple.errors import (
+    MemoryShortageError,
+    MissingPackageError,
+    ModelError,
+    ResultFileError,
+    SuppleError,
+    SuppleWarning,
+)
 from supple.integrate import Kinematic, Solution
 from supple.quantities import read_sensors
 from supple.simulation import simulate, simulate_batch
 from supple.simulation.engines import is_explicit
 from supple.storage.solution_arrays import to_arrays
+from supple.sweeps.certificate import CaseError
+from supple.sweeps.certified_group import CertifiedGroup
 from supple.sweeps.channel_statistics import channel_statistics
+from supple.sweeps.fatigue_loads import DAMAGE
+from supple.sweeps.greedy_basis import indicated
+from supple.sweeps.hot_spots import damage_of_hot_spots
 from supple.sweeps.part_file import CaseResult, CaseStatus, Channels
 from supple.sweeps.plan import MARCHED_AT_ONCE
 from supple.sweeps.swept_group import SweptCase, SweptGroup
@@ -31,21 +45,23 @@ NUMBERS_OF_A_BODY = 40
 NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
 """Errors of the machine or the disk: another try may succeed, so nothing is recorded."""
 
+Array = NDArray[np.float64]
 Began = Callable[[Sequence[int]], None]
 """Called with the numbers of the cases that march from now on."""
 
 
-def march_cases(group: SweptGroup, cases: Sequence[int], began: Began) -> Iterator[CaseResult]:
+def march_cases(certified: CertifiedGroup, cases: Sequence[int], began: Began) -> Iterator[CaseResult]:
     """What cases of a group come to, in their order.
 
     Cases that march together are one compiled program; where it does not take them, each marches alone.
     """
+    group = certified.group
     size = _at_once(group)
     for start in range(0, len(cases), size):
         block = cases[start : start + size]
         began(block)
         made, results = _made(group, block)
-        results |= _marched(group, made)
+        results |= _marched(certified, made)
         yield from (results[number] for number in block)
 
 
@@ -70,7 +86,7 @@ def _made(group: SweptGroup, cases: Sequence[int]) -> tuple[dict[int, SweptCase]
     return made, failed
 
 
-def _marched(group: SweptGroup, made: dict[int, SweptCase]) -> dict[int, CaseResult]:
+def _marched(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int, CaseResult]:
     if not made:
         return {}
     run = next(iter(made.values())).run
@@ -79,28 +95,49 @@ def _marched(group: SweptGroup, made: dict[int, SweptCase]) -> dict[int, CaseRes
     )
     if together and len(made) > 1:
         try:
-            return _together(group, made)
+            return _together(certified, made)
         except NOT_OF_A_CASE:
             raise
         except SuppleError:
             pass  # perhaps of one case: each says for itself what is wrong
-    return {number: _alone(group, number, own) for number, own in made.items()}
+    return {number: _alone(certified, number, own) for number, own in made.items()}
 
 
-def _together(group: SweptGroup, made: dict[int, SweptCase]) -> dict[int, CaseResult]:
+def _together(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int, CaseResult]:
     cases = list(made.values())
     found = simulate_batch([own.system for own in cases], cases[0].run, progress=silent)
-    results = {}
-    for place, (number, own) in enumerate(made.items()):
-        solution = found.solutions[place]
-        failure = found.failures.get(place)
-        if failure is not None:
-            solution = replace(solution, stopped=failure)
-        results[number] = _result(group, number, own, solution, solution.statistics.seconds)
-    return results
+    solutions = [
+        replace(solution, stopped=found.failures.get(place)) for place, solution in enumerate(found.solutions)
+    ]
+    errors = _errors(certified, cases, solutions)
+    return {
+        number: _result(certified.group, number, own, solution, solution.statistics.seconds, error)
+        for (number, own), solution, error in zip(made.items(), solutions, errors, strict=True)
+    }
 
 
-def _alone(group: SweptGroup, number: int, own: SweptCase) -> CaseResult:
+def _errors(
+    certified: CertifiedGroup, cases: Sequence[SweptCase], solutions: Sequence[Solution]
+) -> list[CaseError]:
+    """What is estimated of the errors of runs; of those that broke off nothing."""
+    bodies = certified.certificate.bodies
+    none = [CaseError()] * len(cases)
+    if not bodies:
+        return none
+    try:
+        found = indicated(certified.group, cases, solutions, bodies)
+    except NOT_OF_A_CASE:
+        raise
+    except SuppleError as error:
+        warnings.warn(f"errors of cases are not estimated: {error}", SuppleWarning, stacklevel=2)
+        return none
+    return [
+        certified.certificate.case_error(own) if solution.stopped is None else CaseError()
+        for own, solution in zip(found, solutions, strict=True)
+    ]
+
+
+def _alone(certified: CertifiedGroup, number: int, own: SweptCase) -> CaseResult:
     began = clock.process_time()
     try:
         solution = simulate(own.system, own.run, check=False, progress=silent)  # the command has a bar
@@ -108,10 +145,14 @@ def _alone(group: SweptGroup, number: int, own: SweptCase) -> CaseResult:
         raise
     except SuppleError as error:
         return CaseResult(number, CaseStatus.FAILED, str(error), clock.process_time() - began)
-    return _result(group, number, own, solution, clock.process_time() - began)
+    seconds = clock.process_time() - began
+    (error,) = _errors(certified, [own], [solution])
+    return _result(certified.group, number, own, solution, seconds, error)
 
 
-def _result(group: SweptGroup, number: int, own: SweptCase, solution: Solution, seconds: float) -> CaseResult:
+def _result(
+    group: SweptGroup, number: int, own: SweptCase, solution: Solution, seconds: float, error: CaseError
+) -> CaseResult:
     """A motion in numbers; of one that broke off its extremes would be those of a part, so there are none."""
     result = CaseResult(
         number,
@@ -119,6 +160,7 @@ def _result(group: SweptGroup, number: int, own: SweptCase, solution: Solution, 
         solution.stopped or "",
         seconds,
         float(solution.times[-1]),
+        *error,
         steps=solution.statistics.steps,
         iterations=solution.statistics.iterations,
     )
@@ -138,6 +180,11 @@ def _result(group: SweptGroup, number: int, own: SweptCase, solution: Solution, 
     if fatigue is not None:
         loads, spectrum = fatigue.of(columns.names, columns.times, columns.values)
         statistics = np.concatenate([statistics, loads])
+        if fatigue.hot_spot:
+            try:
+                channels, statistics = _with_damage(group, own, solution, channels, statistics)
+            except ModelError as failure:  # a peak beyond the ultimate stress
+                return replace(result, status=CaseStatus.FAILED, cause=str(failure))
     return replace(
         result,
         statistics=statistics,
@@ -145,3 +192,18 @@ def _result(group: SweptGroup, number: int, own: SweptCase, solution: Solution, 
         channels=channels,
         motion=to_arrays(solution) | {"channels": columns.values} if keeps else {},
     )
+
+
+def _with_damage(
+    group: SweptGroup, own: SweptCase, solution: Solution, channels: Channels, statistics: Array
+) -> tuple[Channels, Array]:
+    """A channel for each node of the hot spots, of which nothing but the damage is known."""
+    fatigue = group.plan.output.fatigue
+    assert fatigue is not None
+    found = damage_of_hot_spots(fatigue.hot_spot, fatigue.residue, group.like, own.system, solution)
+    k = len(found.names)
+    wide = np.full((len(statistics) + 1, statistics.shape[1] + k), np.nan)
+    wide[:-1, :-k], wide[-1, -k:] = statistics, found.damage
+    more = Channels(found.names, ("",) * k, (DAMAGE,) * k, ("",) * k, found.places)
+    both = zip(vars(channels).values(), vars(more).values(), strict=True)
+    return Channels(*(one + other for one, other in both)), wide

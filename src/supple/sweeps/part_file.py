@@ -4,10 +4,10 @@ attributes      format, version, share; statistics: names, of the axis of that n
 cases           (k,) numbers
 status          (k,) of `CaseStatus`;  cause (k,) words, "" where it ran
 seconds         (k,) of its processor;  end_time (k,) that it reached
-estimated_error (k,) NaN where none was made
+estimated_error (k,) by all parts;  basis_error (k,) by the bases alone;  allowed_error (k,): NaN if unknown
 steps, iterations (k,)
 statistics      (s, c, k): a statistic of a channel lies together
-spectrum        (m, 3): channel, class of ranges, cycles of all cases; of `FatigueLoads`
+spectrum        (m, 3): channel, class of ranges, cycles of cases that run no more; of `FatigueLoads`
 channels/       name, unit, quantity, axes, place: (c,) each
 motions/N/      of kept cases: channels (t, c), and the arrays of its motion by path
 warnings        of the runs, each once
@@ -70,12 +70,19 @@ class CaseResult:
     seconds: float = 0.0
     end_time: float = np.nan
     estimated_error: float = np.nan
+    basis_error: float = np.nan
+    allowed_error: float = np.nan
     steps: int = 0
     iterations: int = 0
     statistics: Array | None = None
     spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
     channels: Channels = field(default_factory=Channels)
     motion: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def needs_richer(self) -> bool:
+        """Whether it ran, and its bases cost more than is allowed."""
+        return self.status is CaseStatus.RAN and bool(self.basis_error > self.allowed_error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +107,8 @@ _NUMBERS = {
     "seconds": ("seconds", np.float64),
     "end_time": ("end_time", np.float64),
     "estimated_error": ("estimated_error", np.float64),
+    "basis_error": ("basis_error", np.float64),
+    "allowed_error": ("allowed_error", np.float64),
     "steps": ("steps", np.int64),
     "iterations": ("iterations", np.int64),
 }
@@ -149,7 +158,8 @@ def read_part(path: Path) -> Part:
         if file.attrs.get("format") != FORMAT or int(file.attrs["version"]) > VERSION:
             raise ResultFileError(f"{path} is no part of a sweep that this supple reads")
         channels = Channels(**{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in CHANNEL_KINDS})
-        columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items()}
+        # Of the first sweeps parts have no errors.
+        columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items() if name in file}
         cause, statistics = file["cause"].asstr()[()], file["statistics"][()]
         results = []
         for row, status in enumerate(columns["status"]):

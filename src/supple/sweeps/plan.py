@@ -8,6 +8,7 @@ where a sweep runs.
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -22,8 +23,8 @@ from supple.cases.case_family import CaseFamily, case_family
 from supple.cases.case_inputs import digests_of_files
 from supple.cases.parameter_path import parameter_path
 from supple.cases.result_machine import path_from
-from supple.errors import CaseError, ResultFileError
-from supple.importers.toml import KeyPath
+from supple.errors import CaseError, ResultFileError, did_you_mean
+from supple.importers.toml import KeyPath, Raw
 from supple.storage.file_seal import seal_of
 from supple.storage.run_inputs import Inputs, changes, digest_of
 from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
@@ -49,7 +50,7 @@ class SweepPlan:
     """What is to be done.
 
     case_file : its path, in the folder's plan as seen from there;  case_text : what stood in it
-    table : of the cases;  places : where its columns lead in the tables of the case
+    table : of the cases;  places : where its columns lead in the tables of the case, but for labels
     group : (n,) of each case: cases of one group have the same bodies, run and program
     share : (n,) of each case: those of one share are of one group
     output : what is kept
@@ -83,7 +84,14 @@ class SweepPlan:
 
     def values(self, case: int) -> dict[KeyPath, Any]:
         """What a case has in place of the values of its file, by place."""
-        return {self.places[path]: value for path, value in self.table.row(case).items()}
+        row = self.table.row(case)
+        return {place: row[path] for path, place in self.places.items()}
+
+    @property
+    def start_time(self) -> float:
+        """Instant at which the cases begin: 0, or that of the state from which they go on."""
+        start = tomllib.loads(self.case_text)["simulation"].get("start")
+        return float(start["time"]) if isinstance(start, Mapping) else 0.0
 
     def representative(self, group: int) -> int:
         """The case of a group whose bodies are reduced for all: the first of those with the most damping.
@@ -136,22 +144,28 @@ def make_plan(
     Raises
     ------
     CaseError   a path that leads nowhere; controllers, which have no place in a plan; a number to keep that
-                is no case
+                is no case; channels, nodes or a speed of `output.fatigue` that are not there
     """
     family = case_family(case_file)
     if family.case.tables.control is not None:
-        raise CaseError(f"{case_file}: the cases of a sweep march without controllers; remove control")
+        raise CaseError(
+            f"{case_file}: control names Python code, which workers of a sweep have no permission to run; "
+            "remove control, or give machines with controllers of the same functions to simulate_batch"
+        )
     if not len(table):
         raise CaseError("a sweep needs at least one case")
     if isinstance(output.keep, tuple) and (beyond := [each for each in output.keep if each >= len(table)]):
         raise CaseError(f"keep names case {beyond[0]}, and the last of {len(table)} is {len(table) - 1}")
-    places = {path: parameter_path(path, family.raw) for path in table.columns}
+    if output.fatigue is not None:
+        output.fatigue.check(family.case, table)
+    _check_columns(table, output, family.raw)
+    places = {path: parameter_path(path, family.raw) for path in table.columns if path not in output.labels}
     apart = [
         path
-        for path, column in table.columns.items()
-        if not all(is_number_of_run(places[path], value, family.raw) for value in column)
+        for path, place in places.items()
+        if not all(is_number_of_run(place, value, family.raw) for value in table.columns[path])
     ]
-    group = _numbered(
+    group = numbered(
         [tuple(map(repr, row)) for row in zip(*(table.columns[path] for path in apart), strict=True)],
         len(table),
     )
@@ -164,7 +178,31 @@ def make_plan(
     return SweepPlan(case_file.resolve(), family.text, table, places, group, share, output, inputs, units)
 
 
-def _numbered(keys: Sequence[Any], n: int) -> IntArray:
+def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
+    """CaseError for labels and seeds that are no columns, and for labels that stand in the case file."""
+    for name in output.labels:
+        if _stands(name, raw):
+            raise CaseError(f"labels: {name!r} is a path of the case file, which varies it: no label")
+    for what, names in (("labels", output.labels), ("seeds", output.seeds)):
+        for name in names:
+            if name not in table.columns:
+                raise CaseError(f"{what}: no column is named {name!r}{did_you_mean(name, table.columns)}")
+
+
+def _stands(path: str, raw: Raw) -> bool:
+    """Whether a path leads to a value that the case file has."""
+    try:
+        place = parameter_path(path, raw)
+    except CaseError:
+        return False
+    *outer, last = place
+    found: Any = raw
+    for key in outer:
+        found = found[key]
+    return isinstance(found, list) or (isinstance(found, Mapping) and last in found)
+
+
+def numbered(keys: Sequence[Any], n: int) -> IntArray:
     """Numbers from 0 in the order of first appearance; all 0 without keys."""
     numbers: dict[Any, int] = {}
     found = [numbers.setdefault(key, len(numbers)) for key in keys]
@@ -186,7 +224,7 @@ def _shares(group: IntArray, size: int | None) -> IntArray:
 
 def _inputs(family: CaseFamily, table: CaseTable, places: Mapping[str, KeyPath]) -> dict[str, str]:
     """What the results depend on: the text of the case, the table, and all files that any case reads."""
-    naming = [path for path, column in table.columns.items() if isinstance(column[0], str)]
+    naming = [path for path in places if isinstance(table.columns[path][0], str)]
     files = set(family.files({}))
     for path in naming:
         for value in set(table.columns[path]):
@@ -212,7 +250,7 @@ def write_plan(folder: Path, plan: SweepPlan) -> None:
                 "inputs": json.dumps(dict(plan.inputs)),
                 "units": str(plan.units),
                 "paths": json.dumps(list(plan.table.columns)),
-                "places": json.dumps([plan.places[path] for path in plan.table.columns]),
+                "places": json.dumps([plan.places.get(path) for path in plan.table.columns]),
             }
         )
         file.create_dataset("group", data=plan.group)
@@ -256,7 +294,11 @@ def _plan(path: Path, _: bytes) -> SweepPlan:
             )
         paths = json.loads(known["paths"])
         columns = {name: _read_column(file[f"parameters/{i}"]) for i, name in enumerate(paths)}
-        places = {name: tuple(place) for name, place in zip(paths, json.loads(known["places"]), strict=True)}
+        places = {
+            name: tuple(place)
+            for name, place in zip(paths, json.loads(known["places"]), strict=True)
+            if place is not None
+        }
         return SweepPlan(
             (folder / known["case_file"]).resolve(),
             known["case"],

@@ -12,15 +12,25 @@ from supple.errors import ResultFileError
 from supple.optional_packages import optional_package
 from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.case_table import CaseTable
-from supple.sweeps.fatigue_loads import range_of, summed_spectra
-from supple.sweeps.part_file import CHANNEL_KINDS, CaseStatus, motion_in, part_path, whole_parts
+from supple.sweeps.fatigue_loads import DAMAGE, range_of, summed_spectra
+from supple.sweeps.part_file import CHANNEL_KINDS, CaseStatus, motion_in, part_path
 from supple.sweeps.plan import SweepPlan, read_plan
+from supple.sweeps.sweep_shares import sweep_shares
 
 __all__ = ["SweepColumns", "read_sweep", "write_parquet"]
 
 Array = NDArray[np.float64]
 
-_OF_CASES = ("seconds", "end_time", "estimated_error", "steps", "iterations")
+_OF_CASES = (
+    "seconds",
+    "end_time",
+    "estimated_error",
+    "basis_error",
+    "allowed_error",
+    "steps",
+    "iterations",
+)
+_IN_CASE_UNITS = ("estimated_error", "basis_error", "allowed_error")
 
 
 class SweepColumns:
@@ -36,8 +46,14 @@ class SweepColumns:
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
         self.plan: SweepPlan = read_plan(self.folder)
-        self.shares = whole_parts(self.folder, self.plan.n_shares)
-        self._cases = {share: self.plan.cases_of(share) for share in self.shares}
+        known = sweep_shares(self.folder, self.plan)
+        self.shares = list(known.whole)
+        """Those that run again come after what they replace"""
+        self._cases = {share: known.cases[share] for share in self.shares}
+        self.runs = np.zeros(self.plan.n_cases, dtype=np.int64)
+        """(n,) how often each case has run"""
+        for share in self.shares:
+            self.runs[self._cases[share]] = known.level[share] + 1
         self.channels = self._channels()
 
     @property
@@ -89,6 +105,31 @@ class SweepColumns:
             if len(own := rows[rows[:, 0] == number])
         }
 
+    def lifetime(self) -> tuple[Array, float]:
+        """Of the statistics of fatigue over the lifetime: (f, c), and the share of it that the cases cover.
+
+        Damage-equivalent ranges of its reference cycles, damage of hot spots; NaN where a case lacks them.
+        ResultFileError where the sweep asks for no lifetime.
+        """
+        fatigue = self.plan.output.fatigue
+        if fatigue is None or fatigue.lifetime is None:
+            raise ResultFileError(f"{self.folder} has no lifetime: give [output.fatigue.lifetime]")
+        durations = self.of_cases("end_time") - self.plan.start_time
+        whole = np.isfinite(durations) & (durations > 0)
+        life = fatigue.lifetime.of(self.table, np.where(whole, durations, 1.0))
+        found = np.full((len(fatigue.statistics), len(self.channels["name"])), np.nan)
+        for row, name in enumerate(fatigue.statistics):
+            values = self.statistic(self.statistics.index(name))
+            known = np.isfinite(values).all(axis=0) & whole.all()
+            if name == DAMAGE:
+                found[row, known] = life.damage(values[:, known])
+            else:
+                cycles = fatigue.reference_frequency * durations
+                found[row, known] = life.equivalent_load(
+                    values[:, known], fatigue.exponents[row], cycles, fatigue.lifetime.cycles
+                )
+        return found, life.covered
+
     def of_cases(self, name: str) -> NDArray[Any]:
         """A number or word of each case, by the name of its data set in a part."""
         words = name == "cause"
@@ -96,7 +137,8 @@ class SweepColumns:
         found = np.full(self.plan.n_cases, missing, dtype=object if words else None)
         for share in self.shares:
             with open_sealed(part_path(self.folder, share), verify=False) as file:
-                found[self._cases[share]] = file[name].asstr()[()] if words else file[name][()]
+                if name in file:  # the first sweeps had no errors
+                    found[self._cases[share]] = file[name].asstr()[()] if words else file[name][()]
         return found
 
     def motion(self, case: int) -> dict[str, Array]:
@@ -104,8 +146,11 @@ class SweepColumns:
 
         Raises ResultFileError where the motion of the case was not kept.
         """
-        with open_sealed(part_path(self.folder, int(self.plan.share[case])), verify=False) as file:
-            found = motion_in(file, case)
+        found: dict[str, Array] = {}
+        for share in self.shares:
+            if case in self._cases[share]:
+                with open_sealed(part_path(self.folder, share), verify=False) as file:
+                    found = motion_in(file, case)
         if not found:
             raise ResultFileError(
                 f"{self.folder} keeps no motion of case {case}: name it in keep, or simulate `swept_case`"
@@ -137,8 +182,9 @@ def read_sweep(folder: Path | str) -> Any:
         tip = ds.statistics.sel(channel="deflection blade.TIP.x", statistic="maximum")
 
     statistics (case, channel, statistic), with unit, quantity, axes and place of each channel; per case
-    status (0 ran, 1 failed, 2 killed, -1 missing), cause, seconds, end_time, estimated_error, steps and
-    iterations; parameters are coordinates by their paths. Cases without results are NaN.
+    status (0 ran, 1 failed, 2 killed, -1 missing), cause, seconds, end_time, estimated_error, basis_error,
+    allowed_error, runs, steps and iterations; parameters are coordinates by their paths. Cases without
+    results are NaN. With a lifetime in `output.fatigue` its loads and damage are lifetime (fatigue, channel).
 
     Raises
     ------
@@ -158,9 +204,13 @@ def read_sweep(folder: Path | str) -> Any:
         ),
         "cause": ("case", columns.of_cases("cause")),
     }
+    length = {"units": columns.plan.units.length} if columns.plan.units.length else {}
+    units = {"seconds": {"units": "s", "of": "processor"}, "end_time": time}
+    units |= dict.fromkeys(_IN_CASE_UNITS, length)
     for name in _OF_CASES:
-        own = {"seconds": {"units": "s", "of": "processor"}, "end_time": time}.get(name, {})
+        own = units.get(name, {})
         variables[name] = ("case", columns.of_cases(name), own)
+    variables["runs"] = ("case", columns.runs, {"meaning": "times run, with richer bases each"})
     coordinates: dict[str, Any] = {
         "case": np.arange(columns.plan.n_cases),
         "statistic": list(columns.statistics),
@@ -171,8 +221,15 @@ def read_sweep(folder: Path | str) -> Any:
     for path, column in columns.table.columns.items():
         coordinates[path] = ("case", _as_array(column))
     title = {"case_file": str(columns.plan.case_file), "missing": int((variables["status"][1] < 0).sum())}
-    if columns.plan.output.fatigue is not None:
-        title["fatigue"] = columns.plan.output.fatigue.conventions
+    if columns.plan.output.seeds:
+        title["seeds"] = list(columns.plan.output.seeds)
+    fatigue = columns.plan.output.fatigue
+    if fatigue is not None:
+        title["fatigue"] = fatigue.conventions
+        if fatigue.lifetime is not None:
+            lifetime, covered = columns.lifetime()
+            variables["lifetime"] = (("fatigue", "channel"), lifetime, {"covered": covered})
+            coordinates["fatigue"] = list(fatigue.statistics)
     return xarray.Dataset(variables, coords=coordinates, attrs=title)
 
 

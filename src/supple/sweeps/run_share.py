@@ -6,16 +6,17 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-from supple.errors import SuppleError, SuppleWarning
+from supple.errors import ResultFileError, SuppleError, SuppleWarning
 from supple.other_processes import one_core
 from supple.storage.sealed_hdf5 import is_whole
 from supple.sweeps.attempts import Attempts
+from supple.sweeps.certified_group import certified_group
 from supple.sweeps.fatigue_loads import summed_spectra
 from supple.sweeps.isolated_share import isolated_share
 from supple.sweeps.march_cases import NOT_OF_A_CASE, Began, march_cases
 from supple.sweeps.part_file import CaseResult, CaseStatus, Part, part_path, write_part
 from supple.sweeps.plan import read_plan
-from supple.sweeps.swept_group import swept_group
+from supple.sweeps.sweep_shares import MOST_LEVELS, sweep_shares
 
 __all__ = ["run_cases", "run_share"]
 
@@ -37,9 +38,12 @@ def run_share(folder: str, share: int) -> None:
     if is_whole(target):
         return
     attempts = Attempts(where, share)
-    cases = read_plan(where).cases_of(share).tolist()
+    cases, level = _cases_of(where, share)
     try:
-        part = isolated_share(where, cases) if attempts.are_many else run_cases(where, cases, attempts.begin)
+        if attempts.are_many:
+            part = isolated_share(where, cases, level)
+        else:
+            part = run_cases(where, cases, level, attempts.begin)
         write_part(target, part)
     except BaseException:
         attempts.withdraw()
@@ -47,19 +51,41 @@ def run_share(folder: str, share: int) -> None:
     attempts.end()
 
 
+def _cases_of(folder: Path, share: int) -> tuple[list[int], int]:
+    """The cases of a share, and how often they have run before."""
+    plan = read_plan(folder)
+    if share < plan.n_shares:
+        return plan.cases_of(share).tolist(), 0
+    shares = sweep_shares(folder, plan)
+    if share >= len(shares.cases):
+        raise ResultFileError(
+            f"{folder} has no share {share} yet: those before it are missing; run the sweep again"
+        )
+    return shares.cases[share].tolist(), shares.level[share]
+
+
 def _unmarked(_: Sequence[int]) -> None:
     """No mark: whoever started this process sees how it ends."""
 
 
-def run_cases(folder: Path, cases: Sequence[int], began: Began = _unmarked) -> Part:
-    """What cases of one group come to, found by this process alone."""
+def run_cases(folder: Path, cases: Sequence[int], level: int = 0, began: Began = _unmarked) -> Part:
+    """What cases of one group come to, found by this process alone.
+
+    level : times that they have run before, with poorer bases
+    """
     plan = read_plan(folder)
     words: dict[str, None] = {}
     with one_core(), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SuppleWarning)
         try:
             began(cases)
-            group = swept_group(folder, plan, int(plan.group[cases[0]]))
+            group = certified_group(folder, plan, int(plan.group[cases[0]]), level)
+            if group.is_asked and group.certificate.reason:
+                warnings.warn(
+                    f"errors of cases are not estimated: {group.certificate.reason}",
+                    SuppleWarning,
+                    stacklevel=1,
+                )
             results = list(march_cases(group, cases, began))
         except NOT_OF_A_CASE:
             raise
@@ -68,5 +94,7 @@ def run_cases(folder: Path, cases: Sequence[int], began: Began = _unmarked) -> P
     for each in caught:
         if issubclass(each.category, SuppleWarning):
             words[str(each.message)] = None
-    spectrum = summed_spectra([each.spectrum for each in results])
+    # Cycles of cases that run again are counted then.
+    last = [each.spectrum for each in results if level == MOST_LEVELS or not each.needs_richer]
+    spectrum = summed_spectra(last)
     return Part(results, tuple(words), plan.output.statistics, spectrum)

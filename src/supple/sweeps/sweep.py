@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, as_completed
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,10 @@ from supple.sweeps.attempts import Attempts
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.executors import Executors, Given, LocalProcesses
 from supple.sweeps.fatigue_loads import FatigueLoads
-from supple.sweeps.part_file import whole_parts
 from supple.sweeps.plan import SweepPlan, changed_inputs, make_plan, plan_path, read_plan, write_plan
 from supple.sweeps.run_share import run_share
 from supple.sweeps.sweep_file import SweepOutput
+from supple.sweeps.sweep_shares import sweep_shares
 from supple.sweeps.sweep_status import SweepStatus, sweep_status
 
 __all__ = ["plan_sweep", "run_part_of_sweep", "run_sweep", "sweep"]
@@ -37,6 +37,8 @@ def sweep(
     executor: Executor | None = None,
     keep: str | Sequence[int] = "none",
     fatigue: FatigueLoads | None = None,
+    labels: Sequence[str] = (),
+    seeds: Sequence[str] = (),
     force: bool = False,
     progress: Progress | None = None,
 ) -> SweepStatus:
@@ -52,7 +54,9 @@ def sweep(
     folder : for the plan, the reduced bodies and the parts of the sweep
     executor : where its tasks run; None: processes of this machine, a core each
     keep : cases whose motion is kept besides their statistics: "none", "all" or their numbers from 0
-    fatigue : damage-equivalent loads that are kept of the cases
+    fatigue : damage-equivalent loads and hot spots of the cases, and their lifetime
+    labels : columns of the table that are no paths and change nothing, such as a wind speed
+    seeds : columns whose values are realisations, over which the page has statistics
     force : begin anew, whatever the folder holds
     progress : called with the finished fraction of the cases
 
@@ -62,15 +66,17 @@ def sweep(
 
     Raises
     ------
-    CaseError           a path that leads nowhere, columns of different lengths
+    CaseError           a path that leads nowhere, columns of different lengths; channels, nodes, labels or
+                        seeds that are not there
     ResultFileError     the folder holds another sweep, or one of other inputs; it cannot be written
     SuppleError         processes that end before they begin: of a script, put what it does under
-                        `if __name__ == "__main__":`
+                        `if __name__ == "__main__":`; a cluster that loses its scheduler
     """
     folder = Path(folder)
     table = table if isinstance(table, CaseTable) else CaseTable(table)
+    kept = keep if isinstance(keep, str) else list(keep)
     output = SweepOutput.model_validate(
-        {"keep": keep if isinstance(keep, str) else list(keep), "fatigue": fatigue}
+        {"keep": kept, "fatigue": fatigue, "labels": list(labels), "seeds": list(seeds)}
     )
     plan_sweep(make_plan(Path(case), table, output), folder, force=force)
     return run_sweep(folder, LocalProcesses() if executor is None else Given(executor), progress)
@@ -92,7 +98,7 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
                     "elsewhere"
                 )
             return
-        for name in ("parts", "attempts", "cases"):
+        for name in ("parts", "attempts", "cases", "certificates"):
             shutil.rmtree(folder / name, ignore_errors=True)
         write_plan(folder, plan)
 
@@ -103,13 +109,13 @@ def run_sweep(folder: Path, executors: Executors, progress: Progress | None = No
     Parameters, results and errors as for `sweep`.
     """
     plan = read_plan(folder)
-    counts = [len(plan.cases_of(share)) for share in range(plan.n_shares)]
-    done = set(whole_parts(folder, plan.n_shares))
-    missing = sorted(set(range(plan.n_shares)) - done)
+    shares = sweep_shares(folder, plan)
+    done = set(shares.whole)
+    missing = shares.missing
 
     def report() -> None:
         if progress is not None:
-            progress(sum(counts[share] for share in done) / plan.n_cases)
+            progress(sum(len(shares.cases[share]) for share in done) / sum(map(len, shares.cases)))
 
     breaks = 0
     while missing:
@@ -124,9 +130,15 @@ def run_sweep(folder: Path, executors: Executors, progress: Progress | None = No
                     report()
                 elif _is_death(error):
                     errors.append(error)
+                elif isinstance(error, CancelledError):
+                    raise SuppleError(
+                        "the tasks of the sweep were given up, as a cluster does that loses its scheduler: "
+                        f"{folder} keeps what is done, and the same command does the rest"
+                    ) from error
                 else:
                     raise error
-        missing = sorted(set(range(plan.n_shares)) - done)
+        shares = sweep_shares(folder, plan)  # and those of cases that run again
+        done, missing = set(shares.whole), shares.missing
         # Processes that end leave a mark, until their share is run by processes of its own.
         breaks = 0 if len(done) > before or _marks(folder, missing) > marks else breaks + 1
         if missing and breaks >= MOST_BREAKS_WITHOUT_PROGRESS:
@@ -159,18 +171,25 @@ def _shares_run(
         if not tasks:
             yield shares[0], error
     for task in as_completed(tasks):
-        yield tasks[task], task.exception()
+        yield tasks[task], CancelledError() if task.cancelled() else task.exception()
 
 
 def run_part_of_sweep(folder: Path, number: int, of: int, progress: Progress | None = None) -> None:
     """Do what one of several jobs has to do of the sweep in a folder, in this process: shares k, k + n, ...
 
+    The job that ends last does what is to run again as well.
+
     number : k, from 1;  of : n
     Raises ResultFileError as `run_share`.
     """
     plan = read_plan(folder)
-    own = range(number - 1, plan.n_shares, of)
-    for place, share in enumerate(own):
-        run_share(str(folder), share)
-        if progress is not None:
-            progress((place + 1) / len(own))
+    shares = sweep_shares(folder, plan)
+    own = list(range(number - 1, len(shares.cases), of))
+    while own:
+        for place, share in enumerate(own):
+            run_share(str(folder), share)
+            if progress is not None:
+                progress((place + 1) / len(own))
+        known, shares = len(shares.cases), sweep_shares(folder, plan)
+        # The job that ends last finds the cases that run again.
+        own = list(range(known, len(shares.cases)))

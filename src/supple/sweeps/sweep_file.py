@@ -48,6 +48,12 @@ class SweepOutput(CheckedTable):
         le=1000,
         description="cases that one task simulates and one file holds; left out: by their number",
     )
+    labels: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        (), description="columns of the table that are no paths and change nothing, such as a wind speed"
+    )
+    seeds: Annotated[tuple[str, ...], Field(strict=False)] = Field(
+        (), description="columns whose values are realisations: statistics over them, for all other columns"
+    )
     fatigue: FatigueLoads | None = Field(None, description="damage-equivalent loads of channels")
 
     @property

@@ -27,9 +27,12 @@ from supple.results import without_noise
 from supple.results.run_tables import TextTable
 from supple.simulation import simulate
 from supple.storage.file_errors import file_errors
+from supple.sweeps.certified_group import swept_case
+from supple.sweeps.channel_statistics import STATISTICS
+from supple.sweeps.over_seeds import conditions_of, over_conditions
 from supple.sweeps.part_file import CaseStatus
 from supple.sweeps.read_sweep import SweepColumns
-from supple.sweeps.swept_group import swept_case
+from supple.sweeps.sweep_status import case_errors
 
 __all__ = ["Extreme", "sweep_extremes", "write_sweep_report"]
 
@@ -97,6 +100,8 @@ def _moves(units: NDArray[Any], low: Array, high: Array) -> NDArray[np.bool_]:
 def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Progress | None = None) -> Path:
     """Write `sweep.html` into the folder of a sweep: its cases with plots, extremes and spectra.
 
+    Where the file of the sweep names seeds, `conditions.html` holds the statistics over them.
+
     The cases with the most extremes are simulated again, and their reports written beside it, in `cases/`,
     unless they are there: the extremes lead to all that are.
 
@@ -123,6 +128,11 @@ def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Prog
                 target.parent.mkdir(exist_ok=True)
             _write_case_report(folder, case, target, varied)
     reports = {int(own.stem): f"{_REPORTS}/{own.name}" for own in sorted((folder / _REPORTS).glob("*.html"))}
+    if columns.plan.output.seeds:
+        write_sweep_page(folder / "conditions.html", _page_of_conditions(columns))
+    else:
+        with file_errors("remove", folder):
+            (folder / "conditions.html").unlink(missing_ok=True)  # of a sweep before
     return write_sweep_page(folder / "sweep.html", _page(columns, reports))
 
 
@@ -153,7 +163,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     results = {
         "status": [_STATES.get(code, _NOT_RUN) for code in status.tolist()],
         "seconds of a processor": columns.of_cases("seconds"),
-        **({} if np.isnan(errors).all() else {"estimated error": errors}),
+        **({} if np.isnan(errors).all() else {"estimated error": errors, "runs": columns.runs.astype(float)}),
     }
     fatigue = plan.output.fatigue
     names = [*_FIRST, *(name for name in columns.statistics if name not in _FIRST)]
@@ -178,29 +188,86 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
         results=results,
         spectra=spectra,
         exponents=() if fatigue is None else fatigue.exponents,
-        sections=[_summary(columns, status, errors, n_channels)],
+        sections=[_summary(columns, status, errors, n_channels), *_lifetime(columns)],
         reports=reports,
         time=units.time,
     )
 
 
 def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
-    """Statistics of a channel, but those that were asked for other channels."""
-    return {
-        name: own[:, place]
-        for name, own in numbers.items()
-        if not (name.startswith("damage-equivalent") and np.isnan(own[:, place]).all())
-    }
+    """Statistics of a channel but those of fatigue or of hot spots that it has in no case."""
+    known = {name: own[:, place] for name, own in numbers.items() if not np.isnan(own[:, place]).all()}
+    return known or {name: numbers[name][:, place] for name in STATISTICS}
+
+
+def _page_of_conditions(columns: SweepColumns) -> SweepPage:
+    """A row for each condition: means, deviations and largest values over its seeds."""
+    plan = columns.plan
+    numbers, conditions = conditions_of(plan.table, plan.output.seeds)
+    names = [name for name in columns.statistics if not name.startswith("time of")]
+    n_conditions = int(numbers.max()) + 1
+    n_channels = channels_that_fit(n_conditions, len(conditions.columns) + 1, 3 * len(names))
+    kept = slice(0, n_channels)
+    by_channel: list[dict[str, Array]] = [{} for _ in columns.channels["name"][kept]]
+    for name in names:
+        found = over_conditions(columns.statistic(columns.statistics.index(name), kept), numbers)
+        worst = found.minimum if name == "minimum" else found.maximum
+        parts = {"mean": found.mean, "deviation": found.deviation, "extreme": worst}
+        for place, own in enumerate(by_channel):
+            if found.number[:, place].any():
+                own |= {f"{name}, {part} over seeds": values[:, place] for part, values in parts.items()}
+    ran = np.bincount(numbers, weights=columns.of_cases("status") == CaseStatus.RAN).astype(np.int64)
+    sizes = np.bincount(numbers)
+    lines = [
+        f"{n_conditions} conditions of {plan.n_cases} cases, which differ in {', '.join(plan.output.seeds)} "
+        f"alone: {sizes.min()} to {sizes.max()} cases each. Deviations are those of samples (n - 1)."
+    ]
+    channels = zip(columns.channels["name"][kept], columns.channels["unit"][kept], by_channel, strict=True)
+    return SweepPage(
+        title=f"{plan.family.case.title or plan.case_file.stem}: statistics over seeds",
+        parameters=conditions.columns,
+        channels=[ChannelOfCases(*own, has_extremes=False) for own in channels],
+        results={"cases with results": ran},
+        sections=[Section("Conditions", lines)],
+        time=plan.family.case.units.time,
+    )
+
+
+def _lifetime(columns: SweepColumns) -> Iterator[Section]:
+    """Loads and damage of the lifetime, where the sweep asks for them."""
+    fatigue = columns.plan.output.fatigue
+    if fatigue is None or fatigue.lifetime is None:
+        return
+    values, covered = columns.lifetime()
+    asked = fatigue.lifetime
+    lines = [
+        f"Lifetime of {asked.duration:g} {columns.plan.units.time}, of which the wind speeds of the cases "
+        f"({asked.speed}) cover {100 * covered:.3g} %; ranges of {asked.cycles:g} cycles, failure at 1."
+    ]
+    rows = [
+        (name, unit, *(f"{value:.4g}" if np.isfinite(value) else "" for value in own))
+        for name, unit, own in zip(columns.channels["name"], columns.channels["unit"], values.T, strict=True)
+        if (own > 0).any()
+    ]
+    if not rows:
+        lines.append("Cases without results, so that there are no numbers of the lifetime.")
+    yield Section("Lifetime", lines, [TextTable("", ("channel", "unit", *fatigue.statistics), rows)])
+
+
+def _words_of_errors(columns: SweepColumns, errors: Array) -> str:
+    found = case_errors(errors, columns.of_cases("allowed_error"))
+    if not found.n_estimated:
+        return "The errors of the cases were not estimated."
+    unit = columns.plan.units.length or ""
+    words = f"Largest estimated error {found.largest:.3g} {unit}".rstrip()
+    words += f", of {found.n_estimated} of {len(errors)} cases; {int((columns.runs > 1).sum())} run again"
+    return f"{words}, {found.n_above} above their accuracy." if found.n_above else f"{words}."
 
 
 def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_channels: int) -> Section:
     counts = {word: int((status == code).sum()) for code, word in [*_STATES.items(), (-1, _NOT_RUN)]}
     said = ", ".join(f"{number} {word}" for word, number in counts.items() if number)
-    estimated = int((~np.isnan(errors)).sum())
-    if estimated:
-        error = f"Largest estimated error {np.nanmax(errors):.3g}, of {estimated} of {len(errors)} cases."
-    else:
-        error = "The errors of the cases were not estimated."
+    error = _words_of_errors(columns, errors)
     lines = [f"{len(status)} cases of {columns.plan.case_file.name}: {said}.", error]
     if columns.plan.output.fatigue is not None:
         lines.append(f"Fatigue: {columns.plan.output.fatigue.conventions}.")

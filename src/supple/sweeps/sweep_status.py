@@ -6,12 +6,20 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.attempts import Attempts
-from supple.sweeps.part_file import CaseStatus, part_path, whole_parts
+from supple.sweeps.part_file import CaseStatus, part_path
 from supple.sweeps.plan import read_plan
+from supple.sweeps.sweep_shares import sweep_shares
 
-__all__ = ["FailedCase", "SweepStatus", "sweep_status"]
+__all__ = ["CaseErrors", "FailedCase", "SweepStatus", "case_errors", "sweep_status"]
+
+Array = NDArray[np.float64]
+
+_ERRORS = {"estimated_error", "allowed_error"}
 
 
 @dataclass(frozen=True)
@@ -24,9 +32,24 @@ class FailedCase:
 
 
 @dataclass(frozen=True)
+class CaseErrors:
+    """What is estimated of the errors of the cases, lengths.
+
+    n_estimated : cases that have an estimate
+    largest : of all estimates; NaN without any
+    n_above : cases whose estimate is above their accuracy
+    """
+
+    n_estimated: int = 0
+    largest: float = np.nan
+    n_above: int = 0
+
+
+@dataclass(frozen=True)
 class SweepStatus:
     """Counts of cases and shares.
 
+    n_again : cases that ran again with richer bases, or are to
     missing : numbers of the shares without a whole part
     begun : of those, the ones that a process is at, or ended with
     failed : cases that were recorded without results
@@ -36,10 +59,12 @@ class SweepStatus:
     n_cases: int
     n_shares: int
     n_ran: int
+    n_again: int
     missing: tuple[int, ...]
     begun: tuple[int, ...]
     failed: tuple[FailedCase, ...]
     warnings: tuple[tuple[str, int], ...] = ()
+    errors: CaseErrors = CaseErrors()
 
     @property
     def n_recorded(self) -> int:
@@ -58,19 +83,40 @@ def sweep_status(folder: Path | str) -> SweepStatus:
     """How far the sweep in a folder has come; ResultFileError where there is none."""
     folder = Path(folder)
     plan = read_plan(folder)
-    whole = whole_parts(folder, plan.n_shares)
-    missing = sorted(set(range(plan.n_shares)) - set(whole))
-    n_ran, failed, warned = 0, list[FailedCase](), Counter[str]()
-    for share in whole:
+    shares = sweep_shares(folder, plan)
+    states = np.full(plan.n_cases, -1)
+    errors = {name: np.full(plan.n_cases, np.nan) for name in _ERRORS}
+    causes, warned = dict[int, str](), Counter[str]()
+    for share in shares.whole:
         with open_sealed(part_path(folder, share), verify=False) as file:
-            status = file["status"][()]
+            cases, own = file["cases"][()], file["status"][()]
+            states[cases] = own
             warned.update(file["warnings"].asstr()[()])
-            n_ran += int((status == CaseStatus.RAN).sum())
-            if (status != CaseStatus.RAN).any():
-                rows = zip(file["cases"][()], status, file["cause"].asstr()[()], strict=True)
-                failed += [FailedCase(int(case), CaseStatus(own), why) for case, own, why in rows if own]
-    begun = tuple(share for share in missing if Attempts(folder, share).marks)
-    failed.sort(key=lambda each: each.case)
-    return SweepStatus(
-        plan.n_cases, plan.n_shares, n_ran, tuple(missing), begun, tuple(failed), tuple(warned.items())
+            for name in _ERRORS & file.keys():
+                errors[name][cases] = file[name][()]
+            if (own != CaseStatus.RAN).any():
+                causes |= dict(zip(cases.tolist(), file["cause"].asstr()[()], strict=True))
+    failed = tuple(
+        FailedCase(case, CaseStatus(states[case]), causes[case])
+        for case in np.flatnonzero(states > 0).tolist()
     )
+    begun = tuple(share for share in shares.missing if Attempts(folder, share).marks)
+    return SweepStatus(
+        plan.n_cases,
+        len(shares.cases),
+        int((states == CaseStatus.RAN).sum()),
+        len(shares.run_again),
+        tuple(shares.missing),
+        begun,
+        failed,
+        tuple(warned.items()),
+        case_errors(errors["estimated_error"], errors["allowed_error"]),
+    )
+
+
+def case_errors(estimated: Array, allowed: Array) -> CaseErrors:
+    """Of the estimates of all cases and what they are allowed, (n,) each, NaN where not known."""
+    known = ~np.isnan(estimated)
+    above = estimated > allowed
+    largest = float(estimated[known].max()) if known.any() else np.nan
+    return CaseErrors(int(known.sum()), largest, int(above.sum()))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
-from supple.body import BodyForm
+from supple.body import BodyForm, Damping, FullBody
+from supple.cases.bodies import Body
 from supple.cases.case import Case
 from supple.cases.case_inputs import digests_of_files
 from supple.cases.condense import with_modes_enough
@@ -15,15 +17,18 @@ from supple.cases.notify import silent
 from supple.cases.result_tables import recorded_quantities
 from supple.cases.static_case import starting_system
 from supple.errors import ResultFileError
+from supple.importers.toml import KeyPath
 from supple.integrate import Run
 from supple.machine import System
 from supple.quantities import Quantity
 from supple.reduction import ReducedBody
+from supple.reduction.projection import counted_damping
 from supple.storage.run_inputs import changes
+from supple.sweeps.body_numbers import PLACING
 from supple.sweeps.group_bodies import GroupBodies, bodies_of_group
-from supple.sweeps.plan import SweepPlan, read_plan
+from supple.sweeps.plan import SweepPlan
 
-__all__ = ["SweptCase", "SweptGroup", "swept_case", "swept_group"]
+__all__ = ["SweptCase", "SweptGroup", "swept_group"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +58,13 @@ class SweptGroup:
     """Cases that differ in numbers of their runs.
 
     like : the representative case, with its bodies made
+    fresh : the same, which makes its bodies itself
     """
 
     plan: SweepPlan
     like: Case
     bodies: GroupBodies
+    fresh: Case
     _damped: dict[tuple[str, str], ReducedBody] = field(default_factory=dict)
 
     def case(self, number: int) -> SweptCase:
@@ -65,7 +72,11 @@ class SweptGroup:
 
         Raises CaseError for values that the case file could not have; errors of building and starting it.
         """
-        case = self.plan.family.variant(self.plan.values(number), self.like, self._made)
+        return self.with_values(self.plan.values(number))
+
+    def with_values(self, values: Mapping[KeyPath, Any]) -> SweptCase:
+        """A case with numbers of its run, by place, that the table need not have; errors as for `case`."""
+        case = self.plan.family.variant(values, self.like, self._made)
         made = dict(self._made)
         for table in case.parts.body:
             if table.name in self.bodies.reduced:
@@ -74,8 +85,40 @@ class SweptGroup:
                 if key not in self._damped:
                     self._damped[key] = self.bodies.damped(table.name, table)
                 made[table.name] = self._damped[key]
+            elif table.name in self._rigid and _content(table) == self._rigid[table.name][0]:
+                # The same object again: cases that start alike are started together (`batch_start`).
+                made[table.name] = self._rigid[table.name][1]
         case = self.like.varied(case.tables, made)
         return SweptCase(case, starting_system(case))
+
+    def fulls(self, case: Case) -> dict[str, FullBody]:
+        """The reduced bodies of a case with all their coordinates."""
+        found = {}
+        for name, damping in self.dampings(case).items():
+            body = self.bodies.reduced[name]
+            found[name] = FullBody(self.fresh.flexible[name], body.frame, counted_damping(damping, body.r))
+        return found
+
+    def dampings(self, case: Case) -> dict[str, Damping | None]:
+        """Of the reduced bodies in a case."""
+        tables = {table.name: table for table in case.parts.body}
+        return {name: self.bodies.damping(name, tables[name]) for name in self.bodies.reduced}
+
+    def in_full(self, case: Case, fulls: Mapping[str, FullBody]) -> System:
+        """The machine of a case as its run starts, some bodies with all their coordinates."""
+        return starting_system(case.varied(case.tables, {**self._made, **case.made, **fulls}))
+
+    def with_bodies(self, reduced: Mapping[str, ReducedBody]) -> SweptGroup:
+        """The group with other reduced bodies."""
+        bodies = replace(self.bodies, reduced={**self.bodies.reduced, **reduced})
+        return SweptGroup(self.plan, self.like.varied(self.like.tables, bodies.reduced), bodies, self.fresh)
+
+    @cached_property
+    def _rigid(self) -> Mapping[str, tuple[str, BodyForm]]:
+        """Rigid bodies of the representative case, with what they are made of."""
+        tables = {table.name: table for table in self.like.parts.body}
+        forms = [placed.body for placed in self.like.system.bodies if placed.body.kind == "rigid"]
+        return {form.name: (_content(tables[form.name]), form) for form in forms}
 
     @cached_property
     def _made(self) -> Mapping[str, BodyForm]:
@@ -88,6 +131,11 @@ class SweptGroup:
         if condensed:
             placed = with_modes_enough(starting_system(case), case.run, condensed, silent).bodies
         return {each.body.name: each.body for each in placed if each.body.kind != "rigid"}
+
+
+def _content(table: Body) -> str:
+    """What a body is made of, wherever it is placed."""
+    return table.model_dump_json(exclude=set(PLACING))
 
 
 @lru_cache(maxsize=2)
@@ -108,19 +156,4 @@ def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
         )
     fresh = plan.family.variant(values)
     bodies = bodies_of_group(fresh, folder)
-    return SweptGroup(plan, fresh.varied(fresh.tables, bodies.reduced), bodies)
-
-
-def swept_case(folder: Path | str, number: int) -> SweptCase:
-    """A case of the sweep in a folder, as it was simulated there.
-
-        swept = swept_case("results/sweep", 17)
-        solution = simulate(swept.system, swept.run)
-
-    Raises ResultFileError without such a case; SuppleError as for building it.
-    """
-    folder = Path(folder).resolve()
-    plan = read_plan(folder)
-    if not 0 <= number < plan.n_cases:
-        raise ResultFileError(f"{folder} has no case {number}: its cases are 0 to {plan.n_cases - 1}")
-    return swept_group(folder, plan, int(plan.group[number])).case(number)
+    return SweptGroup(plan, fresh.varied(fresh.tables, bodies.reduced), bodies, fresh)

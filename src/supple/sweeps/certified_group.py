@@ -1,0 +1,152 @@
+"""A group of a sweep with its certificate, made once and kept; cases that run again have richer bases."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from supple.cases.case import Case
+from supple.error.error_estimate import check_linearised
+from supple.errors import (
+    MemoryShortageError,
+    MissingPackageError,
+    ResultFileError,
+    SuppleError,
+    SuppleWarning,
+)
+from supple.integrate import Kinematic
+from supple.simulation import keep_body
+from supple.simulation.engines import is_explicit
+from supple.simulation.kept_bodies import kept_path
+from supple.storage import read_reduced_body
+from supple.storage.exclusive_lock import ExclusiveLock
+from supple.storage.file_errors import file_errors
+from supple.storage.sealed_hdf5 import is_whole
+from supple.sweeps.attempts import Attempts
+from supple.sweeps.certificate import Certificate, read_certificate, write_certificate
+from supple.sweeps.greedy_basis import certify, training_cases
+from supple.sweeps.plan import SweepPlan, read_plan
+from supple.sweeps.sweep_shares import largest_ratio, sweep_shares
+from supple.sweeps.swept_group import SweptCase, SweptGroup, swept_group
+
+__all__ = ["CertifiedGroup", "certified_group", "swept_case"]
+
+_CERTIFICATE = "certificate.h5"
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedGroup:
+    """A group with the bases that its cases run with, and what is known of their errors."""
+
+    group: SweptGroup
+    certificate: Certificate
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether the case file asks for errors of bases."""
+        return _is_asked(self.group)
+
+
+@lru_cache(maxsize=4)
+def certified_group(folder: Path, plan: SweepPlan, number: int, level: int = 0) -> CertifiedGroup:
+    """A group of a sweep as its cases run: at first, or again with richer bases.
+
+    level : times that its cases have run before
+    Raises errors as `swept_group`.
+    """
+    group = swept_group(folder, plan, number)
+    reason = _why_not(group)
+    if reason:
+        return CertifiedGroup(group, Certificate(reason=reason))
+    if level:
+        group = certified_group(folder, plan, number, level - 1).group
+    own = folder / "certificates" / f"{number:05}-{level}"
+    with file_errors("make the folder", own):
+        own.mkdir(parents=True, exist_ok=True)
+    if not is_whole(own / _CERTIFICATE):
+        with ExclusiveLock(own, wait=True):
+            if not is_whole(own / _CERTIFICATE):
+                _certify(folder, group, number, level, own)
+    kept = {name: kept_path(own, name) for name in group.bodies.reduced}
+    reduced = {name: read_reduced_body(path) for name, path in kept.items() if path.exists()}
+    group = group.with_bodies(reduced) if reduced else group
+    targets = {name: start.target for name, start in group.fresh.starts.items()}
+    fulls = group.fulls(group.like)
+    return CertifiedGroup(group, read_certificate(own / _CERTIFICATE, fulls, targets))
+
+
+def swept_case(folder: Path | str, number: int) -> SweptCase:
+    """A case of the sweep in a folder, as it was simulated there, the last time.
+
+        swept = swept_case("results/sweep", 17)
+        solution = simulate(swept.system, swept.run)
+
+    Raises ResultFileError without such a case; SuppleError as for building it.
+    """
+    folder = Path(folder).resolve()
+    plan = read_plan(folder)
+    if not 0 <= number < plan.n_cases:
+        raise ResultFileError(f"{folder} has no case {number}: its cases are 0 to {plan.n_cases - 1}")
+    level = sweep_shares(folder, plan).level_of(number)
+    return certified_group(folder, plan, int(plan.group[number]), level).group.case(number)
+
+
+def _why_not(group: SweptGroup) -> str:
+    """Why the errors of a group are not estimated; empty where they are."""
+    case: Case = group.like
+    elastic = [placed.body.name for placed in case.system.bodies if placed.body.n_coordinates]
+    others = [name for name in elastic if name not in group.bodies.reduced]
+    if isinstance(case.run.method, Kinematic):
+        return "a kinematic run integrates nothing, and no body deforms"
+    if is_explicit(case.system, case.run):
+        return "the error of an explicit march is not estimated"
+    if not elastic:
+        return "no body is elastic: bases cost nothing, and the integration of rigid machines is not assessed"
+    if others:
+        return f"body '{others[0]}' is not reduced here from elements: its error is stated of single runs"
+    if not _is_asked(group):
+        return "the bases are of a fixed size: [error] with basis = true estimates their errors"
+    return ""
+
+
+def _is_asked(group: SweptGroup) -> bool:
+    """Whether the case file asks for errors of bases."""
+    return bool(group.fresh.starts) or group.like.study.basis
+
+
+def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path) -> None:
+    """Make the certificate of a group and keep it, with bodies that were enriched for it."""
+    plan = group.plan
+    attempts = Attempts(own, 0)
+    if attempts.are_many:
+        ended = Certificate(reason="the processes that simulated its representative cases ended")
+        write_certificate(own / _CERTIFICATE, ended)
+        return
+    cases, worst = np.flatnonzero(plan.group == number).tolist(), None
+    if level:
+        shares = sweep_shares(folder, plan)
+        cases = shares.cases_of_level(level, number)
+        worst = largest_ratio(folder, shares, cases, level - 1)
+    try:
+        attempts.begin(cases)
+        check_linearised(group.like.system)
+        with warnings.catch_warnings():  # the cases themselves warn when it is their turn
+            warnings.simplefilter("ignore", SuppleWarning)
+            found, certificate = certify(group, training_cases(plan, cases), worst)
+    except SuppleError as error:  # the cases run as well without it
+        if isinstance(error, MemoryShortageError | MissingPackageError | ResultFileError):
+            attempts.withdraw()
+            raise
+        found, certificate = group, Certificate(reason=str(error))
+    except BaseException:
+        attempts.withdraw()
+        raise
+    for name, body in found.bodies.reduced.items():
+        if body is not group.bodies.reduced[name]:
+            keep_body(body, own)
+    write_certificate(own / _CERTIFICATE, certificate)
+    attempts.end()

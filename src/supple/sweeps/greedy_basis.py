@@ -1,0 +1,307 @@
+"""Bases for the cases of a sweep, and their certificate: statements of representative cases, chosen greedily.
+
+Some cases of a group are simulated first. The error of the one that moves most is stated; where it is larger
+than the accuracy allows, the bases are enriched there, and all begins again. Else the motion that it misses
+makes the columns of an indicator, and the case whose estimate is largest is next, until that is one whose
+error is stated (docs/theory/greedy_certification.md).
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+
+from supple.body import FullBody
+from supple.cases.notify import silent
+from supple.error import (
+    ErrorStudy,
+    Indicated,
+    IndicatorBody,
+    SelfCorrectionError,
+    case_indicators,
+    indicator_body,
+    size_of_motion,
+)
+from supple.error.basis_part import assessed_basis
+from supple.error.error_estimate import INSTANTS
+from supple.error.error_study import statements
+from supple.error.round_archive import InMemoryArchive, RoundBases
+from supple.error.start_deformation import with_start
+from supple.error.system_correction import Problem, correct
+from supple.errors import CaseError, ConvergenceError, LockingWarning
+from supple.integrate import Solution, Validity
+from supple.machine import System
+from supple.quantities.quantity_of_interest import WholeBody
+from supple.reduction import CondensedQuartic, PlainQuartic, ReducedBody, ReductionBasis, project
+from supple.simulation import simulate_batch
+from supple.simulation.kept_basis import kept_bases
+from supple.sweeps.certificate import Certificate, Representative
+from supple.sweeps.plan import MARCHED_AT_ONCE, SweepPlan
+from supple.sweeps.swept_group import SweptCase, SweptGroup
+
+__all__ = ["certify", "indicated", "training_cases"]
+
+FEWEST, MOST = 2, 3
+"""Representative cases of a group."""
+MOST_ENRICHED = 3
+"""Times that bases are enriched at a representative case."""
+
+
+def certify(
+    group: SweptGroup, cases: Sequence[int], worst: int | None = None
+) -> tuple[SweptGroup, Certificate]:
+    """The group with bases enriched where representative cases need it, and what is known of its errors.
+
+    cases : some of the group, which are simulated first
+    worst : a case whose bases are known to cost too much: they are enriched there before anything else
+    Raises SuppleError for machines whose errors are not estimated, and whatever their runs find wrong.
+    """
+    if worst is not None:
+        group = _enriched(group, group.case(worst), richer=True)
+    for _ in range(MOST_ENRICHED):
+        search = _Search(group, cases)
+        exceeding = search.run(may_enrich=bool(group.fresh.starts))
+        if exceeding is None:
+            return group, search.certificate
+        group = _enriched(group, exceeding)
+    search = _Search(group, cases)
+    search.run(may_enrich=False)
+    return group, search.certificate
+
+
+def training_cases(plan: SweepPlan, cases: Sequence[int]) -> list[int]:
+    """Those of a group that are simulated first: the extremes of its numbers, and others evenly between."""
+    if len(cases) <= MARCHED_AT_ONCE:
+        return list(cases)
+    extremes = dict.fromkeys(
+        cases[int(place)]
+        for column in plan.table.columns.values()
+        if isinstance(column[0], int | float) and np.ptp(own := np.array([column[case] for case in cases]))
+        for place in (own.argmin(), own.argmax())
+    )
+    first = list(extremes)[: MARCHED_AT_ONCE // 2]
+    between = np.linspace(0, len(cases) - 1, MARCHED_AT_ONCE - len(first)).round().astype(int)
+    return sorted({*first, *(cases[place] for place in between.tolist())})
+
+
+def indicated(
+    group: SweptGroup,
+    cases: Sequence[SweptCase],
+    solutions: Sequence[Solution],
+    bodies: Mapping[str, IndicatorBody],
+) -> list[dict[str, Indicated]]:
+    """The indicators of runs of a group, by body."""
+    return case_indicators(
+        [own.system for own in cases],
+        cases[0].run,
+        solutions,
+        bodies,
+        [group.dampings(own.case) for own in cases],
+        at_rest=cases[0].case.tables.simulation.start == "equilibrium",
+    )
+
+
+class _Search:
+    """Statements of cases of a group, one after the other, and what they show of the others."""
+
+    def __init__(self, group: SweptGroup, numbers: Sequence[int]) -> None:
+        self._group = group
+        known, made = list[int](), list[SweptCase]()
+        for number in numbers:
+            with suppress(CaseError, ConvergenceError):  # recorded when it is its turn
+                made.append(group.case(number))
+                known.append(number)
+        if not made:
+            raise CaseError("no case of the group makes a machine")
+        found = simulate_batch([own.system for own in made], made[0].run, progress=silent)
+        ran = [place for place in range(len(made)) if place not in found.failures]
+        self._numbers = [known[place] for place in ran]
+        self._cases = [made[place] for place in ran]
+        self._solutions = [found.solutions[place] for place in ran]
+        self._fields: dict[str, list[np.ndarray]] = {}
+        targets = {name: start.target for name, start in group.fresh.starts.items()}
+        self.certificate = Certificate(targets=targets)
+
+    def run(self, *, may_enrich: bool) -> SweptCase | None:
+        """Fill the certificate; a case whose bases are to be enriched ends that, and is returned."""
+        if not self._cases:
+            self.certificate = replace(self.certificate, reason="no representative case came to its end")
+        place = self._moving_most() if self._cases else None
+        known: dict[str, Indicated] = {}
+        while place is not None:
+            rows, fields = self._stated(place, known)
+            if may_enrich and any(self._exceeds(each) for each in rows):
+                return self._cases[place]
+            for name, own in fields.items():
+                self._fields.setdefault(name, []).append(own)
+            bodies = self._columns()
+            found = indicated(self._group, self._cases, self._solutions, bodies)
+            every = [
+                replace(each, final=found[self._numbers.index(each.case)][each.body].error)
+                for each in (*self.certificate.representatives, *rows)
+            ]
+            self.certificate = replace(self.certificate, bodies=bodies, representatives=every)
+            place = self._next(found)
+            known = {} if place is None else found[place]
+        return None
+
+    def _moving_most(self) -> int:
+        """Of all cases, by the bodies' sizes in parts of the largest of each."""
+        sizes = np.array(
+            [
+                [
+                    size_of_motion(body, solution.bodies[name])
+                    for name, body in self._group.bodies.reduced.items()
+                ]
+                for solution in self._solutions
+            ]
+        )
+        return int(np.argmax((sizes / np.maximum(sizes.max(axis=0), 1e-300)).max(axis=1)))
+
+    def _exceeds(self, row: Representative) -> bool:
+        allowed = self.certificate.allowed(row.body, row.size)
+        return bool(np.isfinite(allowed)) and not row.basis <= allowed
+
+    def _stated(
+        self, place: int, known: Mapping[str, Indicated]
+    ) -> tuple[list[Representative], dict[str, np.ndarray]]:
+        """The error of a case as of a single run, and the motion that its bases miss, by body.
+
+        known : its indicators so far
+        """
+        own, solution = self._cases[place], self._solutions[place]
+        fulls = self._group.fulls(own.case)
+        bases = kept_bases(own.system, fulls)
+        system = _with_locking(own.system, fulls, bases)
+        quantities = [WholeBody(name) for name in bases]
+        instants = max((target.instants for target in self.certificate.targets.values()), default=INSTANTS)
+        whole = self._group.in_full(own.case, fulls)
+        parts, estimate = assessed_basis(
+            whole, system, own.run, solution, bases, quantities, instants=instants
+        )
+        study = ErrorStudy(integration=own.case.study.integration, model=own.case.study.model)
+        stated = statements(system, own.run, solution, study, fulls, bases, parts, quantities=quantities)
+        rows = []
+        for name in bases:
+            other = [stated[name].step, stated[name].newton, stated[name].model]
+            rows.append(
+                Representative(
+                    case=self._numbers[place],
+                    body=name,
+                    basis=parts[name].value,
+                    others=sum(np.nan if part is None else part.value for part in other),
+                    indicator=known[name].error if name in known else np.nan,
+                    final=np.nan,
+                    size=size_of_motion(self._group.bodies.reduced[name], solution.bodies[name]),
+                )
+            )
+        return rows, dict(estimate.missed)
+
+    def _columns(self) -> dict[str, IndicatorBody]:
+        """Of the indicators, with the motion that all representatives miss."""
+        first = self._cases[0]
+        fulls = self._group.fulls(first.case)
+        bases = kept_bases(first.system, fulls)
+        reduced = first.system.bodies_of(ReducedBody)
+        return {
+            name: indicator_body(
+                fulls[name],
+                reduced[name],
+                basis,
+                np.concatenate([solution.bodies[name].coordinates for solution in self._solutions]),
+                np.hstack(self._fields[name]),
+            )
+            for name, basis in bases.items()
+        }
+
+    def _next(self, found: Sequence[Mapping[str, Indicated]]) -> int | None:
+        """The case to be stated next: that of the largest estimate, or of the smallest to see the spread."""
+        stated = {each.case for each in self.certificate.representatives}
+        if len(stated) >= min(MOST, len(self._numbers)):
+            return None
+        errors = [self.certificate.case_error(own) for own in found]
+        weights = [each.basis / (each.allowed if each.allowed > 0 else 1.0) for each in errors]
+        in_order = np.argsort(weights)[::-1].tolist()
+        if self._numbers[in_order[0]] not in stated:
+            return int(in_order[0])
+        if len(stated) >= FEWEST:
+            return None
+        return next(place for place in reversed(in_order) if self._numbers[place] not in stated)
+
+
+def _with_locking(
+    system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]
+) -> System:
+    """The machine with bodies that know how much they lock: a body that was read from its file does not."""
+    bodies = []
+    for each in system.bodies:
+        placed, body = each, cast("Any", each.body)
+        if body.name in bases and body.report.locking is None and not fulls[body.name].body.is_linear:
+            quartic = PlainQuartic() if body.condensed is None else CondensedQuartic()
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", LockingWarning)
+                again = project(fulls[body.name].body, bases[body.name], quartic=quartic)
+            placed = replace(placed, body=replace(body, report=again.report))
+        bodies.append(placed)
+    return replace(system, bodies=tuple(bodies))
+
+
+class _LastBases(InMemoryArchive):
+    """Keeps the last bases of the rounds: those after the last run, enriched by what that missed."""
+
+    bases: Mapping[str, ReductionBasis]
+
+    def keep_bases(self, number: int, bases: RoundBases) -> None:  # noqa: ARG002
+        """The last ones."""
+        self.bases = bases.bases
+
+
+def _enriched(group: SweptGroup, own: SweptCase, *, richer: bool = False) -> SweptGroup:
+    """The group with bases that meet the accuracy in a case, found from those that it has.
+
+    richer : with what the last round misses as well. So are those that do not meet it, however large.
+    """
+    case, starts = own.case, group.fresh.starts
+    fulls = group.fulls(case)
+    correctable = {name: fulls[name] for name in starts}
+    whole = group.in_full(case, correctable)
+    bases = kept_bases(own.system, correctable)
+    first = {name: with_start(whole.placed(name), full, bases[name]) for name, full in correctable.items()}
+    archive = _LastBases()
+    problem = Problem(
+        system=whole,
+        fulls=correctable,
+        starts=starts,
+        run=replace(own.run, validity=Validity()),
+        announce=None,
+        progress=None,
+        archive=archive,
+        first=RoundBases(first),
+    )
+    try:
+        corrected = correct(problem)
+    except SelfCorrectionError:
+        found = archive.bases
+    else:
+        found = {name: each.basis for name, each in corrected.bodies.items()}
+    if richer:
+        found = archive.bases
+    as_like = group.fulls(group.like)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", LockingWarning)
+        return group.with_bodies(
+            {
+                name: project(
+                    as_like[name].body,
+                    basis,
+                    damping=as_like[name].damping,
+                    quartic=starts[name].quartic,
+                )
+                for name, basis in found.items()
+            }
+        )

@@ -1,0 +1,107 @@
+"""Statistics over seeds: cases that differ in their realisation alone are one condition."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.errors import CaseError, did_you_mean
+from supple.optional_packages import optional_package
+from supple.sweeps.case_table import CaseTable
+from supple.sweeps.plan import numbered
+
+__all__ = ["statistics_over_seeds"]
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class OverSeeds(NamedTuple):
+    """Statistics of a number over the cases of each condition that have it, (k, ...) each.
+
+    number : of these cases;   deviation : of a sample, over n - 1: NaN of a single case
+    """
+
+    number: IntArray
+    mean: Array
+    deviation: Array
+    minimum: Array
+    maximum: Array
+
+
+def conditions_of(table: CaseTable, seeds: Sequence[str]) -> tuple[IntArray, CaseTable]:
+    """Numbers (n,) of the condition of each case, from 0 as they first appear, and the table of conditions.
+
+    Cases are of one condition where all columns but the seeds agree. CaseError for a seed that is no column.
+    """
+    for name in seeds:
+        if name not in table.columns:
+            raise CaseError(f"no column is named {name!r}{did_you_mean(name, table.columns)}")
+    others = {path: column for path, column in table.columns.items() if path not in seeds}
+    keys = [tuple(map(repr, row)) for row in zip(*others.values(), strict=True)]
+    numbers = numbered(keys, len(table))
+    first = np.unique(numbers, return_index=True)[1]
+    return numbers, CaseTable({path: [column[case] for case in first] for path, column in others.items()})
+
+
+def over_conditions(values: Array, numbers: IntArray) -> OverSeeds:
+    """Statistics over the cases of each condition.
+
+        mean = sum x / n,    deviation = sqrt(sum (x - mean)^2 / (n - 1))
+
+    values : (n, ...), NaN of cases without results;   numbers : (n,) of their conditions
+    """
+    order = np.argsort(numbers, kind="stable")
+    begins = np.flatnonzero(np.diff(numbers[order], prepend=-1))
+    known, own = np.isfinite(values[order]), values[order]
+    number = np.add.reduceat(known.astype(np.int64), begins)
+    mean = _over(np.add.reduceat(np.where(known, own, 0.0), begins), number)
+    away = np.where(known, own - mean[numbers[order]], 0.0)
+    deviation = np.sqrt(_over(np.add.reduceat(away**2, begins), number - 1))
+    return OverSeeds(number, mean, deviation, np.fmin.reduceat(own, begins), np.fmax.reduceat(own, begins))
+
+
+def _over(sums: Array, number: IntArray) -> Array:
+    """Quotients; NaN where there is nothing to divide by."""
+    return np.where(number > 0, sums / np.maximum(number, 1), np.nan)
+
+
+def statistics_over_seeds(dataset: Any, seeds: Sequence[str] = ()) -> Any:
+    """Statistics over the seeds of a sweep as an `xarray.Dataset`: conditions in place of cases.
+
+        ds = sp.read_sweep("results/gusts")
+        over = statistics_over_seeds(ds, ["load[1].law.file"])
+        over["mean"].sel(channel="joint root.My", statistic="maximum")     # means of the maxima, (condition,)
+
+    mean, deviation, minimum, maximum and number (condition, channel, statistic); the columns that make the
+    conditions are coordinates by their paths. Cases without results are left out.
+
+    seeds : columns whose values are realisations; left out: `seeds` of the file of the sweep
+
+    Raises
+    ------
+    CaseError           a seed that is no column, or none
+    MissingPackageError     without xarray
+    """
+    xarray = optional_package("xarray", "a data set", "xarray")
+    names = list(seeds) or list(dataset.attrs.get("seeds", ()))
+    if not names:
+        raise CaseError("statistics over seeds: name the columns whose values are realisations")
+    varied = [name for name, own in dataset.coords.items() if own.dims == ("case",) and name != "case"]
+    table = CaseTable({name: dataset[name].values.tolist() for name in varied})
+    numbers, conditions = conditions_of(table, names)
+    found = [
+        over_conditions(dataset.statistics.sel(statistic=each).values, numbers)
+        for each in dataset.statistic.values
+    ]
+    dims = ("condition", "channel", "statistic")
+    variables = {
+        name: (dims, np.stack([getattr(each, name) for each in found], axis=-1)) for name in OverSeeds._fields
+    }
+    kept = {name: own for name, own in dataset.coords.items() if own.dims in {("channel",), ("statistic",)}}
+    coordinates = {path: ("condition", np.array(column)) for path, column in conditions.columns.items()}
+    number = {"condition": np.arange(len(found[0].mean))}
+    return xarray.Dataset(variables, {**number, **kept, **coordinates}, {"seeds": names})

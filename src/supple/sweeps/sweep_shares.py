@@ -1,0 +1,113 @@
+"""The shares of a sweep: those of its plan, and those of cases that run again with richer bases.
+
+Which cases run again follows from the parts of those that have run, and from nothing else: whoever asks
+finds the same, after whatever was killed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from supple.storage.sealed_hdf5 import open_sealed
+from supple.sweeps.part_file import CaseStatus, part_path, whole_parts
+from supple.sweeps.plan import SweepPlan
+
+__all__ = ["MOST_LEVELS", "SweepShares", "largest_ratio", "sweep_shares"]
+
+MOST_LEVELS = 2
+"""Times that a case may run again."""
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepShares:
+    """All shares that are known.
+
+    plan : of the sweep
+    cases : of each share, ascending
+    level : of each share: times that its cases have run before
+    whole : shares whose parts are there
+    """
+
+    plan: SweepPlan
+    cases: Sequence[IntArray]
+    level: Sequence[int]
+    whole: Sequence[int]
+
+    @property
+    def missing(self) -> list[int]:
+        """Shares that are to be done."""
+        return sorted(set(range(len(self.cases))) - set(self.whole))
+
+    @property
+    def run_again(self) -> IntArray:
+        """Cases that have run more than once, or are to."""
+        own = [cases for cases, level in zip(self.cases, self.level, strict=True) if level]
+        return np.unique(np.concatenate(own)) if own else np.zeros(0, dtype=np.int64)
+
+    def level_of(self, case: int) -> int:
+        """The last level at which a case has run."""
+        return max((self.level[share] for share in self.whole if case in self.cases[share]), default=0)
+
+    def cases_of_level(self, level: int, group: int) -> list[int]:
+        """Cases of a group at a level."""
+        own = [cases for cases, each in zip(self.cases, self.level, strict=True) if each == level]
+        found = np.concatenate([np.zeros(0, dtype=np.int64), *own])
+        return sorted(found[self.plan.group[found] == group].tolist())
+
+
+def sweep_shares(folder: Path, plan: SweepPlan) -> SweepShares:
+    """The shares of the sweep in a folder, as far as they follow from what has run."""
+    cases = [plan.cases_of(share) for share in range(plan.n_shares)]
+    levels = [0] * len(cases)
+    whole = whole_parts(folder, len(cases))
+    size = max(len(each) for each in cases)
+    first = 0
+    for level in range(1, MOST_LEVELS + 1):
+        if len(whole) < len(cases):
+            break
+        again = _exceeding(folder, range(first, len(cases)))
+        first = len(cases)
+        for group in np.unique(plan.group[again]):
+            own = again[plan.group[again] == group]
+            more = np.array_split(own, -(-len(own) // size))
+            cases += more
+            levels += [level] * len(more)
+        whole = whole_parts(folder, len(cases))
+        if first == len(cases):
+            break
+    return SweepShares(plan, cases, levels, whole)
+
+
+def largest_ratio(folder: Path, shares: SweepShares, cases: Sequence[int], level: int) -> int:
+    """Of some cases that with the largest error beside what it is allowed, as they ran at a level."""
+    ratios = dict.fromkeys(cases, 0.0)
+    for share, own in enumerate(shares.level):
+        if own == level:
+            with open_sealed(part_path(folder, share), verify=False) as file:
+                found = file["basis_error"][()] / file["allowed_error"][()]
+                ratios |= {
+                    case: ratio
+                    for case, ratio in zip(file["cases"][()].tolist(), found.tolist(), strict=True)
+                    if case in ratios
+                }
+    return max(cases, key=lambda case: (ratios[case], -case))
+
+
+def _exceeding(folder: Path, shares: range) -> IntArray:
+    """Cases of some shares whose bases cost more than is allowed, ascending."""
+    found = [np.zeros(0, dtype=np.int64)]
+    for share in shares:
+        with open_sealed(part_path(folder, share), verify=False) as file:
+            ran = file["status"][()] == CaseStatus.RAN
+            exceeds = (
+                file["basis_error"][()] > file["allowed_error"][()] if "basis_error" in file else ran & False
+            )
+            found.append(file["cases"][()][ran & exceeds])
+    return np.unique(np.concatenate(found))

@@ -1,0 +1,56 @@
+"""Derivatives of a case of a sweep, carried along its run, against differences of runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from supple.integrate import Tolerances
+from supple.machine import System
+from supple.sensitivity import Statistic, sensitivities
+from supple.simulation import simulate
+from supple.sweeps.plan import read_plan
+from supple.sweeps.swept_group import swept_group
+
+__all__ = ["gradient_error"]
+
+STEP = 1e-3
+"""Of a parameter, in parts of its value."""
+TOLERANCE = 1e-11
+"""Of Newton's method: what is left of its residual is divided by the step."""
+
+
+def gradient_error(folder: Path, case: int) -> float:
+    """Largest distance of derivatives of the tip's largest deflections from differences, over the largest.
+
+        dy/dp ~ (4 D(h) - D(2 h)) / 3,   D(h) = (y(p + h) - y(p - h)) / (2 h)       (Richardson)
+
+    Parameters are those of the table, by the paths of the case file.
+
+    folder : of a sweep whose case file has a sensor `tip`
+    """
+    plan = read_plan(folder)
+    group = swept_group(folder, plan, int(plan.group[case]))
+    own = group.case(case)
+    run = replace(own.run, tolerances=Tolerances(TOLERANCE))
+    tip = next(sensor for sensor in own.quantities if sensor.name == "tip")
+    largest = Statistic("largest", tip, np.max)
+    parameters = {path: float(value) for path, value in plan.table.row(case).items()}
+
+    def build(values: Mapping[str, float]) -> System:
+        return group.with_values({plan.places[path]: value for path, value in values.items()}).system
+
+    def at(path: str, share: float) -> np.ndarray:
+        system = build({**parameters, path: parameters[path] * (1 + share)})
+        return largest.values(system, simulate(system, run))
+
+    found = sensitivities(build, parameters, run, [largest]).derivatives["largest"]
+    distances = []
+    for path, value in parameters.items():
+        coarse, fine = ((at(path, own) - at(path, -own)) / (2 * own * value) for own in (2 * STEP, STEP))
+        by_differences = (4 * fine - coarse) / 3
+        distances.append(np.abs(found[path] - by_differences).max() / np.abs(by_differences).max())
+    return float(max(distances))
