@@ -46,7 +46,7 @@ def small_truss() -> Truss:
 
 @pytest.fixture(scope="session")
 def truss() -> Truss:
-    return make_truss(20, 4, 4)
+    return make_truss(12, 4, 4)
 
 
 @pytest.fixture(

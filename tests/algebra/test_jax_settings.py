@@ -65,26 +65,47 @@ def test_programs_are_kept_from_python(tmp_path):
         assert shown.stdout.endswith(" 0.0\n")
 
 
-def test_programs_that_fill_the_memory_maps_are_given_back(tmp_path, monkeypatch):
-    """Beyond the limit of the system the compiler would end the process."""
-    built = [jax.jit(lambda x, n=n: jnp.sin(x) * n) for n in range(4)]
-    before = [float(program(1.0)) for program in built]
+@pytest.fixture
+def look(tmp_path, monkeypatch):
+    """What is found after 64 new programs where a process may have a number of memory maps."""
     limit = tmp_path / "max_map_count"
     monkeypatch.setattr(jax_settings, "_MOST_MAPS", limit)
-    monkeypatch.setattr(jax_settings._Process, "compiled_since_looked", 64)
-    limit.write_text("1000000000\n")
-    assert not bound_programs()
-    limit.write_text("100\n")
-    assert not bound_programs(), "nothing was built since it was looked at"
-    monkeypatch.setattr(jax_settings._Process, "compiled_since_looked", 64)
-    assert bound_programs()
+
+    def found(most, built=64):
+        limit.write_text(f"{most}\n")
+        monkeypatch.setattr(jax_settings._Process, "compiled_since_looked", built)
+        return bound_programs()
+
+    return found
+
+
+def test_programs_are_given_back_where_they_fill_two_thirds_of_the_memory_maps(look, monkeypatch):
+    """Beyond the limit of the system the compiler would end the process."""
+    given_back = []
+    monkeypatch.setattr(jax_settings, "give_programs_back", lambda: given_back.append(1))
+    assert not look(1_000_000_000)
+    assert not look(100, built=63), "too few were built since it was looked at"
+    assert not given_back
+    assert look(100)
+    assert given_back
+
+
+@pytest.mark.slow  # and all tests after it compile anew
+def test_programs_that_were_given_back_run_as_before(look):
+    built = [jax.jit(lambda x, n=n: jnp.sin(x) * n) for n in range(4)]
+    before = [float(program(1.0)) for program in built]
+    assert look(100)
     assert built[3]._cache_size() == 0
     assert [float(program(1.0)) for program in built] == before
 
 
 def test_flags_that_are_set_stay():
-    names = ("--xla_backend_extra_options", "--xla_cpu_experimental_ynn_fusion_type")
-    assert [flag.split("=")[0] for flag in jax_settings._with_flags("").split()] == list(names)
+    names = [
+        "--xla_backend_extra_options",
+        "--xla_cpu_experimental_ynn_fusion_type",
+        "--xla_cpu_parallel_codegen_split_count",
+    ]
+    assert [flag.split("=")[0] for flag in jax_settings._with_flags("").split()] == names
     given = f"{names[0]}=mine=1 --xla_cpu_enable_fast_math=false"
-    assert jax_settings._with_flags(given) == f"{given} {names[1]}="
-    assert jax_settings._with_flags(jax_settings._with_flags(given)) == f"{given} {names[1]}="
+    completed = f"{given} {names[1]}= {names[2]}=1"
+    assert jax_settings._with_flags(given) == jax_settings._with_flags(completed) == completed

@@ -46,13 +46,13 @@ def test_unskew_of_a_rotation_is_its_axis_times_the_sine():
 
 
 def test_exponential_is_that_of_the_matrix(vectors):
-    computed = jax.vmap(rotation_exp)(vectors)
+    computed = jax.jit(jax.vmap(rotation_exp))(vectors)
     np.testing.assert_allclose(computed, [expm(np.asarray(skew(v))) for v in vectors], atol=2e-14)
     np.testing.assert_allclose(computed, Rotation.from_rotvec(vectors).as_matrix(), atol=2e-15)
 
 
 def test_exponential_is_orthogonal_to_rounding(vectors):
-    rotations = np.asarray(jax.vmap(rotation_exp)(10 * vectors))
+    rotations = np.asarray(jax.jit(jax.vmap(rotation_exp))(10 * vectors))
     np.testing.assert_allclose(
         rotations @ rotations.swapaxes(1, 2), np.tile(np.eye(3), (len(vectors), 1, 1)), atol=1e-14
     )
@@ -72,7 +72,7 @@ def test_right_jacobian_is_the_derivative_of_the_exponential(vectors):
 
 def test_right_jacobian_is_smooth_at_zero():
     """d T(psi) at 0 is -skew(dpsi)/2."""
-    change = jax.jacfwd(rotation_right_jacobian)(jnp.zeros(3))
+    change = jax.jit(jax.jacfwd(rotation_right_jacobian))(jnp.zeros(3))
     expected = np.stack([-0.5 * np.asarray(skew(e)) for e in np.eye(3)], axis=-1)
     np.testing.assert_allclose(change, expected, atol=1e-16)
 
@@ -87,7 +87,7 @@ def test_second_derivative_of_the_exponential_at_zero():
 
 
 def test_logarithm_undoes_the_exponential(vectors):
-    back = jax.vmap(lambda v: rotation_log(rotation_exp(v)))(vectors)
+    back = jax.jit(jax.vmap(lambda v: rotation_log(rotation_exp(v))))(vectors)
     np.testing.assert_allclose(back, vectors, atol=3e-15, rtol=1e-14)
 
 
@@ -106,21 +106,21 @@ def test_logarithm_close_to_a_half_turn():
 
 
 def test_logarithm_can_be_differentiated_at_the_identity():
-    change = jax.jacfwd(lambda v: rotation_log(rotation_exp(v)))(jnp.zeros(3))
+    change = jax.jit(jax.jacfwd(lambda v: rotation_log(rotation_exp(v))))(jnp.zeros(3))
     np.testing.assert_allclose(change, np.eye(3), atol=1e-15)
 
 
 def test_euler_parameters_are_scipys(vectors):
     """`(e0, e)` with e0 >= 0; scipy puts the scalar last."""
     expected = Rotation.from_rotvec(vectors).as_quat(canonical=True, scalar_first=True)
-    computed = np.asarray(jax.vmap(lambda v: euler_parameters(rotation_exp(v)))(vectors))
+    computed = np.asarray(jax.jit(jax.vmap(lambda v: euler_parameters(rotation_exp(v))))(vectors))
     np.testing.assert_allclose(computed, expected, atol=2e-15)
 
 
 def test_euler_parameters_have_unit_norm_at_any_rotation():
     """All four branches of the largest parameter."""
     rotations = Rotation.random(200, random_state=5)
-    parameters = np.asarray(jax.vmap(euler_parameters)(rotations.as_matrix()))
+    parameters = np.asarray(jax.jit(jax.vmap(euler_parameters))(rotations.as_matrix()))
     np.testing.assert_allclose(np.linalg.norm(parameters, axis=1), 1.0, rtol=1e-14)
     assert set(np.argmax(abs(parameters), axis=1)) == {0, 1, 2, 3}
     back = Rotation.from_quat(parameters, scalar_first=True)

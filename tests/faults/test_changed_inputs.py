@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 
 import jax.numpy as jnp
 import numpy as np
@@ -36,14 +37,21 @@ def write_law(path, speed=0.5):
     np.savetxt(path, np.column_stack([times, speed * times**2]), delimiter=",")
 
 
-@pytest.fixture
-def cut(tmp_path):
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
     """The folder of a case, whose run was cut off."""
-    write_law(tmp_path / "angle.csv")
-    (tmp_path / "bar.toml").write_text(CASE)
+    folder = tmp_path_factory.mktemp("stopped")
+    write_law(folder / "angle.csv")
+    (folder / "bar.toml").write_text(CASE)
     with pytest.raises(StoppedError):
-        run_case(read_case(tmp_path / "bar.toml"), tmp_path / "out", progress=stop)
-    return tmp_path
+        run_case(read_case(folder / "bar.toml"), folder / "out", progress=stop)
+    return folder
+
+
+@pytest.fixture
+def cut(stopped, tmp_path):
+    """The same folder for each test."""
+    return shutil.copytree(stopped, tmp_path, dirs_exist_ok=True)
 
 
 def resumed(folder, old="", new=""):

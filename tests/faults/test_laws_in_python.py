@@ -49,16 +49,16 @@ def of_numpy(time):
 @pytest.mark.parametrize(
     ("law", "message"),
     [
-        (switched, r"\(switched\) asks whether something is true .*jnp\.where"),
-        (clipped, r"\(clipped\) asks whether something is true .*jnp\.where"),
-        (of_math, r"\(of_math\) makes a Python number of the time .*jnp\.sin.*jnp\.where"),
-        (counted, r"\(counted\) makes a Python number of the time .*jnp\.where"),
+        (switched, r"\(switched\) branches on a condition of the time .*jnp\.where"),
+        (clipped, r"\(clipped\) branches on a condition of the time .*jnp\.where"),
+        (of_math, r"\(of_math\) converts the time to a Python number .*jnp\.sin.*jnp\.where"),
+        (counted, r"\(counted\) converts the time to a Python number .*jnp\.where"),
         (picked, r"\(picked\) fails: TypeError: .*jnp\.where"),
         (of_numpy, r"must be written with jax\.numpy, not numpy \(of_numpy\)"),
         (lambda: 1.0, r"<lambda>\) fails: TypeError: .*takes 0 positional arguments"),
         (lambda time: missing, r"fails: NameError: name 'missing' is not defined"),  # noqa: F821
-        (lambda time: "a", "gives no numbers"),
-        (lambda time: None, "gives no numbers"),
+        (lambda time: "a", "returns no numbers"),
+        (lambda time: None, "returns no numbers"),
         (lambda time: time > 0.5, r"of the kind bool; give real numbers, .*jnp\.where"),
         (lambda time: 1j * time, "of the kind complex128; give real numbers"),
         (lambda time: [time, time], r"values over time have shape \(2,\)"),

@@ -59,7 +59,12 @@ class Drawn:
         if plain == "von Mises stress":
             return 6894.757293168361 if self.units.stress_shown.unit == "psi" else 1e6
         quantity = next(
-            (known for word, known in QUANTITIES.items() if re.fullmatch(rf"{word}( [xyz])?", plain)), None
+            (
+                known
+                for word, known in QUANTITIES.items()
+                if re.fullmatch(rf"{word}(,? (joint )?[xyz])?", plain)
+            ),
+            None,
         )
         return 1.0 if quantity is None else self.units.in_si(**POWERS[quantity])
 

@@ -127,7 +127,7 @@ def test_gmsh_counts_are_held_against_the_file(tmp_path):
         head + sizes + b"\n$EndNodes\n$Elements\n" + struct.pack("<4Q", 0, 0, 0, 0) + b"\n$EndElements\n"
     )
     with pytest.raises(
-        ImportFormatError, match=r"\$Nodes: 10{15} entries of 8 bytes are announced, and \d+ bytes"
+        ImportFormatError, match=r"\$Nodes: 10{15} entries of 8 bytes are declared, and \d+ bytes"
     ):
         sp.read_gmsh(path)
 

@@ -97,7 +97,7 @@ def test_a_finished_run_of_a_case_is_not_overwritten_unless_forced(tmp_path, cas
     out = tmp_path / "out"
     run_case(case, out)
     before = (out / "bar.h5").read_bytes()
-    remedies = r"holds the finished run bar\.h5; --resume goes on where .*, --force replaces"
+    remedies = r"holds the finished run bar\.h5; --resume continues an interrupted run, --force replaces"
     with pytest.raises(ResultFileError, match=remedies):
         run_case(case, out)
     assert (out / "bar.h5").read_bytes() == before
@@ -105,7 +105,7 @@ def test_a_finished_run_of_a_case_is_not_overwritten_unless_forced(tmp_path, cas
     assert (out / "bar.h5").read_bytes() != before  # other seconds
     with pytest.raises(ResultFileError, match="its run is complete; --force runs it again"):
         run_case(case, out, resume=True)
-    with pytest.raises(ResultFileError, match="nothing to go on with; leave out --resume"):
+    with pytest.raises(ResultFileError, match="there is no such file; run it without --resume"):
         run_case(case, tmp_path / "empty", resume=True)
 
 
@@ -114,7 +114,7 @@ def test_a_run_of_a_case_that_was_cut_off_is_not_overwritten_unless_forced(tmp_p
     out.mkdir()
     with ResultFile.create(out / "bar.h5", case=case.text, inputs=case.inputs) as file:
         file.append(simulate(case.system, case.run).at(slice(2)))
-    with pytest.raises(ResultFileError, match=r"holds the run bar\.h5, which was cut off; --resume goes on"):
+    with pytest.raises(ResultFileError, match=r"holds the interrupted run bar\.h5; --resume continues"):
         run_case(case, out)
     whole = run_case(case, out, resume=True).solution
     assert bits(whole).keys() == bits(simulate(case.system, case.run)).keys()
