@@ -5,6 +5,8 @@ SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
 RESULTS := results
+OLDEST_EXTRAS := fast plot film nastran ansys mujoco xarray
+OLDEST_TESTS := tests/test_front_door.py tests/test_units.py tests/mesh tests/storage tests/reduction tests/viz/test_films.py
 WORKERS ?= 2
 # Each worker takes half of the files in their order, then of what is left: neighbours share programs and fixtures.
 SHARED := -n $(WORKERS) --dist worksteal
@@ -18,7 +20,7 @@ INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network 
 # One thread per process: the test workers share the cores between them. Bytecode is kept for those they start.
 ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
-.PHONY: help demo test test-all soak docs site package lint format clean
+.PHONY: help demo test test-all soak docs site package oldest lint format clean
 
 help:
 	@echo "make demo      set up, then run the rotating beam and the 61.5 m blade; results in $(RESULTS)/"
@@ -27,6 +29,7 @@ help:
 	@echo "make soak      kill runs and damage files by the hundred, the longest quick benchmarks: an hour"
 	@echo "make docs      run the examples and build the site of the documentation in build/html (make site: without running them)"
 	@echo "make package   build wheel and sdist, install each in an empty environment and run an example there"
+	@echo "make oldest    install the oldest versions that pyproject.toml allows, and run a part of the tests with them"
 	@echo "make lint      style, types and layers only"
 	@echo "make format    rewrite the sources in the project's style"
 	@echo "make clean     remove the environment and the results"
@@ -64,6 +67,15 @@ package: $(VENV)/bin/python
 	  "$(PYTHON)" -m venv $$tried && $$tried/bin/python -m pip install --quiet --disable-pip-version-check "$$file[plot]" && \
 	  ( cd $$tried && bin/supple run $(CURDIR)/examples/pendulum.toml -o pendulum >/dev/null && bin/supple --version ) || exit 1; done
 	@ls -l dist
+
+# The lower bounds of pyproject.toml, with the newest versions of what these depend on.
+oldest: $(VENV)/bin/python
+	@$(PIP) uv
+	@rm -rf build/oldest && "$(PYTHON)" -m venv build/oldest
+	$(BIN)/uv pip compile --quiet --resolution lowest-direct $(OLDEST_EXTRAS:%=--extra %) pyproject.toml -o build/oldest.txt
+	$(BIN)/uv pip install --quiet --python build/oldest/bin/python -r build/oldest.txt pytest
+	$(BIN)/uv pip install --quiet --python build/oldest/bin/python --no-deps .
+	$(ONE_THREAD) build/oldest/bin/python -m pytest -p no:warnings $(OLDEST_TESTS)
 
 lint: $(VENV)/.ready-dev
 	$(BIN)/ruff check .

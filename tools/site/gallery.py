@@ -58,7 +58,7 @@ def write_pages(gallery: Path, folder: Path) -> None:
     rows = []
     for example in examples():
         place = gallery / example.stem
-        if not place.exists():
+        if not (place / "output.txt").exists():  # not run, or not to its end
             continue
         title, text = _described(example)
         page = f"{example.stem}.md"
