@@ -13,7 +13,7 @@ import pytest
 import supple as sp
 from supple.errors import SuppleError
 
-HEAVY = ("numpy", "scipy", "jax", "h5py", "matplotlib", "pydantic")
+HEAVY = ("numpy", "scipy", "jax", "h5py", "matplotlib", "pydantic", "supple_benchmarks")
 # `supple.cases` reads case files; until it is there, its name alone has no object behind it.
 NAMES = [name for name in sp.__all__ if name != "read_case" or find_spec("supple.cases")]
 
@@ -27,15 +27,14 @@ def loaded_by(program):
     return done.stdout.splitlines()[-1].split()[1:]
 
 
-def command(option):
-    return f"""
+VERSION_AND_HELP = """
 import sys
 from supple.cli.main import main
-sys.argv = ["supple", "{option}"]
-try:
-    main()
-except SystemExit as done:
-    assert not done.code
+for sys.argv in (["supple", "--version"], ["supple", "--help"]):
+    try:
+        main()
+    except SystemExit as done:
+        assert not done.code
 """
 
 
@@ -48,9 +47,8 @@ def test_a_name_loads_what_it_needs():
     assert "numpy" in loaded_by("import supple; supple.strip")
 
 
-@pytest.mark.parametrize("option", ["--version", "--help"])
-def test_version_and_help_do_not_wait_for_solvers(option):
-    assert not {"jax", "scipy", "matplotlib"} & set(loaded_by(command(option)))
+def test_version_and_help_wait_neither_for_solvers_nor_for_benchmarks():
+    assert not {"jax", "scipy", "matplotlib", "supple_benchmarks"} & set(loaded_by(VERSION_AND_HELP))
 
 
 WITHOUT_PLOTTING = """
@@ -68,6 +66,7 @@ sp.write_report(sys.argv[1], machine, motion)
 """
 
 
+@pytest.mark.slow
 def test_a_script_that_simulates_and_reports_needs_no_plotting_package(tmp_path):
     subprocess.run([sys.executable, "-c", WITHOUT_PLOTTING, str(tmp_path / "report.html")], check=True)
     assert (tmp_path / "report.html").stat().st_size > 100_000

@@ -103,7 +103,9 @@ def _is_watched() -> bool:
 
 
 def _is_notebook() -> bool:
-    return "ipykernel" in sys.modules
+    """Whether this process is the kernel of one: a terminal program may import IPython as well."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return hasattr(shell, "kernel")
 
 
 class _Line(Protocol):

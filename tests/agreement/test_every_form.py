@@ -85,9 +85,10 @@ from supple.quantities import (
     SectionForceSensor,
     StressSensor,
     VelocitySensor,
+    tracked_places,
 )
 from supple.report import write_report
-from supple.simulation import equilibrium, simulate, simulate_batch
+from supple.simulation import equilibrium, place_errors, simulate, simulate_batch
 from supple.storage import read_solution
 
 RATE = 5.0
@@ -109,11 +110,10 @@ QUICK = (
     "fixed steps of the run",
     "equilibrium",
     "small motions and their modes",
-    "case file: info",
-    "case file: check",
-    "case file: export to CalculiX",
 )
 """Rows whose machines are few; `make test-all` marches those of all others, and every refusal is quick."""
+QUICK_OF_ONE = ("case file: info", "case file: check", "case file: export to CalculiX")
+"""Rows of commands that ask every form alike: of reduced bodies."""
 
 
 def row(name):
@@ -478,6 +478,28 @@ def _(form):
     assert 0 <= _stated(system, SHORT, solution, "basis", basis=True) < 1e-5 * LENGTH
 
 
+@row("error of an equilibrium")
+def _(form):
+    """Of what the tip is deflected by: all but the turn of the sprung hinge, F L / k."""
+    force = DeadForce(at="bar.tip", force=(0, 0, 1.0))
+    place = Place("bar", "tip")
+    found = equilibrium(sprung(form, force), fulls=[bar_as("full")])
+    error = place_errors(found, {"tip": place})["tip"].deflection[2]
+    shown = tracked_places(found.system, found.solution, {"tip": place})["tip"].deflection[0, 2]
+    exact = _lifted("full") - LENGTH**2 / TORSION
+    assert shown - error == pytest.approx(exact, rel=0.02)
+    assert abs(error) < 1e-3 * exact
+
+
+@row("error of modes")
+def _(form):
+    found = machine_modes(linearize(sprung(form), fulls=[bar_as("full")]), 1)
+    assert abs(found.error.eigenvalues[0]) == pytest.approx(_slowest("full"), rel=5e-3)
+    apart = abs(found.eigenvalues[0] - found.error.eigenvalues[0]) / abs(found.error.eigenvalues[0])
+    assert found.error.relative[0] == pytest.approx(apart, rel=1e-6, abs=1e-12)
+    assert apart < 1e-3
+
+
 @row("error of the time step")
 def _(form):
     """Of the place of the tip, against a run at a quarter of the step."""
@@ -701,8 +723,9 @@ def checked(feature, form, folder):
     return check(form, folder) if with_folder else check(form)
 
 
-def _reads_the_flight(feature):
-    return feature.startswith(("sensor", "report")) and "joint" not in feature
+def _is_quick(feature, form):
+    reads_the_flight = feature.startswith(("sensor", "report")) and "joint" not in feature
+    return feature in QUICK or reads_the_flight or (feature in QUICK_OF_ONE and form == "reduced")
 
 
 def cells(answer):
@@ -712,7 +735,7 @@ def cells(answer):
             feature,
             form,
             id=f"{feature}, {form}",
-            marks=() if not answer or feature in QUICK or _reads_the_flight(feature) else pytest.mark.slow,
+            marks=() if not answer or _is_quick(feature, form) else pytest.mark.slow,
         )
         for feature, row in TABLE.items()
         for form, cell in row.items()

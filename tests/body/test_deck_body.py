@@ -341,7 +341,7 @@ def test_parts_are_named_and_nodes_without_use_left_out():
         "part_1": 5,
         "part_2": 3,
     }
-    with pytest.raises(ModelError, match=r"2 parts that nothing connects: part_1 \(5 nodes\), part_2 \(3"):
+    with pytest.raises(ModelError, match=r"2 disconnected parts: part_1 \(5 nodes\), part_2 \(3"):
         deck_body("both", given, [])
     body = deck_body("short", given, [], part="part_2")
     assert rigid_mass_properties(body.nodal_mass, body.nodes, 6).mass == pytest.approx(

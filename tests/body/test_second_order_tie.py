@@ -258,8 +258,8 @@ FRAMES = {"mean axes": MeanAxisFrame(), "the other end": NodalFixedFrame("tip")}
     ("ends", "other", "allowed"),
     [
         (RigidInterface, "mean axes", 6e-3),
-        (RigidInterface, "the other end", 1e-2),
-        (AveragingInterface, "mean axes", 2e-3),
+        pytest.param(RigidInterface, "the other end", 1e-2, marks=pytest.mark.slow),
+        pytest.param(AveragingInterface, "mean axes", 2e-3, marks=pytest.mark.slow),
         (AveragingInterface, "the other end", 4e-3),
     ],
 )

@@ -108,7 +108,7 @@ def test_a_nastran_file_is_read_and_assembled_once_a_run(tmp_path, bulk, monkeyp
     rbe2 = bulk.card("RBE2", 7, 900, 123456, *(mesh.nodes_of("root") + 1))
     (tmp_path / "plate.bdf").write_text(bulk.text(mesh, *bulk.shell(0.01), "GRID,900,,0.,0.,0.", rbe2))
     (tmp_path / "plate.toml").write_text(BULK.replace("LINEAR", "linear = true" if linear else ""))
-    monkeypatch.setattr("supple.viz.run_pictures.N_FRAMES", 3)
+    monkeypatch.setattr("supple.results.film.N_FRAMES", 3)
     reads = counted(monkeypatch, nastran, "read_bulk_data")
     assembled = counted(monkeypatch, body_source, "deck_model")
     run_case(read_case(tmp_path / "plate.toml"), tmp_path / "out")
@@ -128,7 +128,7 @@ def test_a_velocity_may_be_that_of_the_centre_of_mass(case_folder):
     np.testing.assert_allclose(placed.velocity, [0.0, -2.0, 1.0], atol=1e-9)
     path.write_text(given.replace("centre_velocity", "velocity = [0, 0, 1]\ncentre_velocity"))
     with pytest.raises(
-        CaseError, match="centre_velocity: the velocity of the mesh origin or that of the centre"
+        CaseError, match="centre_velocity: give the velocity of the mesh origin or that of the centre"
     ):
         read_case(path)
     path.write_text(given.replace("centre_velocity", "split = { parts = 2 }\ncentre_velocity"))

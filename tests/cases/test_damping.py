@@ -48,7 +48,9 @@ def test_both_kinds_act_against_the_interface_that_they_name(body, given):
 def test_a_basis_that_lacks_the_held_modes_is_warned_of(body):
     """Three free modes, without static shapes: the third held mode of such a body is far too fast."""
     found = reduced(body, ASKED, NormalModes(3))
-    with pytest.warns(SuppleWarning, match=r"2 % is asked of its modes 1 and 3 with 'root' held; as reduced"):
+    with pytest.warns(
+        SuppleWarning, match=r"2 % is given for its modes 1 and 3 with 'root' held; as reduced"
+    ):
         warn_of_ratios(ASKED, found)
 
 

@@ -113,7 +113,7 @@ def test_the_slider_moves_as_its_crank_and_the_motor_does_the_work(written, tmp_
 
 
 def test_what_an_integrator_would_need_is_a_mistake(written):
-    with pytest.raises(CaseError, match=r"simulation\.rho_inf: a kinematic run integrates nothing"):
+    with pytest.raises(CaseError, match=r"simulation\.rho_inf: not used in a kinematic run"):
         written(CASE.replace("kinematic = true", "kinematic = true\nrho_inf = 0.5"))
 
 

@@ -81,7 +81,7 @@ def test_a_free_strip_falls_under_its_pressure_and_rests_on_a_base_that_falls_al
         (
             'at = "strip.ALL"',
             'at = "strip.ROOT"',
-            "no outer face of a solid or shell with all corners in the set",
+            "needs an outer face of a solid or shell with all corners in the set",
         ),
     ],
 )

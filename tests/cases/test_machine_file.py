@@ -115,7 +115,10 @@ def test_a_flexible_body_stands_in_place_of_a_rigid_one(read):
         (CASE.replace("arm.xml", "none.xml"), "line 3, machine.mujoco: there is no file"),
         (CASE.replace('"arm.xml"', '"case.toml"'), "machine.mujoco: .*MuJoCo refuses it"),
         (CASE.replace("[simulation]", 'leave_out = ["wheels"]\nbody = 1\n[simulation]'), "machine.body"),
-        (CASE + BODY + "position = [0, 0, 0]\n", "position: the machine says where body 'upper' stands"),
+        (
+            CASE + BODY + "position = [0, 0, 0]\n",
+            "position: the machine file defines the position of body 'upper'",
+        ),
         (
             CASE + BODY.replace('name = "knee"', 'name = "shin"'),
             "has joints at knee of it; add interfaces",

@@ -52,10 +52,10 @@ def test_a_stroboscope_is_a_joint_and_an_angle(case_with):
     ("lines", "message"),
     [
         ('film = { joint = "shaft" }', "there is no joint 'shaft'; there are: clamp"),
-        ("film = { angle = 0.5 }", "the angle of which joint"),
-        ('film = { joint = "clamp", speed = 0.5 }', "leave out speed, or the rotor"),
+        ("film = { angle = 0.5 }", "angle needs a joint"),
+        ('film = { joint = "clamp", speed = 0.5 }', "either a speed, or one frame per passage"),
         ("film = { frames_per_second = 60 }", "60 frames per second: give at most 50"),
-        ("film = { start = 0.3, end = 0.2 }", "from 0.3 to 0.2 shows nothing"),
+        ("film = { start = 0.3, end = 0.2 }", "from 0.3 to 0.2 is empty"),
         ("film = { speed = 0.0 }", "greater than 0"),
         ('film = { format = "avi" }', "gif"),
         ("camera = { along = [0.0, 0.0, 1.0], up = [0.0, 0.0, 2.0] }", "not parallel"),
@@ -95,6 +95,6 @@ def test_explicit_elements_are_not_enlarged(case_folder):
     body = text.index("frame = {"), text.index("[[body.interface]]")
     path.write_text(text[: body[0]] + "explicit = {}\n" + text[body[1] :])
     with pytest.raises(
-        CaseError, match="motion and deformation of explicit elements are not known apart; remove the key"
+        CaseError, match="explicit elements have no separate rigid motion and deformation; remove the key"
     ):
         read_case(path)

@@ -316,7 +316,7 @@ ONE_MISTAKE = {
     "ground second": (
         'second = "blade.tip"',
         'second = "ground"',
-        "spring[1].second: ground cannot stand here, only as first end",
+        "spring[1].second: ground is not allowed here, only as first end",
     ),
     "a spring from nowhere on the ground": (
         'kind = "straight"\nfirst = "hub.flange"',
@@ -326,7 +326,7 @@ ONE_MISTAKE = {
     "a torque on a node set": (
         'kind = "force"\nat = "blade.LE"',
         'kind = "torque"\nat = "blade.LE"',
-        "load[1].at: a torque or a follower load acts at",
+        "load[1].at: a torque or a follower load needs",
     ),
     "a follower on a node set": (
         'at = "blade.LE"',
@@ -443,7 +443,7 @@ ONE_MISTAKE = {
     "not a mesh file": (
         '"blade.inp"',
         '"blade.txt"',
-        "'blade.txt' is not a mesh that can be read: .inp or .msh",
+        "'blade.txt' is not a readable mesh: .inp or .msh",
     ),
     "a table file that is not there": (
         '"ramp", value = 1, duration = 2.0',

@@ -164,7 +164,7 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
         ('at = "strip.ROOT"', 'at = "strip.root"', "no node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),
-        ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "beside component, measure is one of max"),
+        ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "with component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),
         (
             'kind = "energy"',

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from supple.body import RayleighDamping
-from supple.cases import read_case, run_case
+from supple.cases import read_case, run_case, static_case
 from supple.errors import CaseError, ModelError, SuppleWarning
 from supple.machine import At
 
@@ -44,6 +44,18 @@ def test_a_split_strip_bends_as_the_whole_one(case_folder, tmp_path):
     assert (seen.seen_from, expected.seen_from) == ("strip-1.root", "root")
     assert abs(seen.deflection - expected.deflection).max() < 5e-3 * sag
     assert any("into 2; the ties change its lowest free frequencies by" in line for line in heard)
+
+
+@pytest.mark.slow
+def test_a_split_strip_at_rest_is_seen_from_where_its_run_sees_it(case_folder, tmp_path):
+    path = rewritten(case_folder, (SPLIT, "split = { parts = 2 }\n" + SPLIT), ("-9.81", "-2.0"))
+    found = static_case(read_case(path), tmp_path / "split")
+    tip = found.tracked["strip-2.TIP"]
+    assert tip.seen_from == "strip-1.root"
+    numbers = found.numbers["tracked"]["strip-2.TIP"]
+    # Clamped at the root, what is deflected is what has moved.
+    assert numbers["error of deflection"] == pytest.approx(numbers["error of position"], abs=1e-12)
+    assert abs(numbers["error of position"]).max() < 0.01 * abs(tip.deflection).max()
 
 
 def test_loads_on_nodes_are_shared_out_and_frames_follow_the_cuts(case_folder):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from importlib.metadata import EntryPoint
 
 import pytest
@@ -59,15 +57,3 @@ def test_unknown_benchmark_is_refused():
     result = call("blad")
     assert result.exit_code == 2
     assert "No such command 'blad'" in result.output
-
-
-@pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
-def test_help_and_version_load_neither_solvers_nor_benchmarks(arguments):
-    program = f"""
-import sys
-from supple.cli.main import app
-app({arguments!r}, standalone_mode=False)
-print([name for name in ("jax", "scipy", "supple_benchmarks") if name in sys.modules])
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"

@@ -87,7 +87,7 @@ def test_a_deck_without_density_or_with_faults_ends_well(bar):
 
 def test_json_is_of_decks(tmp_path):
     (tmp_path / "a.toml").touch()
-    assert "--json, --modes and --held are of decks" in call("info", tmp_path / "a.toml", "--held", code=2)
+    assert "--json, --modes and --held are for decks" in call("info", tmp_path / "a.toml", "--held", code=2)
 
 
 CASE = """

@@ -105,5 +105,5 @@ def test_every_step_of_the_search_is_told_of_one_step_of_the_build(case):
 def test_more_eigenvalues_than_the_body_has_are_refused(case):
     case.write_text(case.read_text().replace(f"modes = {N}", "modes = 2000"))
     output = call("reduce", case, "-o", case.parent, code=2)
-    assert "2000 eigenvalues asked of body 'strip', which has" in output
-    assert "ask for fewer" in output
+    assert "2000 eigenvalues requested of body 'strip', which has" in output
+    assert "request fewer" in output

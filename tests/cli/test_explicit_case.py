@@ -159,7 +159,7 @@ def test_every_mistake_is_listed_with_its_line(bar):
     with pytest.raises(CaseError, match="not tied to itself"):
         read_case(bar(('on = "rest"', 'on = "nose"')))
     every = 'on = "rest"\ncontinuity = { kind = "every-node" }'
-    with pytest.raises(CaseError, match="hang position for position"):
+    with pytest.raises(CaseError, match="explicit nodes are tied pointwise"):
         read_case(bar(('on = "rest"', every)))
 
 
@@ -252,11 +252,11 @@ def test_a_shell_yields_by_its_law_and_has_no_key_without_effect(bar, tmp_path):
     for old, new, told in (
         ('law = { kind = "j2", yield_stress = 100e6 }, ', "", "an elastic shell has no deletion"),
         ('kind = "j2", yield_stress = 100e6', 'kind = "neo-hookean"', "the law of a shell"),
-        ("layers = 7", "hourglass = 0.1", "hourglass modes are of hexahedra"),
-        ("layers = 7", "bulk_viscosity = {}", "bulk viscosity is of solids"),
+        ("layers = 7", "hourglass = 0.1", "hourglass modes are those of hexahedra"),
+        ("layers = 7", "bulk_viscosity = {}", "bulk viscosity is for solids"),
     ):
         path.write_text(PLATE.replace(old, new))
         with pytest.raises(CaseError, match=told):
             read_case(path)
-    with pytest.raises(CaseError, match="layers are of shells"):
+    with pytest.raises(CaseError, match="layers are for shells"):
         read_case(bar(("modulus = 300e6 }", "modulus = 300e6 }, layers = 3")))

@@ -63,7 +63,7 @@ def test_a_body_that_is_not_there_is_refused(case_folder, tmp_path):
 def test_a_body_that_no_joint_holds_is_refused(case_folder, tmp_path):
     case = case_folder / "strip.toml"
     case.write_text(case.read_text().replace('"strip.root"\n\n[sim', '"other.eye"\n\n[sim') + OTHER)
-    assert "no joint holds body 'strip'" in refused(case, tmp_path)
+    assert "no joint constrains body 'strip'" in refused(case, tmp_path)
 
 
 def test_two_bodies_with_elements_want_a_name(case_folder, tmp_path):
@@ -71,4 +71,4 @@ def test_two_bodies_with_elements_want_a_name(case_folder, tmp_path):
     text = case.read_text()
     start, end = text.index("[[body]]"), text.index("[[joint]]")
     case.write_text(text + "\n" + text[start:end].replace('name = "strip"', 'name = "second"'))
-    assert "2 bodies with elements (strip, second); say which one: --body NAME" in refused(case, tmp_path)
+    assert "2 bodies with elements (strip, second); give one: --body NAME" in refused(case, tmp_path)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from fixtures.strip_case import filled
 from scipy.io import loadmat
 from typer.testing import CliRunner
 
@@ -36,12 +37,13 @@ def exported(*arguments):
     return CliRunner().invoke(app, ["export", *map(str, arguments)])
 
 
-@pytest.fixture
-def result(case_folder):
-    """The result of the strip's case, of a motion that is made up, and the case with units."""
-    path = case_folder / "strip.toml"
+@pytest.fixture(scope="module")
+def exported_case(tmp_path_factory):
+    """A folder with the strip's case, in units, and in `results` a motion of it that is made up."""
+    own = filled(tmp_path_factory.mktemp("case"))
+    path = own / "strip.toml"
     path.write_text(UNITS + path.read_text())
-    case, folder = read_case(path), case_folder / "results"
+    case, folder = read_case(path), own / "results"
     times = np.linspace(0, 0.4, 11)
     r = case.system.bodies[0].body.n_coordinates
     still = np.zeros((11, 3))
@@ -52,9 +54,15 @@ def result(case_folder):
     solution = Solution(times, {"strip": motion}, {"clamp": forces}, Statistics())
     keep_bodies(case.system, case.made_here, folder)
     metadata = {CASE_FILE: path_from(folder, path), "units": str(case.units), **columns_of(case.system)}
-    return write_solution(
-        folder / "strip.h5", solution, case=case.text, metadata=metadata, inputs=case.inputs
-    )
+    write_solution(folder / "strip.h5", solution, case=case.text, metadata=metadata, inputs=case.inputs)
+    return own
+
+
+@pytest.fixture
+def result(exported_case, case_folder):
+    """The result of a case, both in a folder of their own."""
+    shutil.copytree(exported_case, case_folder, dirs_exist_ok=True)
+    return case_folder / "results" / "strip.h5"
 
 
 def test_a_table_has_sensors_forces_places_and_energies(result, case_folder, tmp_path):
@@ -148,7 +156,7 @@ def test_the_files_of_the_result_are_not_written_over(result, name):
     before = (result.parent / name).read_bytes()
     done = exported(result, "-o", result.parent / name)
     assert done.exit_code == 2
-    assert "the result is of this file" in " ".join(done.output.split())
+    assert "it is the result itself" in " ".join(done.output.split())
     assert (result.parent / name).read_bytes() == before
 
 
@@ -164,7 +172,7 @@ def test_the_files_of_the_result_are_not_written_over(result, name):
         (("a.vtu", "--time", "-1"), "no instant -1"),
         (("a.vtu", "--time", "nan"), "no instant nan"),
         (("a.vtkhdf", "--body", "strap"), "did you mean 'strip'"),
-        (("a.csv", "--abaqus"), "--abaqus is of the deck"),
+        (("a.csv", "--abaqus"), "--abaqus is for the deck"),
     ],
 )
 def test_mistakes_are_named(result, tmp_path, arguments, cause):
@@ -189,10 +197,10 @@ def test_a_mode_is_written_as_a_motion(case_folder, tmp_path):
     np.testing.assert_allclose(points + moved.reshape(24, -1, 3), positions, atol=1e-7)
     assert read_mesh(tmp_path / "a.vtu").n_cells
     wrong = exported(case_folder / "strip.toml", "-o", tmp_path / "a.csv", "--mode", 1)
-    assert "--mode is of a case" in wrong.output
+    assert "--mode needs a case" in wrong.output
 
 
 def test_options_of_results_are_refused_for_cases(case_folder, tmp_path):
     done = exported(case_folder / "strip.toml", "-o", tmp_path / "a.inp", "--times", "0:1:3")
     assert done.exit_code == 2
-    assert "are of results" in " ".join(done.output.split())
+    assert "are for results" in " ".join(done.output.split())

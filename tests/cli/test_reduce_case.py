@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import shutil
 
 import numpy as np
 import pytest
+from fixtures.strip_case import filled
 from typer.testing import CliRunner
 
 from supple.cases import read_case
@@ -27,6 +29,14 @@ def case(case_folder):
     path = case_folder / "strip.toml"
     path.write_text(path.read_text().replace("duration = 0.4", "duration = 0.01"))
     return path
+
+
+@pytest.fixture(scope="module")
+def reduced_strip(tmp_path_factory):
+    """The file that the command writes of the strip."""
+    folder = filled(tmp_path_factory.mktemp("reduced"))
+    call("reduce", folder / "strip.toml", "-o", folder)
+    return folder / "strip-reduced.h5"
 
 
 @pytest.fixture
@@ -62,8 +72,8 @@ def test_reduce_writes_each_body_and_says_what_it_is(case):
         assert part in output
 
 
-def test_a_case_with_the_file_runs_as_the_case_itself(case, reduced_case):
-    call("reduce", case, "-o", case.parent)
+def test_a_case_with_the_file_runs_as_the_case_itself(reduced_strip, case, reduced_case):
+    shutil.copy(reduced_strip, case.parent)
     small = reduced_case()
     assert "body strip reduced; interfaces: root" in call("info", small).replace("│ ", "")
     call("run", case, "-o", case.parent / "out")
@@ -73,8 +83,8 @@ def test_a_case_with_the_file_runs_as_the_case_itself(case, reduced_case):
     np.testing.assert_array_equal(one.joint_forces["clamp"], other.joint_forces["clamp"])
 
 
-def test_a_case_without_a_body_of_fixed_size_has_nothing_to_reduce(case, reduced_case):
-    call("reduce", case, "-o", case.parent)
+def test_a_case_without_a_body_of_fixed_size_has_nothing_to_reduce(reduced_strip, case, reduced_case):
+    shutil.copy(reduced_strip, case.parent)
     output = call("reduce", reduced_case(), "-o", case.parent / "out", code=2)
     assert "has no body to reduce: give an elastic body a reduction of fixed size" in output
     assert not (case.parent / "out").exists()
@@ -106,8 +116,8 @@ def test_a_case_without_a_body_of_fixed_size_has_nothing_to_reduce(case, reduced
         ),
     ],
 )
-def test_mistakes_with_reduced_bodies_are_named(case, reduced_case, old, new, message):
-    call("reduce", case, "-o", case.parent)
+def test_mistakes_with_reduced_bodies_are_named(reduced_strip, case, reduced_case, old, new, message):
+    shutil.copy(reduced_strip, case.parent)
     with pytest.raises(CaseError, match=message):
         read_case(reduced_case(old, new))
 

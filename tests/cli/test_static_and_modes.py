@@ -197,6 +197,11 @@ def test_a_rest_of_fixed_size_says_what_it_misses(strip_run):
     x = numbers["tracked"]["strip.TIP"]["last position"][0]
     assert x - 1.0 + missing["worst"] == pytest.approx(STRETCH, rel=5e-3)
     assert missing["relative"] > 0.2
+    tip = numbers["tracked"]["strip.TIP"]
+    assert x - tip["error of position"][0] - 1.0 == pytest.approx(STRETCH, rel=5e-3)
+    stretched = tip["last deflection"][0] - tip["error of deflection"][0]
+    assert stretched == pytest.approx(STRETCH, rel=5e-3)
+    assert " error of the basis, m" in " ".join(output.split())
 
 
 def test_a_run_of_a_body_that_corrects_itself_starts_in_its_equilibrium(tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -49,11 +51,11 @@ def marker():
 @pytest.fixture(scope="module")
 def moving(marker):
     """Point, orientation and their rates while the local freedoms change at `RATES`."""
-    return jax.jvp(
-        lambda local: (point(displaced(marker, local)), orientation(displaced(marker, local))),
-        (LOCAL,),
-        (RATES,),
-    )
+
+    def moved(local):
+        return point(displaced(marker, local)), orientation(displaced(marker, local))
+
+    return jax.jit(partial(jax.jvp, moved))((LOCAL,), (RATES,))
 
 
 def test_point_velocity_is_the_rate_of_the_point(marker, moving):

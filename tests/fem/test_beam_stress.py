@@ -359,7 +359,7 @@ def test_beams_without_points_have_no_stress():
     for section in (bare, replace(bare, geometry=SectionGeometry()), COUPLED):
         model = shell_model(straight(1), section)
         assert not has_stress(model)
-        with pytest.raises(ModelError, match="do not say where the stress acts"):
+        with pytest.raises(ModelError, match="have no recovery points"):
             stress_recovery(model)
     mixed = finite_element_model(
         straight(2), tuple(Section(CellType.LINE2, np.array([k]), s) for k, s in enumerate((RECTANGLE, bare)))

@@ -113,7 +113,7 @@ class TestRigidRotor:
         }
         assert kinds == {"forward whirl", "backward whirl"}
 
-    @pytest.mark.parametrize("like", [True, False])
+    @pytest.mark.parametrize("like", [pytest.param(True, marks=pytest.mark.slow), False])
     def test_critical_speeds_are_where_a_whirl_has_the_rate_of_the_spin(self, like):
         """Of the discs alone: `w = W` where `(I - I_p) W^2 = k l^2` never is, for I_p > I; translation is."""
         soft = self.stiff if like else self.soft
@@ -308,8 +308,9 @@ class TestGroundResonance:
         return Spin(rate, Z, bodies=["hub", *(f"blade{i}" for i in range(number))])
 
     def matrices(self, masses, rate, psi):
+        """At angles (k,) of the rotor, (k, n, n) each."""
         number = len(masses)
-        M, C, K = np.zeros((3, 2 + number, 2 + number))
+        M, C, K = np.zeros((3, 2 + number, 2 + number, len(psi)))
         M[0, 0] = self.carriage + self.nacelle + self.hub + sum(masses)
         M[1, 1] = M[0, 0] - self.carriage
         K[0, 0], K[1, 1] = self.springs
@@ -322,20 +323,18 @@ class TestGroundResonance:
             M[j, 1] = M[1, j] = S * c
             C[0, j], C[1, j] = -2 * rate * S * c, -2 * rate * S * s
             K[0, j], K[1, j] = rate**2 * S * s, -(rate**2) * S * c
-        return M, C, K
+        return [np.moveaxis(each, 2, 0) for each in (M, C, K)]
 
     def exponents(self, masses, rate, steps=800):
         """Floquet exponents, by the monodromy matrix of the equations above (Runge-Kutta)."""
         n, period = 2 + len(masses), 2 * np.pi / rate
 
-        def state(time):
-            M, C, K = self.matrices(masses, rate, rate * time)
-            solved = np.linalg.solve(M, np.hstack([K, C]))
-            return np.block([[np.zeros((n, n)), np.eye(n)], [-solved]])
-
         h, turned = period / steps, np.eye(2 * n)
-        for step in range(steps):
-            first, middle, last = (state((step + part) * h) for part in (0, 0.5, 1))
+        M, C, K = self.matrices(masses, rate, rate * h / 2 * np.arange(2 * steps + 1))
+        states = np.zeros((len(M), 2 * n, 2 * n))
+        states[:, :n, n:] = np.eye(n)
+        states[:, n:] = -np.linalg.solve(M, np.concatenate([K, C], axis=2))
+        for first, middle, last in zip(states[:-2:2], states[1:-1:2], states[2::2], strict=True):
             k1 = first @ turned
             k2 = middle @ (turned + h / 2 * k1)
             k3 = middle @ (turned + h / 2 * k2)

@@ -56,13 +56,13 @@ def test_a_servo_moves_what_its_joint_leaves_free():
     def along(axis):
         return m.SlideServo(**ENDS, axis=axis, slide=0.1, stiffness=2.0)
 
-    words = r"AngleServo on ground: it moves nothing, for joint 'hinge' holds its ends along its axis "
+    words = r"AngleServo on ground: it has no effect, as joint 'hinge' holds its ends along its axis "
     with pytest.raises(
         ModelError, match=words + r"\(1, 0, 0\): give it an axis along \[0.0, 0.0, 1.0\], which the joint "
     ):
         wheel(loads=[angle((1, 0, 0))])
     with pytest.raises(
-        ModelError, match=r"SlideServo on ground: it moves nothing, .* give it ends between which"
+        ModelError, match=r"SlideServo on ground: it has no effect, .* give it ends between which"
     ):
         wheel(loads=[along((0, 0, 1))])
     with pytest.raises(ModelError, match="joint 'slide' holds its ends"):

@@ -70,9 +70,9 @@ def test_a_dead_force_may_name_body_and_interface_together():
 
 
 def test_a_dead_force_acts_on_a_body():
-    with pytest.raises(ModelError, match="DeadForce on nodes: name the body that they belong to"):
+    with pytest.raises(ModelError, match="DeadForce on nodes: give the body that they belong to"):
         DeadForce(at=[1, 2], force=[0.0, 0.0, 1.0])
-    with pytest.raises(ModelError, match="DeadForce acts on the ground: name a body's interface"):
+    with pytest.raises(ModelError, match="DeadForce acts on the ground: give a body's interface"):
         DeadForce(at="ground", force=[0.0, 0.0, 1.0])
     with pytest.raises(ModelError, match=r"'left' is not an end: write 'BODY.INTERFACE'"):
         DeadForce(at="left", force=[0.0, 0.0, 1.0])

@@ -142,7 +142,7 @@ def test_stress_sensors_on_beams(forms, model, amplitudes):
         read_sensors([replace(largest, over=Mean())], system, solution)
     read_sensors([StressSensor("inside", "beam", model, [1, 2], over=Mean())], system, solution)
     bare = shell_model(model.mesh, rectangle(WIDTH, HEIGHT))
-    with pytest.raises(ModelError, match="do not say where the stress acts"):
+    with pytest.raises(ModelError, match="have no recovery points"):
         read_sensors([StressSensor("none", "beam", bare, [1], over=Maximum())], system, solution)
 
 

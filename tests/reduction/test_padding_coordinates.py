@@ -112,5 +112,8 @@ def test_room_is_left_to_the_next_multiple_of_sixteen(reduced):
     assert (body.r + padded(body).padding) % 16 == 0
     filled = filled_up(padded(body))
     assert filled.padding == 0
-    assert padded(filled) is filled
+    assert filled.r == 16
+    wider = filled_up(padded(filled))
+    assert wider.r == 32  # what a round adds to sixteen finds room, too
+    assert padded(wider) is wider
     assert filled_up(replace(body, padding=0)).r == body.r

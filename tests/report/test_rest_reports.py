@@ -46,7 +46,7 @@ def test_each_mode_is_a_clip_that_repeats_itself(tmp_path, bent):
     assert [first["name"], third["name"]] == [f"1: {names[0]}", f"3: {names[2]}"]
     frequency = modes.frequencies[2] / (2 * np.pi)
     assert third["note"].startswith(f"{frequency:.5g} Hz, damping ")
-    assert third["note"].endswith(f"Frequencies are seen in axes {modes.machine.axes}.")
+    assert third["note"].endswith(f"Frequencies are in axes {modes.machine.axes}.")
     assert third["repeats"]
     rows = slice(third["first"], third["first"] + third["number"])
     found = page.field(page.body("blade")["displacement"])[rows]

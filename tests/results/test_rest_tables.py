@@ -48,6 +48,24 @@ def test_a_state_is_listed_by_place_axis_and_value():
     assert "time" not in words
 
 
+def test_errors_stand_beside_the_places_that_have_them():
+    place = {"seen from": "root", "elastic": True, "last deflection": np.zeros(3)}
+    tracked = {
+        "bar.tip": place
+        | {
+            "last position": np.array([1.0, 0.0, 0.0]),
+            "error of position": np.array([2e-3, -1e-15, 0.0]),
+            "error of deflection": np.array([1.5e-3, 0.0, 0.0]),
+        },
+        "rod.end": place | {"last position": np.array([0.0, 1.0, 0.0])},
+    }
+    numbers = {"units": {"length": "m"}, "bodies": {}, "joints": {}, "tracked": tracked}
+    _, positions, deflections = rest_tables(numbers)
+    assert positions.heads[-1] == deflections.heads[-1] == "error of the basis, m"
+    assert [row[-1] for row in positions.rows] == ["0.002", "0", "0", *["unknown"] * 3]
+    assert deflections.rows[0] == ["bar.tip", "root", "x", "0", "0.0015"]
+
+
 def test_what_is_not_there_has_no_table():
     tables = rest_tables({"units": {}, "bodies": {}, "joints": {}, "tracked": {}})
     assert [table.title for table in tables] == ["Bodies"]

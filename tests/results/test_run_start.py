@@ -34,7 +34,7 @@ def test_a_strip_that_begins_to_hang_swings_and_one_at_rest_does_not(clamped_bla
     # Half a period of the lowest mode of a cantilever: 1.875^2 sqrt(E I / m) / L^2 = 2.03 rad/s.
     assert swing["at time"] == pytest.approx(np.pi / 2.03, abs=0.1)
     (line,) = start_lines(numbers)
-    assert 'begin at rest: start = "equilibrium"' in line
+    assert 'start at rest: start = "equilibrium"' in line
     found = equilibrium(system).system
     assert list(start_lines(summarize(found, simulate(found, run)))) == []
 

@@ -62,6 +62,7 @@ def test_chunks_join_to_the_whole_run(tmp_path, make):
     assert read_header(tmp_path / "run.h5").complete
 
 
+@pytest.mark.slow
 def test_a_running_file_can_be_read_by_others(tmp_path, make):
     path = tmp_path / "run.h5"
     with ResultFile.create(path, case=CASE) as file:

@@ -37,7 +37,7 @@ def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
 
     C : compliance of its rotation to the moment, the next interface held, or inertia balancing it
     """
-    # The arcsine of a rotation tells those that average displacements.
+    # Only interfaces that average displacements have the arcsine of a rotation.
     if body.is_linear or interface.cubic_turn <= 0:
         return np.zeros(3)
     others = [other for other in body.interfaces if other is not interface]

@@ -17,7 +17,7 @@ __all__ = ["BodyForm"]
 
 
 class BodyForm(Protocol):
-    """A body as a machine holds it. Code that uses these members need not know the form of the body."""
+    """A body as a machine holds it. Code that uses these members does not depend on the form of the body."""
 
     @property
     def kind(self) -> str:

@@ -1,4 +1,4 @@
-"""What the matrices of a flexible body must satisfy, and how it is said when they do not."""
+"""What the matrices of a flexible body must satisfy, and the errors if they do not."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ IntArray = NDArray[np.int64]
 
 # Of a row's largest entry: less is rounding.
 _NOTHING = 1e-12
-# Of the largest pivot of rows scaled to one: less says the same as the rows before.
+# Of the largest pivot of rows scaled to one: a row below it depends on those before.
 _REDUNDANT = 1e-9
 # How much rather a freedom is eliminated: the one that the file names; none of a joint's interface.
 _NAMED, _LAST = 1e3, 1e-4

@@ -179,7 +179,7 @@ class ModalDamping:
         """
         if self.n_modes is None:
             raise ModelError(
-                "modal damping of a body with all its freedoms: say how many of its modes are damped, for "
+                "modal damping of a full body: give the number of damped modes, for "
                 "example ModalDamping(0.02, n_modes=20); or take RayleighDamping"
             )
         found = lowest_modes(stiffness, mass, self.n_modes, constraint=constraint)
@@ -208,7 +208,7 @@ def refuse_held(damping: Damping | None, what: str) -> None:
 def damping_matrix(
     damping: Damping | None, body: FlexibleBody, columns: NDArray[np.float64], stiffness: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """D (k, k) of a body at rest that moves by some columns, as its option says; zero without one.
+    """D (k, k) of a body at rest that moves by some columns, by its option; zero without one.
 
     Clamped at the interface that the option names, the columns move as P V, of mass V^T P^T M P V.
 

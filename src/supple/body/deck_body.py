@@ -160,8 +160,8 @@ def refuse_left_out(deck: Deck, allowed: Sequence[str] = ()) -> None:
         )
         names = ", ".join(f'"{each.card}"' for each in left)
         raise ModelError(
-            f"{deck.path}: the file has what is not read and would change the body: {listed}. To leave it "
-            f"out, say so: leave_out = [{names}]"
+            f"{deck.path}: the file has cards that are not read and would change the body: {listed}. To omit "
+            f"them: leave_out = [{names}]"
         )
 
 

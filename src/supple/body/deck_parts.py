@@ -91,12 +91,12 @@ def named_part(deck: Deck, name: str | None) -> Deck:
         return named_part(deck.superelements[name], None)
     parts = deck_parts(deck)
     if not parts:
-        raise ModelError(f"{deck.path}: it has no elements, springs or masses to make a body of")
+        raise ModelError(f"{deck.path}: it has no elements, springs or masses for a body")
     if name is None:
         if len(parts) > 1:
             sizes = ", ".join(f"{key} ({len(part.node_ids)} nodes)" for key, part in list(parts.items())[:8])
             raise ModelError(
-                f"{deck.path}: it falls into {len(parts)} parts that nothing connects: {sizes}; choose one "
+                f"{deck.path}: it has {len(parts)} disconnected parts: {sizes}; choose one "
                 f'(part = "part_1"), or connect them'
             )
         return next(iter(parts.values()))

@@ -1,4 +1,4 @@
-"""What holds of a form of body unless the form says otherwise."""
+"""Defaults of the members of a form of body."""
 
 from __future__ import annotations
 

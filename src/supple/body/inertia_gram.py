@@ -48,7 +48,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         among[:, :, number] = np.moveaxis(energy.spin_products(column) @ V, 2, 0)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
-    # From the nodes, which shows where the two masses disagree; nodes know nothing of modal coordinates.
+    # From the nodes, which shows where the two masses disagree; modal coordinates are no part of it.
     nodal = V if body.n_modal else body.expansion @ V
     own = nodal.T @ ((body.mass if body.n_modal else body.nodal_mass) @ nodal)
     gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])

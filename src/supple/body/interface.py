@@ -125,7 +125,7 @@ class PointInterface(UntiedInterface):
 
 
 class Interface(Protocol):
-    """What every form of a body tells of an interface."""
+    """The properties of an interface for every form of body."""
 
     @property
     def name(self) -> str:

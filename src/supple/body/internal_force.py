@@ -79,7 +79,7 @@ class QuadraticStrainForce:
 
     @cached_property
     def blocks(self) -> tuple[QuadraticStrain, ...]:
-        """Of the elements, in nodal freedoms and those of virtual nodes; made when first asked for."""
+        """Of the elements, in nodal freedoms and those of virtual nodes; made on first use."""
         model = self.model
         if not self.rigid_sets:
             return model.strains

@@ -41,7 +41,7 @@ class MassProperties:
 
 
 def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> MassProperties:
-    """What a mass matrix says of rigid motion, R^T M R: the mean of its three masses, centre and inertia.
+    """Rigid-body properties of a mass matrix, R^T M R: the mean of its three masses, centre and inertia.
 
     Parameters
     ----------

@@ -158,7 +158,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
     """`check_model` of finite elements, their mass against that of the mesh, and how their cells meet."""
     expected = mesh_mass_properties(model)
     if model.mass_of is not consistent_mass:
-        # Mass at the nodes has an inertia of its own, which the size of the cells tells.
+        # Mass at the nodes has an inertia of its own, of the order of the size of the cells.
         found = rigid_mass_properties(model.mass, model.mesh.nodes, model.dofs_per_node)
         expected = replace(expected, inertia=found.inertia)
     check = check_model(
@@ -305,7 +305,7 @@ def _mass(
             inertia.what,
             inertia.seen,
             Verdict.REFUSED,
-            "no distribution of mass has these: are nodes and matrix of the same model, in the same units?",
+            "impossible for a mass distribution: are nodes and matrix of the same model, in the same units?",
         )
     return [total, inertia] + ([] if expected is None else [_against_mesh(found, expected)])
 
@@ -391,7 +391,7 @@ def _grounding(
     row, motion = np.unravel_index(int(np.argmax(ratios)), ratios.shape)
     worst = float(ratios[row, motion])
     if worst <= tolerance:
-        return Finding("free of supports", f"rigid motions meet {worst:.0e} of the forces that cancel")
+        return Finding("free of supports", f"rigid-body residual {worst:.0e} of the forces that cancel")
     seen = f"{RIGID_NAMES[motion]} meets {worst:.1e}, most at {_freedom(int(row), labels, dofs_per_node)}"
     factor = _unit_of_nodes(K, R, dofs_per_node, tolerance)
     if factor is not None:
@@ -443,7 +443,7 @@ def _units(
     nodes: FloatArray, K: sparse.csc_array, M: sparse.csc_array, dofs_per_node: int, n_modal: int
 ) -> Finding:
     if len(nodes) < 2:
-        return Finding("units", "a single node tells nothing")
+        return Finding("units", "not checked: a single node has no size")
     n = len(nodes) * dofs_per_node
     K, M = K[:n, :n], M[:n, :n]
     speed = wave_speed(nodes, K, M, dofs_per_node=dofs_per_node)
@@ -455,7 +455,7 @@ def _units(
     return Finding(
         "units",
         seen,
-        # The distance of boundary grids says little of the waves between them.
+        # The distance of boundary grids is no measure of the waves between them.
         Verdict.DOUBTFUL if possible or n_modal else Verdict.REFUSED,
         "use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
     )

@@ -7,7 +7,7 @@ is seen from axes turned by the mean rotation R of its nodes, in which only its 
     u_a' = R^T (x_a - mean x) - (X_a - mean X),      phi_a' = log(R^T exp(phi_a)),
 
 and the nodes of a rigid interface stand where its rotation puts them. The force is that of the element at
-u', phi', turned back. With the force of the body itself it tells what the body's kinematics cost. Solids are
+u', phi', turned back. With the force of the body itself it shows the error of its kinematics. Solids are
 invariant as they are: of theirs only the ties count.
 """
 

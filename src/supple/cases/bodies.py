@@ -76,9 +76,7 @@ from supple.reduction.eigenvalues.mode_search import search_words
 from supple.storage import read_reduced_body
 
 MeanAxis = table_of(MeanAxisFrame, "mean-axis")
-NodalFixed = table_of(
-    NodalFixedFrame, "nodal-fixed", interface=Key(str, "name of the interface the frame moves with")
-)
+NodalFixed = table_of(NodalFixedFrame, "nodal-fixed", interface=Key(str, "interface that carries the frame"))
 Frame = Annotated[Made, OneOf(MeanAxis, NodalFixed)]
 
 
@@ -92,7 +90,7 @@ class Body(CheckedTable):
         "for matrices also HDF5 .h5",
     )
     cells: str | None = Field(
-        None, description="cell set of the mesh that is this body, of shell and solid; all if left out"
+        None, description="cell set of the mesh that is this body (shell, solid); default: all cells"
     )
     shell: Shell | None = None
     solid: Solid | None = None
@@ -117,19 +115,19 @@ class Body(CheckedTable):
     condense: Condense | None = None
     modal: ModalPart | None = None
     explicit: ExplicitPart | None = None
-    linear: bool = Field(False, description="true leaves the nonlinear strains out (for comparison)")
-    position: Vector = Field(ZERO, description="start of the mesh origin, global axes")
-    rotation: Vector = Field(ZERO, description="start orientation as a rotation vector, global axes, rad")
+    linear: bool = Field(False, description="true omits the nonlinear strains (for comparison)")
+    position: Vector = Field(ZERO, description="initial position of the mesh origin, global axes")
+    rotation: Vector = Field(ZERO, description="initial orientation as a rotation vector, global axes, rad")
     velocity: Vector | None = Field(
         None,
-        description="start velocity of the mesh origin, global axes; by default what joints and laws ask for",
+        description="initial velocity of the mesh origin, global axes; default: that of joints and laws",
     )
     centre_velocity: Vector | None = Field(
-        None, description="instead of velocity: start velocity of the centre of mass, global axes"
+        None, description="instead of velocity: initial velocity of the centre of mass, global axes"
     )
     angular_velocity: Vector | None = Field(
         None,
-        description="start angular velocity, body axes, rad per time; by default as velocity",
+        description="initial angular velocity, body axes, rad per time; default as for velocity",
     )
 
     @property
@@ -266,7 +264,7 @@ class Body(CheckedTable):
             flexible,
             frame,
             self.reduction.recipe(lambda detail: notify(step, detail)),
-            loads=NoLoads,  # the recipe has them, where they are asked for
+            loads=NoLoads,  # the recipe has them, if they are selected
             derivatives=derivative_choice(self.reduction.derivatives),
             damping=damped,
             quartic=quartic_choice(self.reduction.condensed, CondensedQuartic()),
@@ -318,7 +316,7 @@ def _has_one_velocity(path: KeyPath, body: Raw) -> Mistakes:
     if "centre_velocity" not in body:
         return
     if "velocity" in body:
-        message = "the velocity of the mesh origin or that of the centre of mass: remove one of the two"
+        message = "give the velocity of the mesh origin or that of the centre of mass, not both"
         yield (*path, "centre_velocity"), message
     if "split" in body:
         message = (
@@ -331,7 +329,7 @@ def _mesh_can_be_read(path: KeyPath, body: Raw) -> Mistakes:
     kind, mesh = kind_of(body), body.get("mesh")
     allowed = (kind.mesh_suffixes if kind is not None else ()) or Shell.mesh_suffixes
     if isinstance(mesh, str) and Path(mesh).suffix.lower() not in allowed:
-        yield (*path, "mesh"), f"{mesh!r} is not a mesh that can be read: {' or '.join(allowed)}"
+        yield (*path, "mesh"), f"{mesh!r} is not a readable mesh: {' or '.join(allowed)}"
 
 
 def _interfaces_have_names(path: KeyPath, body: Raw) -> Mistakes:

@@ -110,7 +110,7 @@ class Shell(Homogeneous):
     thickness: Positive = Field(description="wall thickness, a length")
     shear_factor: NonNegative = Field(
         0.0,
-        description="k of the transverse shear stiffness k G t, such as 0.8333; rigid in shear if left out",
+        description="k of the transverse shear stiffness k G t, such as 0.8333; default: rigid in shear",
     )
     kinematics: Kinematics = Field(
         "green-lagrange",
@@ -141,11 +141,9 @@ class DeckKind(ElasticKind):
         "green-lagrange",
         description="membrane strain of shells; von-karman only for flat ones bending out of their plane",
     )
-    part: str | None = Field(
-        None, description="the part of the file that is this body, where it falls into several: part_1 .."
-    )
+    part: str | None = Field(None, description="one of several disconnected parts of the file: part_1 ..")
     leave_out: tuple[str, ...] = Field(
-        (), strict=False, description="cards of the file that would change the body and are left out"
+        (), strict=False, description="cards of the file that would change the body and are omitted"
     )
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:
@@ -179,17 +177,17 @@ class Matrices(ElasticKind):
     )
     mass: FileName = Field(description="likewise, or CalculiX .mas; may be the same file")
     stiffness_name: str | None = Field(
-        None, description="matrix to take from a DMIG or OUTPUT4 file; the one with K.. if left out"
+        None, description="matrix of a DMIG or OUTPUT4 file; default: the one with K.."
     )
-    mass_name: str | None = Field(None, description="likewise; the one with M.. if left out")
+    mass_name: str | None = Field(None, description="likewise; default: the one with M..")
     damping: FileName | None = Field(None, description="likewise, where there is one")
-    damping_name: str | None = Field(None, description="likewise; the one with B.. if left out")
+    damping_name: str | None = Field(None, description="likewise; default: the one with B..")
     recovery: FileName | None = Field(
-        None, description="HDF5 or OUTPUT4 file of displacements of points inside by the rows of the matrices"
+        None, description="HDF5 or OUTPUT4 file of displacements of inner points by the rows of the matrices"
     )
     recovery_name: str | None = Field(None, description="matrix of an OUTPUT4 file that is the recovery")
     rigid_tolerance: Positive | None = Field(
-        None, description="largest relative force against rigid motion; from the printed digits if left out"
+        None, description="largest relative force under rigid motion; default: from the printed digits"
     )
 
     def source(self, folder: Path, mesh: str, _cells: str | None = None, /) -> BodySource:

@@ -40,7 +40,7 @@ __all__ = ["Case"]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A checked case file. What it describes is read and built when it is asked for, once.
+    """A checked case file. Its parts are read and built once, on first use.
 
     path : Path             of the file; the files it names are relative to it
     text : str              what stands in it
@@ -319,7 +319,7 @@ class Case:
     def study(self) -> ErrorStudy:
         """Which parts of the error are estimated, and in which quantities.
 
-        Bases of a fixed size where that is asked for; the integration of machines with bodies in full too,
+        Bases of a fixed size on request; the integration of machines with bodies in full too,
         for each of the two runs costs as much as the first.
         """
         given = self.parts.error

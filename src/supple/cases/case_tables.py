@@ -61,7 +61,7 @@ class CaseTables(CheckedTable):
     gravity: Vector = Field(ZERO, description="acceleration, global axes")
     units: dict[str, str] = Field(
         default_factory=dict,
-        description='such as { length = "mm", mass = "t", time = "s" }; nothing is converted',
+        description='such as { length = "mm", mass = "t", time = "s" }; numbers are not converted',
     )
     machine: MachineFile | None = None
     body: Annotated[tuple[Body, ...], Field(strict=False)]

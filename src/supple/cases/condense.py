@@ -59,7 +59,7 @@ class ModeAccuracy(CheckedTable):
     """The error that modes left out may make."""
 
     relative: float = Field(
-        1e-3, gt=0, lt=1, description="largest RMS error of the stations' places over the deflection"
+        1e-3, gt=0, lt=1, description="largest RMS error of the stations' positions over the deflection"
     )
 
 
@@ -68,7 +68,7 @@ class Condense(CheckedTable):
 
     model_config = BODY_AXIS
 
-    root: str = Field(description="interface where the load path begins, and where a joint may hold the body")
+    root: str = Field(description="interface at the start of the load path; a joint may support it")
     tip: str | None = Field(None, description="interface where it ends; of a body with elements")
     stations: int | None = Field(
         None, ge=2, description="stations along the path, both ends included; of a body with elements"
@@ -79,7 +79,7 @@ class Condense(CheckedTable):
         "of a matrices body, condensed on these grids by another program",
     )
     root_mass: RootMass | None = Field(
-        None, description="of a first grid that the matrices lack, 6 rows of 6; none if left out"
+        None, description="of a first grid that the matrices lack, 6 rows of 6; default: none"
     )
     modes: int | None = Field(
         None,
@@ -88,11 +88,11 @@ class Condense(CheckedTable):
         "all if left out",
     )
     accuracy: ModeAccuracy | None = Field(
-        None, description="as many modes as this takes, instead of a number"
+        None, description="instead of modes: as many modes as this accuracy needs"
     )
     support: Support = Field(
         "clamped",
-        description="what the joint at the root leaves free; clamped also where it prescribes a motion",
+        description="boundary condition of the root; clamped also for a prescribed motion",
     )
     body_axis: Vector | None = Field(None, description="direction of a hinged or sliding root, in body axes")
     released: bool = Field(

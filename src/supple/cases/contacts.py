@@ -43,15 +43,15 @@ def _end(place: str) -> At:
 
 
 _MOVING: dict[str, Any] = {
-    "velocity": Key(Vector, "at the start; kept where no mass is given"),
-    "mass": Key(Positive, "of an obstacle that is free to move; driven if left out"),
+    "velocity": Key(Vector, "initial velocity; constant without mass"),
+    "mass": Key(Positive, "mass of an obstacle that is free to move; default: driven"),
 }
 _RADIUS = Key(Positive, "a length")
 Plane = table_of(
     RigidPlane,
     "plane",
     point=Key(Vector, "on the plane, global axes"),
-    normal=Key(Vector, "towards the side where the nodes belong"),
+    normal=Key(Vector, "normal, towards the side of the nodes"),
     **_MOVING,
 )
 Cylinder = table_of(
@@ -73,12 +73,12 @@ class ContactTable(CheckedTable):
     surface: PlaceOf | None = Field(
         None, description="BODY.NODE_SET: instead of an obstacle, the outer faces of another part on this set"
     )
-    stiffness: Positive | None = Field(None, description="force per depth of a node; by fraction if left out")
+    stiffness: Positive | None = Field(None, description="force per depth of a node; default: from fraction")
     fraction: float = Field(
         0.2,
         gt=0.0,
         le=1.0,
-        description="of what a node bears at the step limit; shortens the step by sqrt(1 + fraction)",
+        description="of a node's stiffness at the step limit; shortens the step by sqrt(1 + fraction)",
     )
 
     def build(self) -> Contact | SurfaceContact:
@@ -111,9 +111,9 @@ class TieTable(CheckedTable):
         CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
     )
     continuity: Annotated[Made, OneOf(MeanContinuity, NodalContinuity)] = Field(
-        MeanContinuity(kind="mean-motion"), description="what two modal parts have in common there"
+        MeanContinuity(kind="mean-motion"), description="continuity of two modal parts"
     )
-    within: Positive = Field(1e-6, description="of the size of the set: how far from the part they may lie")
+    within: Positive = Field(1e-6, description="largest distance from the part, over the size of the set")
 
     def build(self) -> Tie:
         """The tie."""
@@ -124,8 +124,8 @@ class SupportTable(CheckedTable):
     """Nodes of an explicit part that are held."""
 
     nodes: PlaceOf = Field(description="BODY.NODE_SET of an explicit part")
-    axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="directions that are held, global axes")
-    rotations: bool = Field(False, description="true holds rotations about these axes, too: of shells")
+    axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="fixed directions, global axes")
+    rotations: bool = Field(False, description="true fixes rotations about these axes, too: of shells")
 
     def build(self) -> Support:
         """The support."""
@@ -164,7 +164,7 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
                 f"body {name!r} marches in a floating frame; give it modal = {{..}} or explicit = {{..}}",
             )
         elif path[0] == "support" and kinds.get(name) == "modal":
-            yield path, "only nodes of explicit elements are held, and this part is modal"
+            yield path, "supports are for nodes of explicit elements, and this part is modal"
     for path, tie in tables(raw, "tie"):
         nodes, on = tie.get("nodes"), tie.get("on")
         name = nodes.partition(".")[0] if isinstance(nodes, str) else None
@@ -182,7 +182,7 @@ def _suit_their_parts(raw: Raw) -> Mistakes:
             message = "explicit parts are tied node to node; a mortar is for ties on modal parts"
             yield (*path, "transfer"), message
         elif "continuity" in tie and kinds.get(name) == "explicit":
-            message = "explicit nodes hang position for position; leave it out, or tie two modal parts"
+            message = "explicit nodes are tied pointwise; remove it, or tie two modal parts"
             yield (*path, "continuity"), message
 
 

@@ -24,9 +24,9 @@ from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, 
 from supple.reduction import ReducedBody, clamped_modes
 
 LARGEST_MISS = 0.1
-"""Part of the ratio asked for by which that of a held mode may differ, without a warning."""
+"""Largest relative difference of the ratio of a clamped mode without a warning."""
 
-HELD = "interface that it acts against, the same in every frame; none: against the body's frame"
+HELD = "interface it acts against, the same in every frame; default: the body's frame"
 
 
 class _RatioOfTwoModes(CheckedTable):
@@ -36,7 +36,7 @@ class _RatioOfTwoModes(CheckedTable):
     modes: Annotated[tuple[int, int], Field(strict=False)] = Field((1, 2), description="mode numbers from 1")
     held: str | None = Field(
         None,
-        description="interface held while these modes vibrate, which damping by mass acts against; none: "
+        description="interface clamped in these modes, against which mass damping acts; default: "
         "free in the frame",
     )
 
@@ -81,8 +81,8 @@ class LinearRayleigh(table_of(LinearRayleighDamping, "linear-rayleigh", **_OF_MA
     """Rayleigh damping by mass, and by the stiffness of the undeformed body."""
 
 
-_MODES = "number of modes damped, from the lowest up; a body that is not reduced needs it"
-_CLAMPED = "interface clamped in these modes, the same in every frame; none: those in the frame"
+_MODES = "number of lowest modes that are damped; required for a full body"
+_CLAMPED = "interface clamped in these modes, the same in every frame; default: modes in the frame"
 
 
 class Modal(
@@ -103,7 +103,7 @@ Damping = Annotated[
 
 
 def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
-    """SuppleWarning where modes held at an interface have another damping ratio than is asked of them."""
+    """SuppleWarning if modes clamped at an interface have another damping ratio than given."""
     if isinstance(given, _RatioOfTwoModes):
         modes = given.modes
     elif isinstance(given, Modal):
@@ -119,7 +119,7 @@ def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
     seen = " and ".join(f"{100 * ratio:.2g}" for ratio in found)
     numbers = " and ".join(map(str, modes))
     warnings.warn(
-        f"body '{body.name}': a damping ratio of {100 * given.ratio:.3g} % is asked of its modes {numbers} "
+        f"body '{body.name}': a damping ratio of {100 * given.ratio:.3g} % is given for its modes {numbers} "
         f"with '{given.held}' held; as reduced they have {seen} %: its basis lacks motion of these modes. "
         f"Keep more modes, or take a basis with the static shapes of '{given.held}' (craig-bampton, rubin)",
         SuppleWarning,

@@ -26,9 +26,9 @@ __all__ = ["Drawing", "check_drawing", "drawing_of"]
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Pictures and an animation of a run, as its case asks for them; fields as for `draw_run`.
+    """Pictures and an animation of a run, by the settings of its case; fields as for `draw_run`.
 
-    pictures, animation : whether they are asked for
+    pictures, animation : whether they are drawn
     colour : of the animation
     format : of its file
     """
@@ -84,7 +84,7 @@ class Drawing:
 
 
 def check_drawing(case: Case) -> None:
-    """CaseError where no library draws what a case asks for, or its film shows nothing of its run: before
+    """CaseError if a library for the pictures is missing, or the film is empty: before
     anything is computed."""
     output = case.tables.output
     if not (output.pictures or output.animation):
@@ -115,7 +115,7 @@ def drawing_of(
     tracked: Mapping[str, TrackedMotion],
     folder: Path,
 ) -> Drawing | None:
-    """What a case asks for of its motion; None where that is nothing."""
+    """The drawings of the motion that a case selects; None if there are none."""
     output = case.tables.output
     if not (output.pictures or output.animation):
         return None

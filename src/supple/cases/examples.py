@@ -70,7 +70,7 @@ def _folder() -> Path:
 
 
 def example_text(path: Path) -> str:
-    """What a program, a notebook or a case says of itself, in plain lines."""
+    """The description in a program, a notebook or a case, in plain lines."""
     text = path.read_text("utf-8")
     if path.suffix == ".py":
         return ast.get_docstring(ast.parse(text)) or ""

@@ -38,9 +38,9 @@ def kept_so_far(case: Path, folder: Path) -> str:
     if header is not None and header.complete:
         return f"the run is complete in {path}; reports and pictures may be missing"
     if CorrectionFolder(folder / ROUNDS_FOLDER, case="").is_begun:
-        return f"the rounds so far are kept in {folder / ROUNDS_FOLDER}; --resume goes on with them"
+        return f"the rounds so far are kept in {folder / ROUNDS_FOLDER}; --resume continues them"
     if header is not None and header.n_times:
-        return f"the run so far is kept in {path}; --resume goes on with it"
+        return f"the run so far is kept in {path}; --resume continues it"
     return "nothing was computed yet; run it again"
 
 
@@ -60,7 +60,7 @@ def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> 
     seen = _lost(path, rounds)
     if seen:
         raise ResultFileError(
-            f"{folder} holds {seen}; --resume goes on where a run was cut off, --force replaces what is "
+            f"{folder} holds {seen}; --resume continues an interrupted run, --force replaces what is "
             "there, -o FOLDER writes elsewhere"
         )
 
@@ -74,9 +74,7 @@ def _check_to_continue(case: Case, path: Path, rounds: CorrectionFolder) -> None
                 f"cannot continue {path}: its run is complete; --force runs it again, -o FOLDER elsewhere"
             )
     elif not rounds.is_begun:
-        raise ResultFileError(
-            f"cannot continue {path}: there is no such file, so nothing to go on with; leave out --resume"
-        )
+        raise ResultFileError(f"cannot continue {path}: there is no such file; run it without --resume")
 
 
 def _lost(path: Path, rounds: CorrectionFolder) -> str:
@@ -89,7 +87,7 @@ def _lost(path: Path, rounds: CorrectionFolder) -> str:
         if header.complete:
             return f"the finished run {path.name}"
         if header.n_times:
-            return f"the run {path.name}, which was cut off"
+            return f"the interrupted run {path.name}"
     elif rounds.is_begun:
-        return f"the rounds of a run that was cut off ({rounds.folder.name}/)"
+        return f"the rounds of an interrupted run ({rounds.folder.name}/)"
     return ""

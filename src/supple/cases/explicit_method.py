@@ -49,7 +49,7 @@ class Published(CheckedTable):
 class ExplicitMethod(CheckedTable):
     """Steps of modal parts and of explicit elements."""
 
-    safety: float = Field(0.9, gt=0.0, le=1.0, description="part of the step limit that is used")
+    safety: float = Field(0.9, gt=0.0, le=1.0, description="ratio of the step to its limit")
     largest_ratio: int = Field(50, ge=1, description="explicit steps in one step of the modal parts, at most")
     interface_loss: Positive = Field(
         2e-4,

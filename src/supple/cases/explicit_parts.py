@@ -31,14 +31,14 @@ class ModalPart(CheckedTable):
 
     modes: int = Field(
         ge=1,
-        description="vibration modes of the free body, from the lowest up; static answers to forces and "
+        description="number of lowest modes of the free body; static responses to forces and "
         "moments at its interfaces join them",
     )
     highest_hz: Positive | None = Field(
-        None, description="modes above it are left out, so that they do not shorten the step"
+        None, description="modes above it are omitted, so that they do not shorten the step"
     )
     spin_stiffness: bool = Field(
-        False, description="true stiffens the modes by the centrifugal stress of the body's own free spin"
+        False, description="true adds the centrifugal stiffness of the body's free spin"
     )
     yield_stress: Positive | None = Field(
         None,
@@ -115,7 +115,7 @@ def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
         return
     kind, march = kind_of(body), "modal" if "modal" in body else "explicit"
     if "modal" in body and "explicit" in body:
-        yield (*path, "modal"), "a part is modal or explicit; remove one of the two"
+        yield (*path, "modal"), "a part is either modal or explicit; remove one of the two"
     if kind is not None and not kind.is_elastic:
         yield (*path, march), "only elastic bodies march this way; remove the key"
     for key in (key for key in _OF_FRAMES if key in body):
@@ -135,12 +135,12 @@ def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
     kind = table(given, "law").get("kind")
     if "shell" not in body:
         if "layers" in given:
-            yield (*path, "explicit", "layers"), "layers are of shells that yield; a solid has none"
+            yield (*path, "explicit", "layers"), "layers are for shells that yield; a solid has none"
         return
     if "hourglass" in given:
-        yield (*path, "explicit", "hourglass"), "hourglass modes are of hexahedra; a shell has none"
+        yield (*path, "explicit", "hourglass"), "hourglass modes are those of hexahedra; a shell has none"
     if "bulk_viscosity" in given:
-        yield (*path, "explicit", "bulk_viscosity"), "bulk viscosity is of solids; a shell has none"
+        yield (*path, "explicit", "bulk_viscosity"), "bulk viscosity is for solids; a shell has none"
     if "law" in given and kind != "j2":
         message = f'the law of a shell is kind = "j2", or left out where it is elastic; got {kind!r}'
         yield (*path, "explicit", "law"), message

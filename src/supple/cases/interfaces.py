@@ -20,14 +20,14 @@ class Interface(CheckedTable):
     name: str = Field(min_length=1, description="used as BODY.NAME by joints, loads and output")
     nodes: str | None = Field(None, description="a node set of the mesh")
     node_indices: NodeIndices | None = Field(
-        None, description="ids of nodes in the mesh file, instead of a node set; from 0 where it has none"
+        None, description="ids of nodes in the mesh file, instead of a node set; from 0 without ids"
     )
     connection: str | None = Field(
         None, description="rbe2_ID or rbe3_ID of a Nastran mesh, instead of nodes, kind and position"
     )
     kind: Literal["rigid", "averaging"] = Field("rigid", description="rigid (RBE2) or averaging (RBE3)")
     position: Vector | None = Field(
-        None, description="point in body axes; elastic bodies: the set's centroid if left out"
+        None, description="point in body axes; default for elastic bodies: the set's centroid"
     )
 
     def build(
@@ -48,7 +48,7 @@ class Interface(CheckedTable):
 def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
     """The rule that an interface lies where its body has something."""
     kind = kind_of(body)
-    if "reduced" in body:  # whose file has been asked for them
+    if "reduced" in body:  # whose file has them
         return
     if kind is SectionTableFile and "condense" in body:  # stations, with rules of their own
         return

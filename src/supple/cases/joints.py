@@ -66,16 +66,12 @@ class Joint(CheckedTable):
     """A connection of two interfaces, or of one with the ground."""
 
     kind: JointKind
-    name: str | None = Field(None, description="label in results; made from kind and ends if left out")
+    name: str | None = Field(None, description="label in results; default: kind and ends")
     first: End = Field(description="ground or BODY.INTERFACE")
     second: InterfaceOf = Field(description="BODY.INTERFACE")
-    axis: Vector | None = Field(
-        None, description="direction at the start, global axes; its length does not matter"
-    )
+    axis: Vector | None = Field(None, description="direction at the start, global axes, of any length")
     second_axis: Vector | None = Field(None, description="universal: the other cross-pin axis, global axes")
-    law: Law | None = Field(
-        None, description="prescribed joints: angle in rad, or path (a length), against time"
-    )
+    law: Law | None = Field(None, description="prescribed joints: angle in rad, or distance, over time")
     friction: Friction | None = Field(None, description="revolute and prismatic: under the joint's own force")
 
     @property

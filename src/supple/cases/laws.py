@@ -56,7 +56,7 @@ class TableLaw(Made):
             raise ImportFormatError(
                 f"{path}: between rows {row + 1} and {row + 2} (t = {spline.times[row]:g} to "
                 f"{spline.times[row + 1]:g}) a smooth curve through the rows leaves their range by "
-                f"{100 * beyond[row]:.2g} % of all values'; a motion cannot jump: give more rows there"
+                f"{100 * beyond[row]:.2g} % of all values'; a motion must be continuous: give more rows there"
             )
         return spline
 

@@ -36,8 +36,8 @@ class Force(Made):
 
     kind: Literal["force", "torque"]
     at: PlaceOf = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
-    vector: Vector = Field(description="a force or moment, along global axes (at the start, if it follows)")
-    follower: bool = Field(False, description="true turns the load with its interface")
+    vector: Vector = Field(description="force or moment, along global axes (of a follower: at the start)")
+    follower: bool = Field(False, description="true rotates the load with its interface")
     law: LoadLaw = Field(ONE, description="factor on vector against time")
 
     def build(self, *context: Any) -> DeadForce | ForceElement:
@@ -66,7 +66,7 @@ def _faces(at: str, _: Path, place: Callable[[str], Place], meshes: Mapping[str,
     found = outer_triangles(meshes[place(at).body], np.array(place(at).at))
     if not len(found):
         raise ModelError(
-            f"a pressure on '{at}' finds no outer face of a solid or shell with all corners in the set; "
+            f"a pressure on '{at}' needs an outer face of a solid or shell with all corners in the set; "
             "name a set with whole faces"
         )
     return found
@@ -78,7 +78,7 @@ Pressure = table_of(
     "pressure",
     body=Key(
         PlaceOf,
-        "BODY.NODE_SET, whose outer faces it pushes against",
+        "BODY.NODE_SET, on whose outer faces it acts inwards",
         "at",
         through=lambda at, *_: at.partition(".")[0],
     ),
@@ -101,7 +101,7 @@ def _suit_their_place(raw: Raw) -> Mistakes:
     for path, load in tables(raw, "load"):
         turns = load.get("kind") == "torque" or load.get("follower") is True
         if turns and load.get("at") not in places:
-            message = "a torque or a follower load acts at an interface; add one around these nodes"
+            message = "a torque or a follower load needs an interface; add one at these nodes"
             yield (*path, "at"), message
 
 

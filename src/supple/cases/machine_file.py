@@ -40,7 +40,7 @@ class MachineFile(CheckedTable):
     leave_out: tuple[str, ...] = Field(
         (),
         strict=False,
-        description='what the machine may lack of the file: "actuators", "tendons", "friction", "armature", '
+        description='features of the file that are omitted: "actuators", "tendons", "friction", "armature", '
         '"equality", "limits"',
     )
 
@@ -97,7 +97,7 @@ def _in_its_place(
     """A body of the case as the machine has it: where it stands, and where its joints are."""
     for key in ("position", "rotation"):
         if key in body:
-            message = f"the machine says where body '{rigid['name']}' stands; remove the key"
+            message = f"the machine file defines the position of body '{rigid['name']}'; remove the key"
             mistakes.append(((*path, key), message))
     places = {each["name"]: each["position"] for each in rigid["interface"]}
     given = [each for each in _listed(body, "interface") if isinstance(each, Mapping)]

@@ -43,9 +43,7 @@ class J2Law(CheckedTable):
 
     kind: Literal["j2"]
     yield_stress: Positive = Field(description="initial, force per area")
-    modulus: NonNegative | None = Field(
-        None, description="of linear hardening, force per area; 0 if left out"
-    )
+    modulus: NonNegative | None = Field(None, description="of linear hardening, force per area; default 0")
     factor: NonNegative | None = Field(None, description="of power hardening, force per area")
     exponent: float | None = Field(None, gt=0.0, le=1.0, description="of power hardening")
 

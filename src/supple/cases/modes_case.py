@@ -190,7 +190,7 @@ def campbell_case(
 def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes: int, time: float) -> System:
     """The machine with its bodies reduced so far that its modes at some spins keep to their accuracy.
 
-    Of frequencies that is the relative accuracy asked for, or a thousandth where it is a length.
+    Of frequencies that is the relative accuracy, or a thousandth where it is a length.
     """
 
     def look(reduced: System, fulls: Mapping[str, FullBody]) -> dict[str, Missed]:

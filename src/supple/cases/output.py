@@ -26,7 +26,7 @@ class FilmTable(
                 "name of a joint: frames are taken whenever it stands at angle: a rotor seems to stand",
                 default=None,
             ),
-            angle=Key(float, "rad, about the z axis of the joint; zero where the machine is put together"),
+            angle=Key(float, "rad, about the z axis of the joint; zero at assembly"),
         ),
     )
 ):
@@ -39,7 +39,7 @@ class CameraTable(CheckedTable):
     """The direction from which pictures and animation are seen."""
 
     along: Vector = Field(description="direction of view, global")
-    up: Vector = Field(description="direction that is upright in the picture, global")
+    up: Vector = Field(description="upward direction in the picture, global")
 
     def build(self) -> Camera:
         """The camera."""
@@ -59,7 +59,7 @@ class Output(CheckedTable):
         description="output times, speed and format of the animation",
     )
     camera: CameraTable | None = Field(
-        None, description="from where pictures and animation are seen; as suits the machine if left out"
+        None, description="viewing direction of pictures and animation; default: chosen for the machine"
     )
     enlargement: Positive | None = Field(
         None,
@@ -86,7 +86,7 @@ def _the_film_can_be_made(raw: Raw) -> Mistakes:
         there = ", ".join(joints) or "none"
         yield ("output", "film", "joint"), f"there is no joint '{joint}'; there are: {there}"
     if "angle" in given and joint is None:
-        yield ("output", "film", "angle"), "the angle of which joint? add joint, or remove the key"
+        yield ("output", "film", "angle"), "angle needs a joint; add joint, or remove the key"
     numbers = {
         key: each
         for key, each in given.items()
@@ -107,13 +107,13 @@ def _the_camera_looks_somewhere(raw: Raw) -> Mistakes:
     except ModelError as error:
         yield ("output", "camera"), str(error)
     except ValueError:
-        return  # the schema says why
+        return  # the schema reports it
 
 
 def _what_is_enlarged_has_a_frame(raw: Raw) -> Mistakes:
     marched = any("explicit" in body for _, body in tables(raw, "body"))
     if marched and table(raw, "output").get("enlargement", 1) != 1:
-        message = "motion and deformation of explicit elements are not known apart; remove the key"
+        message = "explicit elements have no separate rigid motion and deformation; remove the key"
         yield ("output", "enlargement"), message
 
 
@@ -128,7 +128,7 @@ def _stress_has_elements(raw: Raw) -> Mistakes:
 def _plastic_strain_has_elements(raw: Raw) -> Mistakes:
     marched = any("explicit" in body for _, body in tables(raw, "body"))
     if table(raw, "output").get("colour") == "plastic-strain" and not marched:
-        yield ("output", "colour"), "no body is in explicit elements, which alone yield; remove the key"
+        yield ("output", "colour"), "there are no explicit elements, hence no plastic strain; remove it"
 
 
 RULES = (

@@ -1,4 +1,4 @@
-"""The page of a run for a browser, as its case asks for it."""
+"""The page of a run for a browser, by the settings of its case."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
-    """Elements whose stress colours bodies, if the case asks for it; what has no frame does not deflect."""
+    """Elements whose stress colours bodies, if the case selects it; what has no frame does not deflect."""
     framed = all(placed.body.has_frame for placed in system.bodies)
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
 

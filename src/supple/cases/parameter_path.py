@@ -67,7 +67,7 @@ def _words(text: str) -> list[str | int]:
         words.append(name if number is None else int(number))
         at = part.end()
     if not words:
-        raise CaseError("an empty path names nothing of a case file; such as joint.shaft.law.speed")
+        raise CaseError("an empty path is no key of a case file; give one such as joint.shaft.law.speed")
     return words
 
 

@@ -149,7 +149,7 @@ def _depth(raw: dict[str, Any]) -> int:
 
 
 def values_beyond_any_use(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
-    """Whole numbers beyond the 64 bits that TOML promises, and others whose squares and products overflow."""
+    """Whole numbers beyond the 64 bits of TOML, and others whose squares and products overflow."""
     if isinstance(value, dict | list):
         for key, item in value.items() if isinstance(value, dict) else enumerate(value):
             yield from values_beyond_any_use(item, (*path, key))

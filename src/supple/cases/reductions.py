@@ -50,14 +50,14 @@ _CONDENSED = Field(
 
 
 def quartic_choice(condensed: bool | None, default: QuarticChoice) -> QuarticChoice:
-    """Condensed or plain tensors, as a case file asks for them."""
+    """Condensed or plain tensors, by the keys of a case file."""
     if condensed is None:
         return default
     return reduction.CondensedQuartic() if condensed else reduction.PlainQuartic()
 
 
 def derivative_choice(table: Made | None) -> DerivativeChoice:
-    """The choice of modal derivatives; none unless they are asked for."""
+    """The choice of modal derivatives; default none."""
     return table.build() if table else reduction.NoDerivatives()
 
 
@@ -74,7 +74,7 @@ class Accuracy(CheckedTable):
     largest_size: int = Field(60, ge=1, description="coordinates")
     max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
     of: OfInterest | None = Field(
-        None, description="the quantity whose error that is; the positions of all nodes if left out"
+        None, description="the quantity whose error is limited; default: the positions of all nodes"
     )
 
     def target(self, quantity: QuantityOfInterest | None = None) -> SelfCorrection:
@@ -125,7 +125,7 @@ class Sized(Correctable):
     modes: int | None = None
     steady: bool = Field(
         True,
-        description="false leaves out of a fixed size the static answers to steady motion: "
+        description="fixed size: false omits the static responses to steady motion: "
         "up to twelve columns besides the modes",
     )
 
@@ -142,10 +142,10 @@ class Sized(Correctable):
 
 class _Selecting(Sized):
     select: Literal["lowest-frequency", "effective-interface-mass", "coupling-moment"] = Field(
-        "lowest-frequency", description="which modes are kept: the lowest, or those the interfaces feel most"
+        "lowest-frequency", description="the modes kept: the lowest, or those of largest interface motion"
     )
     candidates: int | None = Field(
-        None, ge=1, description="lowest modes to select among; five times as many as are kept if left out"
+        None, ge=1, description="lowest modes to select from; default: five times the number kept"
     )
 
     def build(self, *context: Any) -> reduction.CraigBampton:
@@ -199,7 +199,7 @@ class ErrorControlled(Basis):
     )
     modes: int = Field(ge=1, description="elastic eigenvalues, the lowest, that are within the tolerance")
     attachment_modes: bool = Field(
-        True, description="false leaves out the static answers to forces at the interfaces"
+        True, description="false omits the static responses to forces at the interfaces"
     )
     derivatives: Derivatives | None = None
     condensed: bool | None = _CONDENSED

@@ -71,7 +71,7 @@ def result_machine(path: Path, case_file: Path | None = None, notify: Notify = s
     changed = changes(*(_of_motion(inputs, same_text) for inputs in (header.inputs, case.inputs)))
     if changed:
         raise ResultFileError(
-            f"{path} is not of {case.path} as it is now ({changed}): run the case again, or name the case "
+            f"{path} does not match {case.path} ({changed}): run the case again, or name the case "
             "file it was run from (--case)"
         )
     system = _as_simulated(case, path)
@@ -84,7 +84,7 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
         return given
     named = header.metadata.get(CASE_FILE)
     if named is None:
-        raise ResultFileError(f"{path} does not name the case file it was run from: name it (--case FILE)")
+        raise ResultFileError(f"{path} has no name of its case file: give it (--case FILE)")
     found = path.resolve().parent / str(named)
     if not found.is_file():
         raise ResultFileError(

@@ -70,7 +70,7 @@ def run_case(
     allow_code: bool = False,
     progress: StepProgress = silent,
 ) -> CaseResult:
-    """Run a case; write its results (HDF5, JSON) and, where it asks for them, its report and pictures.
+    """Run a case; write its results (HDF5, JSON) and, unless switched off, its report and pictures.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def run_case(
     SuppleError             whatever the build and the simulation find wrong; what was computed is kept
     """
     if resume and force:
-        raise CaseError("--resume goes on with a result and --force replaces it: give one of them")
+        raise CaseError("--resume continues a result and --force replaces it: give one of them")
     check_outputs(case, folder)
     check_drawing(case)
     _check_control(case, allow_code=allow_code)
@@ -203,7 +203,7 @@ def _run_case(
 
 
 def _warn_of_damping(case: Case, system: System) -> None:
-    """Compare the damping ratios of held modes with those that are asked for, body by body."""
+    """Compare the damping ratios of clamped modes with those given, body by body."""
     reduced = {body.name: body for body in reduced_bodies(system, case.made_here)}
     for table in case.parts.body:
         if table.name in reduced:
@@ -217,7 +217,7 @@ def _tracked(case: Case, system: System, solution: Solution) -> dict[str, Tracke
 
 
 def _write_readings(case: Case, folder: Path, readings: Readings) -> None:
-    """Write what the sensors read, and draw it if the case asks for pictures."""
+    """Write the readings of the sensors, and draw them unless pictures are off."""
     if not readings:
         return
     for path in readings_paths(folder):
@@ -282,7 +282,7 @@ def _metadata(case: Case, folder: Path) -> dict[str, str]:
 def _write_report(
     case: Case, folder: Path, rounds: Sequence[Mapping[str, Any]], numbers: Mapping[str, Any]
 ) -> None:
-    """Write the numbers of a run; draw the rounds, if there are any and the case asks for pictures."""
+    """Write the numbers of a run; draw the rounds, if there are any, unless pictures are off."""
     report = {"title": case.title, "self_correction": rounds, **numbers}
     write_json(report_path(case, folder), report)
     if rounds and case.tables.output.pictures:

@@ -43,10 +43,8 @@ class _Deflection(SensorTable):
     """How a place is deflected."""
 
     kind: Literal["deflection"]
-    at: PlaceOf = Field(description="BODY.INTERFACE or BODY.NODE_SET, whose mean is taken")
-    seen_from: InterfaceOf | None = Field(
-        None, description="BODY.INTERFACE; the body's first one if left out"
-    )
+    at: PlaceOf = Field(description="BODY.INTERFACE, or the mean of BODY.NODE_SET")
+    seen_from: InterfaceOf | None = Field(None, description="BODY.INTERFACE; default: the body's first one")
 
     def build(self, *context: Any) -> quantities.Quantity:
         """The sensor."""
@@ -61,12 +59,10 @@ class TensorSensor(SensorTable):
 
     kind: Literal["stress", "strain"]
     at: PlaceOf = Field(description="BODY.NODE_SET")
-    component: _Component | None = Field(
-        None, description="von-mises if left out; components are in the axes of the body"
-    )
+    component: _Component | None = Field(None, description="default von-mises; components are in body axes")
     measure: Literal["max", "mean", "nearest", _Component] = Field(
         "max",
-        description="of the nodes of the set: largest magnitude, mean, or the node nearest the centroid",
+        description="over the nodes of the set: largest magnitude, mean, or the node nearest the centroid",
     )
 
     def build(self, *context: Any) -> quantities.Quantity:
@@ -112,7 +108,7 @@ def _sensor(makes: Any, kind: str, **by_hand: Any) -> Any:
 _AT = {
     "place": Key(
         PlaceOf,
-        "BODY.INTERFACE or BODY.NODE_SET, whose mean is taken",
+        "BODY.INTERFACE, or the mean of BODY.NODE_SET",
         "at",
         through=lambda at, case: case.place(at),
     )
@@ -174,7 +170,7 @@ def _names_differ(raw: Raw) -> Mistakes:
     for path, each in tables(raw, "sensor"):
         name = each.get("name")
         if isinstance(name, str) and not name.strip():
-            yield (*path, "name"), "the name of a sensor is empty; give it one, for the heads of its columns"
+            yield (*path, "name"), "the name of a sensor is empty; give a name, the heading of its columns"
 
 
 def _one_component(raw: Raw) -> Mistakes:
@@ -183,7 +179,7 @@ def _one_component(raw: Raw) -> Mistakes:
         if "component" in each and isinstance(stated, str) and stated not in _OVER:
             yield (
                 (*path, "measure"),
-                f"beside component, measure is one of {', '.join(_OVER)}; it says {stated!r}",
+                f"with component, measure is one of {', '.join(_OVER)}; got {stated!r}",
             )
 
 

@@ -34,7 +34,7 @@ class Simulation(CheckedTable):
     duration: Positive = Field(description="a time")
     output_step: Positive = Field(description="time between stored states")
     step: Positive | None = Field(
-        None, description="fixed time step; of explicit parts what is stable if left out"
+        None, description="fixed time step; default for explicit parts: the stable step"
     )
     adaptive: Adaptive | None = None
     rho_inf: float = Field(
@@ -44,13 +44,11 @@ class Simulation(CheckedTable):
         Annotated[Literal["placed", "equilibrium"], Tag(WORD_OR_TABLE[0])]
         | Annotated[StartState, Tag(WORD_OR_TABLE[1])],
         Discriminator(lambda given: WORD_OR_TABLE[not isinstance(given, str)]),
-    ] = Field("placed", description="as the bodies are placed, in the equilibrium downhill, or from a state")
+    ] = Field("placed", description="as the bodies are placed, from the equilibrium, or from a state")
 
-    assemble: bool = Field(False, description="move the bodies rigidly until all joints fit")
+    assemble: bool = Field(False, description="close open joints by rigid motions of the bodies")
     explicit: ExplicitMethod | None = None
-    kinematic: bool = Field(
-        False, description="the joints and their laws move the machine; only forces are sought"
-    )
+    kinematic: bool = Field(False, description="kinematic analysis of a machine without degrees of freedom")
 
     def build(self) -> Run:
         """The run."""
@@ -80,11 +78,11 @@ def _an_explicit_march_has_its_own_steps(raw: Raw) -> Mistakes:
     given = table(raw, "simulation")
     if not _marches_explicitly(raw):
         if "explicit" in given:
-            yield ("simulation", "explicit"), "no body marches modal or explicit; remove the key"
+            yield ("simulation", "explicit"), "no body is modal or explicit; remove the key"
         return
     for key in ("adaptive", "rho_inf", "kinematic"):
         if key in given:
-            yield ("simulation", key), "an explicit march has no such thing; remove the key"
+            yield ("simulation", key), "not available in explicit runs; remove the key"
     if not any("explicit" in body for _, body in tables(raw, "body")):
         return
     what = "explicit elements start as they are placed; remove the key"
@@ -129,15 +127,15 @@ def _a_kinematic_run_takes_no_steps_of_an_integrator(raw: Raw) -> Mistakes:
         return
     for key in ("adaptive", "rho_inf"):
         if key in given:
-            yield ("simulation", key), "a kinematic run integrates nothing: leave it out"
+            yield ("simulation", key), "not used in a kinematic run: remove it"
     if given.get("start", "placed") != "placed":
-        yield ("simulation", "start"), "a kinematic run starts where the joints put it: leave it out"
+        yield ("simulation", "start"), "the joints define the start of a kinematic run: remove it"
 
 
 def _a_state_is_assembled(raw: Raw) -> Mistakes:
     given = table(raw, "simulation")
     if isinstance(given.get("start"), dict) and given.get("assemble") is True:
-        yield ("simulation", "assemble"), "bodies stand as they did at the instant of start; remove the key"
+        yield ("simulation", "assemble"), "the start defines the positions of the bodies; remove the key"
 
 
 RULES = (

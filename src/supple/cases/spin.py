@@ -18,9 +18,9 @@ class SpinTable(
     table_of(
         Spin,
         rate=Key(float, "rad per unit of time"),
-        axis=Key(Vector, "global axes; its length does not matter", default=...),
+        axis=Key(Vector, "global axes, of any length", default=...),
         point=Key(Vector, "on the axis, global", default=ZERO),
-        bodies=Key(_NAMES, "names of the bodies that turn; all of them if left out"),
+        bodies=Key(_NAMES, "names of the rotating bodies; default: all"),
     )
 ):
     """A steady rotation: of `supple static`, `supple modes`, and of runs that start in equilibrium."""

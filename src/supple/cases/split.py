@@ -40,14 +40,14 @@ class Split(CheckedTable):
 
     parts: int | None = Field(None, ge=2, description="number of parts, of equal length along body_axis")
     body_axis: Vector | None = Field(
-        None, description="direction in body axes; the longest one of the mesh if left out"
+        None, description="direction in body axes; default: the longest one of the mesh"
     )
     cell_sets: Annotated[tuple[str, ...], Field(strict=False)] | None = Field(
         None, description="instead of parts: the cell sets that are the parts"
     )
     tie: Literal["rigid", "averaging", "nodes"] = Field(
         "rigid",
-        description="sections between parts keep their shape, or may warp, or each shared node is tied alone",
+        description="sections between parts are rigid, or may warp, or each shared node is tied alone",
     )
 
     def division(self) -> Division:

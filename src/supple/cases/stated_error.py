@@ -59,14 +59,14 @@ class StatedError(CheckedTable):
 
     basis: bool | None = Field(
         None,
-        description="bodies of a fixed size, by the error equation or a richer run; false if left out",
+        description="bodies of a fixed size, by the error equation or a richer run; default false",
     )
     integration: bool | None = Field(
         None,
-        description="time step and Newton's tolerance, by two more runs; true if left out, but false where a "
+        description="time step and Newton's tolerance, by two more runs; default true, but false where a "
         "body is not reduced",
     )
-    model: bool = Field(True, description="elements and ties that turn against their frame")
+    model: bool = Field(True, description="elements and ties that rotate against their frame")
     of: Annotated[tuple[OfInterest, ...], Field(strict=False)] = Field(
         (), description="quantities of interest besides"
     )

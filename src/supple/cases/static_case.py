@@ -22,7 +22,7 @@ from supple.integrate import StepProgress
 from supple.machine import Controller, Spin, System
 from supple.quantities import TrackedMotion, tracked_places
 from supple.results import summarize
-from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium
+from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium, place_errors
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
@@ -69,7 +69,7 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, *, allow_code: bool = False) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case asks for it, at rest, or as an
+    """The machine as its run starts: as it is placed, assembled if the case states so, at rest, or as an
     earlier run had it.
 
     Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
@@ -167,14 +167,19 @@ def static_case(
         found = equilibrium(system, time=time, spin=spin_of(case), fulls=fulls, progress=searching)
     progress("searching the equilibrium", 1.0)
     places = {name: case.place(name) for name in case.parts.output.track}
-    tracked = tracked_places(found.system, found.solution, places)
-    numbers = {
+    tracked = tracked_places(found.system, found.solution, places, case.bases)
+    numbers: dict[str, Any] = {
         "title": case.title,
         "time": time,
         "stable": found.stable,
         **summarize(found.system, found.solution, tracked, fulls=case.fulls, units=case.units),
         "errors": {name: error.plain() for name, error in found.errors.items()},
     }
+    for name, error in place_errors(found, places, case.bases).items():
+        numbers["tracked"][name] |= {
+            "error of position": error.position,
+            "error of deflection": error.deflection,
+        }
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     write_json(folder / f"{case.path.stem}-static.json", numbers)

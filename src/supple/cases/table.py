@@ -197,11 +197,29 @@ def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPa
         for position, item in enumerate(value):
             yield from named_in(get_args(table)[0], item, (*path, position))
     elif isinstance(table, type) and issubclass(table, CheckedTable) and isinstance(value, Mapping):
-        for key, field in table.model_fields.items():
+        for key, kind in _naming_keys(table):
             if key in value:
-                yield from named_in(
-                    Annotated[field.annotation, *field.metadata, None], value[key], (*path, key)
-                )
+                yield from named_in(kind, value[key], (*path, key))
+
+
+@cache
+def _naming_keys(table: type[CheckedTable]) -> tuple[tuple[str, Any], ...]:
+    """Keys of a table under which something may be named, with their types: found once, most name nothing."""
+    kinds: dict[str, Any] = {}
+    for key, field in table.model_fields.items():
+        kinds[key] = Annotated[field.annotation, *field.metadata, None]  # ty: ignore[invalid-type-form]
+    return tuple((key, kind) for key, kind in kinds.items() if _may_name(kind))
+
+
+def _may_name(kind: Any) -> bool:
+    """Whether a type has a word, or a table with one, anywhere."""
+    if get_origin(kind) is Annotated:
+        inner, *metadata = get_args(kind)
+        choices = [table for each in metadata if isinstance(each, OneOf) for table in each.tables]
+        return any(isinstance(each, str) for each in metadata) or any(map(_may_name, (inner, *choices)))
+    if isinstance(kind, type) and get_origin(kind) is None and issubclass(kind, CheckedTable):
+        return bool(_naming_keys(kind))
+    return any(map(_may_name, get_args(kind)))
 
 
 class OneOf:

@@ -1,4 +1,4 @@
-"""`supple benchmark`: the benchmarks that installed packages offer, each loaded when it is asked for.
+"""`supple benchmark`: the benchmarks that installed packages offer, each loaded on first use.
 
 A package offers one by an entry point of the group `supple.benchmarks`: the command's name, and the function
 that Typer makes the command of.

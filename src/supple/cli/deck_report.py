@@ -23,7 +23,7 @@ class DeckReport:
     """What was found of a deck.
 
     mass : None where elements could not be made
-    frequencies : Hz, in the unit of time of the deck; None where they were not asked for, or not found
+    frequencies : Hz, in the unit of time of the deck; None if not requested, or not found
     faults : why something is not there
     superelements : their own masses by name; None where elements could not be made
     """
@@ -63,7 +63,7 @@ def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
 
 
 def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
-    """Mass, and frequencies where they are asked for; a fault of the model is reported alone.
+    """Mass, and frequencies on request; a fault of the model is reported alone.
 
     held : at the deck's own supports
     """
@@ -125,7 +125,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     if mass is not None:
         yield "mass", f"{mass.mass:.6g}"
         yield "centre", _listed(mass.centre)
-        yield "inertia about it, xx yy zz xy xz yz", _listed(inertia_terms(mass))
+        yield "inertia about the centre, xx yy zz xy xz yz", _listed(inertia_terms(mass))
     yield from _parts(deck)
     for what, given in _beside(deck):
         yield what, given
@@ -136,7 +136,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
     if report.frequencies is not None:
         yield "frequencies", _listed(report.frequencies) + " per unit of time"
     yield "cards read", _counted(deck.read)
-    yield "cards passed over, without effect on a body", _counted(deck.passed_over)
+    yield "cards ignored, without effect on a body", _counted(deck.passed_over)
     for each in deck.left_out:
         yield f"LEFT OUT {each.card}", f"{each.count}, first on line {each.line}: {each.meaning}"
     for note in (*deck.notes, *report.faults):

@@ -54,7 +54,7 @@ def export_case(
         interfaces = sorted(held)
         clamped = [np.asarray(flexible.interface(place).node_ids) for place in interfaces]
         if not clamped:
-            raise CaseError(f"{path}: no joint holds body '{name}', so that it has no static equilibrium")
+            raise CaseError(f"{path}: no joint constrains body '{name}': it has no static equilibrium")
         program = ABAQUS if abaqus else CALCULIX
         write_static_deck(
             target, model, nodal, np.concatenate(clamped), program=program, title=case.title or name
@@ -76,7 +76,7 @@ def export_case(
 def _chosen(case: Case, bodies: Sequence[str] | None) -> str:
     known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
     if bodies and len(bodies) > 1:
-        raise CaseError(f"{case.path}: a deck is of one body, and {len(bodies)} are named: name one")
+        raise CaseError(f"{case.path}: a deck contains one body, but {len(bodies)} are given: give one")
     body = bodies[0] if bodies else None
     if body is None and len(known) == 1:
         return known[0]
@@ -90,7 +90,7 @@ def _chosen(case: Case, bodies: Sequence[str] | None) -> str:
     raise CaseError(
         f"{case.path} has {len(known)} bodies with elements ({', '.join(known) or 'none'}); "
         + (
-            "say which one: --body NAME"
+            "give one: --body NAME"
             if known
             else "only a mesh can be exported, and none that marches explicitly"
         )

@@ -29,7 +29,7 @@ def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | 
     """
     suffix = target.suffix.lower()
     if path.suffix.lower() != ".toml" or suffix not in (".vtkhdf", ".vtu"):
-        raise ArgumentError("--mode is of a case (.toml), written as .vtkhdf or .vtu")
+        raise ArgumentError("--mode needs a case (.toml) and a file .vtkhdf or .vtu")
     with console.status("reading") as status:
         case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
         check_not_an_input(case, [target])

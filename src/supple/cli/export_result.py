@@ -55,7 +55,7 @@ def export_result(
         check_not_an_input(found.case, [target])
         if target.resolve() in {path.resolve(), *_bodies_beside(found, path)}:
             raise ResultFileError(
-                f"cannot write {target}: the result is of this file, which would be lost; write another (-o)"
+                f"cannot write {target}: it is the result itself and would be lost; write another file (-o)"
             )
         rows = _rows(found.run.times, suffix, time, times)
         run = ResultParts(path, rows)
@@ -83,9 +83,9 @@ def _check_options(
             f"cannot write {target}: of a result, files that end in {', '.join(known)} can be written"
         )
     if bodies and suffix not in _PICTURES:
-        raise ArgumentError("--body is of files for ParaView: a table has the whole machine; leave it out")
+        raise ArgumentError("--body is for ParaView files only: a table has the whole machine; remove it")
     if time is not None and suffix != ".vtu":
-        raise ArgumentError("--time is of a .vtu, which holds one instant; --times FROM:TO:NUMBER of others")
+        raise ArgumentError("--time is for a .vtu, which holds one instant; use --times FROM:TO:NUMBER")
     if times is not None and suffix == ".vtu":
         raise ArgumentError("a .vtu holds one instant: give --time, or write .vtkhdf")
 
@@ -93,7 +93,7 @@ def _check_options(
 def _rows(
     there: NDArray[np.float64], suffix: str, time: float | None, times: str | None
 ) -> NDArray[np.int64]:
-    """Numbers of the output times that are nearest to those asked for."""
+    """Numbers of the output times that are nearest to the requested ones."""
     if suffix == ".vtu":
         wanted = np.array([there[-1] if time is None else time])
     elif times is not None:

@@ -35,7 +35,7 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         return
     if json is not None or n_modes or held:
         raise ArgumentError(
-            f"{path}: --json, --modes and --held are of decks, which end in {', '.join(DECK_SUFFIXES)}"
+            f"{path}: --json, --modes and --held are for decks, which end in {', '.join(DECK_SUFFIXES)}"
         )
     if suffix == ".toml":
         print_rows(f"Case {path}", _describe_case(path))
@@ -47,13 +47,13 @@ def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: 
         print_rows(f"Mesh {path}", read_mesh(path).summary().rows)
     else:
         known = ", ".join((".toml", ".h5", *MESH_SUFFIXES))
-        raise ImportFormatError(f"{path}: no such kind of file is known; give one that ends in {known}")
+        raise ImportFormatError(f"{path}: unknown kind of file; give one that ends in {known}")
 
 
 def _describe_case(path: Path) -> Iterator[Row]:
     read = read_case(path)
     case, time = read.tables, read.units.time
-    yield "units", str(read.units) or "not said"
+    yield "units", str(read.units) or "not stated"
     yield "what", case.title
     for body in case.body:
         basis = f", basis {body.reduction.chosen}" if body.reduction else ""

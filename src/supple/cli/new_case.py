@@ -12,4 +12,4 @@ def new_case(mesh: Path, path: Path | None) -> None:
     """Write a commented case for the mesh, and print what comes next."""
     written = path or Path(f"{mesh.stem}.toml")
     cases.write_new_case(mesh, written)
-    say(f"wrote {written}: set what is marked GUESS, then run: supple run {written}")
+    say(f"wrote {written}: edit the lines marked GUESS, then run: supple run {written}")

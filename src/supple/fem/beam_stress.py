@@ -44,7 +44,7 @@ def end_forces(block: QuadraticStrain, length: FloatArray, section: LineSection 
 
 
 def has_points(section: LineSection | RodSection) -> bool:
-    """Whether a section says where its stress acts: rods do, beams by the points of their geometry."""
+    """Whether a section has stress recovery points: rods do, beams by their geometry."""
     if isinstance(section, BeamSection):
         ends = (section, section.second or section)
         return all(end.geometry is not None and end.geometry.points for end in ends)

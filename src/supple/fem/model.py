@@ -84,7 +84,7 @@ class FiniteElementModel:
 
     @cached_property
     def blocks(self) -> tuple[QuadraticStrain, ...]:
-        """The elements of each section, made when first asked for: a linear body never does."""
+        """The elements of each section, made on first use: never by a linear body."""
         return tuple(
             _block(self.mesh, section, self.kinematics, self.dofs_per_node) for section in self.sections
         )
@@ -254,7 +254,7 @@ def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
 
 
 def refuse_attached(attached: Attached, what: str) -> None:
-    """ModelError where something stands beside the elements of which `what` knows nothing."""
+    """ModelError if the model has more than elements, which `what` does not support."""
     if attached.what:
         raise ModelError(
             f"{what} has no {attached.what} beside its elements; leave them out of the model, or use a body "

@@ -117,7 +117,7 @@ def sections(mesh: Mesh, given: Property | Mapping[str, Property]) -> tuple[Sect
     ModelError   cells without a property, or with two
     MeshError    unknown cell set
     """
-    check_instance("the mesh of a model", mesh, Mesh, "a Mesh, such as read_mesh(path) gives")
+    check_instance("the mesh of a model", mesh, Mesh, "a Mesh, such as read_mesh(path) returns")
     if not isinstance(given, Mapping):
         return tuple(Section(kind, np.arange(len(cells)), given) for kind, cells in mesh.cells.items())
     found = tuple(

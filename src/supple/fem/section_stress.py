@@ -129,7 +129,7 @@ def section_stress(model: FiniteElementModel, section: Section, block: Quadratic
         return _line_stress(model, section, block, given)
     if not isinstance(given, HomogeneousSection):
         raise ModelError(
-            "stress needs a HomogeneousSection; an A-B-D matrix does not say the stress of each ply"
+            "stress needs a HomogeneousSection; an A-B-D matrix does not define the stress of each ply"
         )
     to_nodes = np.broadcast_to(np.eye(len(LAYERS)), (3, len(LAYERS), len(LAYERS)))
     axes = element_axes(corners, given, section.directions)

@@ -133,7 +133,7 @@ class StressRecovery:
         alone = np.setdiff1d(nodes, known)
         if alone.size:
             raise ModelError(
-                f"node number {alone[0]} (of {alone.size}) belongs to no element whose section says where "
+                f"node number {alone[0]} (of {alone.size}) belongs to no element whose section states where "
                 "its stress acts: there is no stress; choose nodes of elements, and give beams a geometry"
             )
         return replace(self, sections=kept)
@@ -196,7 +196,7 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     ]
     if not made:
         raise ModelError(
-            "no stress recovery for beams whose sections do not say where the stress acts: give "
+            "no stress recovery for beams whose sections have no recovery points: give "
             "BeamSection a geometry, such as rectangular_section(height, width), or the deck's property "
             "points C, D, E, F"
         )

@@ -21,7 +21,5 @@ def read_deck(path: str | Path) -> Deck:
     """The finite-element model that a file describes; ImportFormatError lists the kinds of file there are."""
     suffix = Path(path).suffix.lower()
     if suffix not in READERS:
-        raise ImportFormatError(
-            f"{path}: no deck is read from such a file; give one that ends in {', '.join(DECK_SUFFIXES)}"
-        )
+        raise ImportFormatError(f"{path}: not a deck file; give one that ends in {', '.join(DECK_SUFFIXES)}")
     return READERS[suffix](path)

@@ -175,7 +175,7 @@ class _Section:
     def words(self, n: int) -> list[bytes]:
         """The next `n` words of a text."""
         if not 0 <= n <= len(self._words) - self._place:
-            raise self.error(f"{n} numbers are announced, and {len(self._words) - self._place} are left")
+            raise self.error(f"{n} numbers are declared, and {len(self._words) - self._place} are left")
         self._place += n
         return self._words[self._place - n : self._place]
 
@@ -191,7 +191,7 @@ class _Section:
         left = len(self._bytes) - self._place
         if not 0 <= n <= left // layout.itemsize:
             raise self.error(
-                f"{n} entries of {layout.itemsize} bytes are announced, and {left} bytes are left"
+                f"{n} entries of {layout.itemsize} bytes are declared, and {left} bytes are left"
             )
         found = np.frombuffer(self._bytes, layout, n, self._place)
         self._place += n * layout.itemsize
@@ -211,7 +211,7 @@ def _format(path: Path, content: bytes):
         raise _unreadable(path, f"its format is {version} with counts of {size} bytes")
     order = "<" if is_text or header[4] == b"\1\0\0\0" else ">"
     if not is_text and header[4] not in (b"\1\0\0\0", b"\0\0\0\1"):
-        raise _unreadable(path, "$MeshFormat: the order of bytes is not told")
+        raise _unreadable(path, "$MeshFormat: the order of bytes is not stated")
 
     def numbers(name: str) -> _Section:
         return _Section(path, name, content, is_text=is_text, order=order, size=size)
@@ -245,7 +245,7 @@ def _nodes_of_2(section: _Section) -> tuple[IntArray, FloatArray]:
     words = [line.split() for line in lines]
     if len(words) != n or any(len(row) != 4 for row in words):
         raise section.error(
-            f"{n} nodes are announced, and {len(words)} lines follow, or not all are of 4 numbers"
+            f"{n} nodes are declared, and {len(words)} lines follow, or not all are of 4 numbers"
         )
     positions = section.converted([word for row in words for word in row[1:]], np.float64)
     return section.converted([row[0] for row in words], np.int64), positions.reshape(n, 3)
@@ -262,7 +262,7 @@ def _elements_of_2(section: _Section) -> Iterator[GmshElements]:
     counts = np.array([len(row) for row in words], dtype=np.int64)
     if len(words) != n or (counts < 3).any():
         raise section.error(
-            f"{n} elements are announced, and {len(words)} lines follow, or not all are elements"
+            f"{n} elements are declared, and {len(words)} lines follow, or not all are elements"
         )
     flat = section.converted([word for row in words for word in row], np.int64)
     starts = np.cumsum(counts) - counts
@@ -307,7 +307,7 @@ def _nodes_of_4(section: _Section) -> tuple[IntArray, FloatArray]:
         positions.append(section.reals(3 * count).reshape(-1, 3))
     found = np.concatenate([np.zeros(0, dtype=np.int64), *tags])
     if len(found) != n:
-        raise section.error(f"{n} nodes are announced, and {len(found)} follow")
+        raise section.error(f"{n} nodes are declared, and {len(found)} follow")
     return found, np.concatenate([np.zeros((0, 3)), *positions])
 
 
@@ -325,7 +325,7 @@ def _nodes_of_40(section: _Section) -> tuple[IntArray, FloatArray]:
         positions.append(section.converted(words, np.float64).reshape(-1, 3))
     found = np.concatenate([np.zeros(0, dtype=np.int64), *tags])
     if len(found) != n:
-        raise section.error(f"{n} nodes are announced, and {len(found)} follow")
+        raise section.error(f"{n} nodes are declared, and {len(found)} follow")
     return found, np.concatenate([np.zeros((0, 3)), *positions])
 
 
@@ -359,4 +359,4 @@ def _elements_of_4(
         yield _elements(section, number, rows[:, 0], rows[:, 1:], inside)
         read += count
     if read != n:
-        raise section.error(f"{n} elements are announced, and {read} follow")
+        raise section.error(f"{n} elements are declared, and {read} follow")

@@ -79,7 +79,7 @@ def read_mujoco(
     ----------
     bodies : by name, what stands in place of a rigid body, such as a ReducedBody: in the axes of the file's
         body, with an interface by the name of each of its joints, at the place of the joint
-    leave_out : what the machine may lack of the file: "actuators", "tendons", "friction", "armature",
+    leave_out : features of the file that are omitted: "actuators", "tendons", "friction", "armature",
         "equality", "limits" (of more than a turn)
     Raises
     ------

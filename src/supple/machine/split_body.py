@@ -116,7 +116,7 @@ def split_body(
     """Split a body into parts that are tied where they meet, for rotations beyond what one frame allows.
 
     A floating frame describes rotations against itself up to a limit. With a frame a part, each of k equal
-    parts turns against its frame by about 1 / k of what the whole body would. A SuppleWarning says by how
+    parts turns against its frame by about 1 / k of what the whole body would. A SuppleWarning states by how
     much the ties change the lowest frequencies, where that is 2 % or more.
 
     Parameters

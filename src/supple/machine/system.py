@@ -40,10 +40,10 @@ _Form = TypeVar("_Form")
 
 _ACROSS = 1e-3
 """Of a unit axis: what a joint leaves free of a servo's axis is less where it moves nothing."""
-# What a machine asks of every form of body.
+# Members of every form of body that a machine uses.
 _BODY = ("name", "kind", "n_coordinates", "interfaces")
 _EXPLICIT = ("modal", "explicit")
-"""Kinds of bodies that an explicit march alone knows: parts on four-point frames, and of finite elements."""
+"""Kinds of bodies of explicit marches alone: parts on four-point frames, and of finite elements."""
 _OF_PARTS = {
     "ties": ((Tie,), "ties such as Tie(At(part, node set), on=part)"),
     "contacts": (
@@ -108,7 +108,7 @@ class Placed(Summarized):
         if isinstance(self.body, FlexibleBody):
             raise ModelError(
                 f"body '{name}' is a FlexibleBody, which has no floating frame yet: place "
-                "reduce(body, frame, basis), or FullBody(body, frame) to keep every freedom"
+                "reduce(body, frame, basis), or FullBody(body, frame) for all freedoms"
             )
         for item in ("position", "velocity", "angular_velocity"):
             if item == "position" or getattr(self, item) is not None:
@@ -227,7 +227,7 @@ class System(Summarized):
                         f"{kind} name '{name}' is used {seen.count(name)} times: names must differ"
                     )
         if GROUND.body in names:
-            raise ModelError("no body may be named 'ground': joints use that name for what does not move")
+            raise ModelError("no body may be named 'ground', which joints use for the fixed frame")
         for joint in self.joints:
             self._check_end(f"joint '{joint.name}'", joint.first)
             self._check_end(f"joint '{joint.name}'", joint.second)
@@ -261,7 +261,7 @@ class System(Summarized):
         return Summary(f"System: {', '.join(sizes)}", rows + rest)
 
     def _check_parts(self) -> None:
-        """Ties, contacts and supports are of node sets of explicit parts; other methods do not know them."""
+        """Ties, contacts and supports act on node sets of explicit parts; other methods have none."""
         for item, (kinds, expected) in _OF_PARTS.items():
             for each in getattr(self, item):
                 check_instance(f"System, {item}", each, kinds, expected)
@@ -340,7 +340,7 @@ class System(Summarized):
                     f"give it an axis along {ways}, which the joint leaves free, or" if ways else "give it"
                 )
                 raise ModelError(
-                    f"{element.label}: it moves nothing, for joint '{joint.name}' holds its ends along its "
+                    f"{element.label}: it has no effect, as joint '{joint.name}' holds its ends along its "
                     f"axis {tuple(element.axis)}: {remedy} ends between which something moves"
                 )
 

@@ -106,7 +106,7 @@ def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = Blade
     Returns
     -------
     Mesh   node sets root, tip (rings), leading_edge, trailing_edge (root to tip); cell sets skin, web_fore,
-           web_aft; axes as `BladeStations` says
+           web_aft; axes as in `BladeStations`
     Raises
     ------
     MeshError   webs beyond root or tip, or outside the section at some span; unusable cells

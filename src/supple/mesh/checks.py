@@ -205,7 +205,7 @@ def _check_line_lengths(nodes: FloatArray, lines: IntArray, names: _Names) -> No
 
 
 def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names) -> None:
-    """A triangle in space has no wrong side, so only its height against its longest edge is judged."""
+    """A triangle in space has no wrong side, so only its height against its longest edge is checked."""
     kind = CellType.TRIANGLE3
     corners = nodes[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
@@ -239,7 +239,7 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
         raise CellError(
             f"{_some(f'inverted {kind.name} cell', ids[bad])}: the Jacobian is negative at an integration "
             "point; "
-            f"{_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as CellType.{kind.name} says, "
+            f"{_cell(nodes, kind, array, bad[0], names)}; reorder its nodes as in CellType.{kind.name}, "
             "straighten its sides, or remesh there",
             kind.name,
             int(bad[0]),

@@ -40,7 +40,7 @@ class Mesh(Summarized):
     Parameters
     ----------
     nodes : float array (N, 3)          positions, m
-    cells : {CellType: int array (E, k)}   node numbers of each cell, 0-based, ordered as `CellType` says
+    cells : {CellType: int array (E, k)}   node numbers of each cell, 0-based, ordered as in `CellType`
     node_sets : {name: int array}       node numbers; kept in the order given (an edge may run root to tip)
     cell_sets : {name: {CellType: int array}}   cell numbers within their type
     node_ids : int array (N,)           what the nodes are called: ids of the file they are from, each once;

@@ -38,7 +38,7 @@ class NodeSection:
     """A way to cut a mesh in two between its cells.
 
     position : along the axis, of the nodes on it
-    below : gives bool (E,) of each kind of cell, whether it lies on the lower side; asked of few sections
+    below : gives bool (E,) of each kind of cell, whether it lies on the lower side; called for few sections
     is_plane : whether it is across the axis; otherwise its nodes may not lie in a plane
     """
 

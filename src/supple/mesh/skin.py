@@ -67,7 +67,7 @@ def skin_of(mesh: Mesh) -> Skin:
     parts = [_skin_of_faces(faces) for faces in outer_faces(mesh, middles=True)]
     if not parts:
         raise ModelError(
-            "a mesh of beams alone has no skin; draw its elements, which know the sections of beams"
+            "a mesh of beams alone has no skin; draw its elements, which have the sections of beams"
         )
     return Skin(np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts]))
 

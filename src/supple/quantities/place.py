@@ -33,7 +33,7 @@ class Place:
             check_sequence("Place, at", self.at, "the name of an interface, or node numbers")
             object.__setattr__(self, "at", tuple(np.asarray(self.at).tolist()))
         if not self.at:
-            raise ModelError(f"a place of body '{self.body}': name an interface, or give node numbers")
+            raise ModelError(f"a place of body '{self.body}': give an interface, or node numbers")
 
     def body_of(self, system: System, sensor: str) -> Any:
         """The form of the body; ModelError where the machine has none, or it has no such place."""

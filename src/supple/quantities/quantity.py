@@ -88,7 +88,7 @@ def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[S
         found.append(readings if last is None else _continued(found[-1], readings))
         last = part.at(slice(-1, None))
     if not found:
-        raise ModelError("there is no instant to read: give one part of a run at least")
+        raise ModelError("there is no instant to read: give at least one part of a run")
     return Readings(_one_after_another(own) for own in zip(*found, strict=True))
 
 

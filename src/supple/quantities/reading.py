@@ -38,7 +38,7 @@ class QuantityKind(Enum):
     POWER = "power"
 
     def unit(self, units: UnitSystem) -> str:
-        """The name of its unit, "" where nothing is said of it; angles are in rad, strains are numbers."""
+        """The name of its unit, "" without one; angles are in rad, strains are numbers."""
         known = {QuantityKind.ANGLE: "rad", QuantityKind.STRAIN: ""}
         return known[self] if self in known else str(getattr(units, self.value.replace(" ", "_")))
 
@@ -52,7 +52,7 @@ class Channel(NamedTuple):
     axes: str
     """What its component is along, in words; "" of a scalar"""
     place: str = ""
-    """Where it is read, in words, such as the node or the number of nodes; "" where the sensor says it"""
+    """Where it is read, in words, such as the node or the number of nodes; "" if the sensor defines it"""
 
 
 class Located(NamedTuple):
@@ -74,7 +74,7 @@ class Reading(Summarized):
 
     name : of the sensor;   channels : of its columns
     times : (t,)            values : (t, c), in the units of the model
-    nodes : (t, c)          ids of the nodes that values were read at, where the sensor knows them
+    nodes : (t, c)          ids of the nodes that values were read at, if the sensor has them
     points : (t, c, 3)      where these lie undeformed, mesh axes
     """
 

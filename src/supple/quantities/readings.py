@@ -67,7 +67,7 @@ class Readings(Summarized, tuple[Reading, ...]):
         times = self[0].times
         for each in self:
             if not np.array_equal(each.times, times):
-                raise ModelError(f"sensor '{each.name}' was read at other times than '{self[0].name}'")
+                raise ModelError(f"sensor '{each.name}' has other times than '{self[0].name}'")
         names = tuple(name for each in self for name in each.names)
         for name in names:
             if (TIME, *names).count(name) > 1:

@@ -27,7 +27,7 @@ _SEARCHED = 100
 
 
 class TensorBlock(NamedTuple):
-    """A tensor field at some of the instants and some of the nodes that are asked for."""
+    """A tensor field at some of the instants and nodes that are evaluated."""
 
     times: slice
     nodes: slice

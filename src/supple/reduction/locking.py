@@ -67,7 +67,7 @@ def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
         else "its columns lack stiff motion: take quartic=CondensedQuartic(), the default, or add derivatives"
     )
     warnings.warn(
-        f"reduced body '{name}' locks: under {worst}, turned by about {ROTATION:g} rad, it answers "
+        f"reduced body '{name}' locks: under {worst}, rotated by about {ROTATION:g} rad, it answers "
         f"{in_percent(found.largest_remaining)} too little; {remedy}",
         LockingWarning,
         stacklevel=2,

@@ -24,10 +24,13 @@ LARGEST = 32
 
 
 def padded(body: ReducedBody) -> ReducedBody:
-    """The same body, to be run with padding coordinates: up to the next multiple of sixteen."""
-    if body.condensed is not None or body.r > LARGEST or body.r % MULTIPLE == 0:
+    """The same body, to be run with padding coordinates: up to the next larger multiple of sixteen.
+
+    A body of sixteen has more too: the next round adds a few, and is to share its program.
+    """
+    if body.condensed is not None or body.r >= LARGEST:
         return body
-    return replace(body, padding=-body.r % MULTIPLE)
+    return replace(body, padding=MULTIPLE - body.r % MULTIPLE)
 
 
 def filled_up(body: ReducedBody) -> ReducedBody:

@@ -19,7 +19,7 @@ from supple.reduction.stopwatch import timed
 from supple.reduction.tensor_memory import require_tensor_memory
 from supple.reduction.tensors import strain_products
 
-__all__ = ["project"]
+__all__ = ["counted_damping", "project"]
 
 LARGEST_GRAM_ERROR = 1e-8
 
@@ -95,11 +95,11 @@ def project(
         report=replace(basis.report, seconds=seconds, locking=found),
         condensed=motion,
         # Of coordinates that no node has, the nodal basis would not tell which were kept.
-        full=None if body.n_modal else FullBody(body, basis.frame, _counted(damping, r)),
+        full=None if body.n_modal else FullBody(body, basis.frame, counted_damping(damping, r)),
     )
 
 
-def _counted(damping: Damping | None, r: int) -> Damping | None:
+def counted_damping(damping: Damping | None, r: int) -> Damping | None:
     """The same damping of a body in full: as many modes are damped as the reduced one has."""
     if isinstance(damping, ModalDamping) and damping.n_modes is None:
         return replace(damping, n_modes=r)

@@ -248,7 +248,7 @@ class ReducedBody(FloatingForm, Summarized):
         return None if self.rotation_basis is None else self.rotation_basis.reshape(-1, self.r)
 
     def rotations(self, gamma: ArrayLike) -> np.ndarray:
-        """Rotation vectors (..., P, 3) against the frame; ModelError when the body knows none."""
+        """Rotation vectors (..., P, 3) against the frame; ModelError if the body has none."""
         if self.rotation_basis is None:
             raise ModelError(
                 f"body '{self.name}' carries no rotations: "

@@ -173,7 +173,7 @@ def _possible(
 def _scales(
     bodies: Sequence[MovingBody], colourings: Mapping[str, Colouring], units: UnitSystem
 ) -> dict[str, FieldScale]:
-    """Of the fields that there are: stress, which is there only where it is asked for, comes first."""
+    """Of the fields that there are: stress, which is optional, comes first."""
     largest = {"deflection": [body.largest_displacement for body in bodies]}
     for name in colourings:
         largest[name] = [body.fields[name].largest for body in bodies if name in body.fields]

@@ -49,7 +49,7 @@ class VisibleSurface:
 def surface_of(body: BodyForm, look: Look | None, motion: Any) -> VisibleSurface:
     """The skin of a body, of which elements may be deleted; without a look all nodes.
 
-    Beams are drawn with their sections where the look knows them, and else as lines; springs and ties are
+    Beams are drawn with their sections if the look has them, else as lines; springs and ties are
     lines.
     """
     alive = motion.arrays().get("alive")

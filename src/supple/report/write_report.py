@@ -50,7 +50,7 @@ def write_report(
 
     Parameters
     ----------
-    meshes : of the deformable bodies, by name, or their elements, which know the sections of beams; of a
+    meshes : of the deformable bodies, by name, or their elements, which have the sections of beams; of a
         body without either the nodes are drawn
     title : of the page
     tracked, readings : what curves are drawn of, besides the forces of joints

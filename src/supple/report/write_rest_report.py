@@ -86,7 +86,7 @@ def write_modes_report(
     chosen : numbers from 0 of the modes that are played; all when omitted
     Others as for `write_report`.
     """
-    names, seen = mode_names(modes), f"Frequencies are seen in axes {modes.machine.axes}."
+    names, seen = mode_names(modes), f"Frequencies are in axes {modes.machine.axes}."
     played = list(range(len(names))) if chosen is None else list(chosen)
     machine, clips = None, []
     if played:

@@ -20,7 +20,7 @@ __all__ = ["BodySurface", "Look", "SurfacePoints", "body_surface"]
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Look = Mesh | FiniteElementModel
-"""What a body is drawn by: its mesh, or its elements, which know the sections of beams."""
+"""What a body is drawn by: its mesh, or its elements, which have the sections of beams."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,7 +36,7 @@ def describe_result(path: Path) -> Iterator[Row]:
     ------
     ResultFileError    as for `read_header`
     """
-    header, unfinished = read_header(path), "cut off, or still running; supple run CASE --resume continues it"
+    header, unfinished = read_header(path), "interrupted, or running; supple run CASE --resume continues it"
     yield "what", "complete" if header.complete else unfinished
     units = UnitSystem.parsed(str(header.metadata.get("units", "")))
     for name, value in header.metadata.items():

@@ -64,10 +64,10 @@ class Film:
         if self.frames_per_second > 50.0:
             raise ModelError(f"a film of {self.frames_per_second:g} frames per second: give at most 50")
         if self.start is not None and self.end is not None and self.start >= self.end:
-            raise ModelError(f"a film from {self.start:g} to {self.end:g} shows nothing: give a later end")
+            raise ModelError(f"a film from {self.start:g} to {self.end:g} is empty: give a later end")
         if self.speed is not None and self.at is not None:
             raise ModelError(
-                "a film shows one frame whenever a rotor stands at its angle: leave out speed, or the rotor"
+                "a film has either a speed, or one frame per passage of a rotor angle: remove one of them"
             )
 
 
@@ -144,7 +144,7 @@ def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
     rows = np.unique(np.concatenate([np.where(nearer, before, before + 1), np.flatnonzero(turns == whole)]))
     if not len(rows):
         raise ModelError(
-            f"joint '{at.joint}' does not stand at {at.angle:g} rad in the film: it turns from "
+            f"joint '{at.joint}' does not pass {at.angle:g} rad in the film: it turns from "
             f"{angles.min():.4g} to {angles.max():.4g} rad"
         )
     off = off_angle(angles[rows], at)

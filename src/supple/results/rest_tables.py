@@ -36,19 +36,38 @@ def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Where tracked places are, along global axes, and how far those of elastic bodies are deflected."""
+    """Where tracked places are, along global axes, and how far those of elastic bodies are deflected.
+
+    The error by the bases has a column where it is known of any place.
+    """
     length, places = numbers["units"].get("length", ""), numbers["tracked"]
     everywhere = [place["last position"] for place in places.values()]
-    positions, deflections = [], []
-    for name, place in places.items():
-        positions += _by_axis([name], without_noise(place["last position"], like=everywhere))
-        if place["elastic"]:
-            moved = without_noise(place["last deflection"], like=everywhere)
-            deflections += _by_axis([name, place["seen from"]], moved)
-    return [
-        TextTable("Positions", ("place", "global axis", headed("position", length)), positions),
-        TextTable("Deflections", ("place", "seen from", "axis", headed("deflection", length)), deflections),
-    ]
+    tables = []
+    for what, axis in (("position", "global axis"), ("deflection", "axis")):
+        of_deflection = what == "deflection"
+        shown = {name: place for name, place in places.items() if place["elastic"] or not of_deflection}
+        errors = {name: place.get(f"error of {what}") for name, place in shown.items()}
+        is_known = any(error is not None for error in errors.values())
+        heads = ["place", *(["seen from"] if of_deflection else []), axis, headed(what, length)]
+        rows = []
+        for name, place in shown.items():
+            own = _by_axis(
+                [name, place["seen from"]] if of_deflection else [name],
+                without_noise(place[f"last {what}"], like=everywhere),
+            )
+            if is_known:
+                words = _error_words(errors[name], like=everywhere)
+                own = [[*row, word] for row, word in zip(own, words, strict=True)]
+            rows += own
+        if is_known:
+            heads.append(headed("error of the basis", length))
+        tables.append(TextTable(f"{what.capitalize()}s", tuple(heads), rows))
+    return tables
+
+
+def _error_words(error: Sequence[float] | None, like: Sequence[Any]) -> list[str]:
+    """The error along x, y and z, beside the positions of all places."""
+    return ["unknown"] * 3 if error is None else [f"{each:.2g}" for each in without_noise(error, like=like)]
 
 
 def _by_axis(head: Sequence[str], *values: Any) -> list[list[str]]:

@@ -67,8 +67,8 @@ def start_lines(numbers: Mapping[str, Any]) -> Iterator[str]:
         yield f"Bodies that were given no velocity start with that of their drive: {taken}"
     for name, swing in start["swings from gravity"].items():
         yield (
-            f"{name}: gravity acts in full from the start, on a body that is not bent yet: its first swing, "
+            f"{name}: gravity acts in full from the start, on an undeformed body: its first swing, "
             f"at time {swing['at time']:.4g}, makes {100 * swing['share of largest']:.3g} % of its largest "
-            'deformation. Unless it is meant, begin at rest: start = "equilibrium"; in Python, '
+            'deformation. To avoid this, start at rest: start = "equilibrium"; in Python, '
             "simulate(equilibrium(system).system, run)"
         )

@@ -29,7 +29,7 @@ class View:
 
     def __post_init__(self) -> None:
         if self.enlargement is not None and not (np.isfinite(self.enlargement) and self.enlargement > 0):
-            raise ModelError(f"an enlargement of {self.enlargement} shows nothing: give a positive one")
+            raise ModelError(f"an enlargement of {self.enlargement} is not positive: give a positive one")
 
 
 AS_IT_IS = View()

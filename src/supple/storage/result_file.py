@@ -1,9 +1,9 @@
 """Result files: simulations on disk, kept as they run.
 
-Format "supple-result", version 3, an HDF5 file (any HDF5 reader opens it):
+Format "supple-result", version 4, an HDF5 file (any HDF5 reader opens it):
 
     attributes   format        "supple-result"
-                 version       3
+                 version       4
     case         text          of the case that was run, for the record
     metadata     text          JSON object of further names and values
     inputs       text          JSON object of all that the motion depends on, by name: values, or digests

@@ -124,7 +124,7 @@ def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: boo
 def _drawn_once(
     stage: Stage, shown: IntArray, progress: Callable[[float], None] | None
 ) -> Callable[[int], Array8]:
-    """Frames by their number, one that is shown again taken from before; progress as they are asked for."""
+    """Frames by their number, one that is shown again taken from before; progress as they are drawn."""
     last, done = (-1, np.zeros((0, 0, 3), dtype=np.uint8)), set()
 
     def frame(number: int) -> Array8:
@@ -163,7 +163,7 @@ def _check_traces(traces: Traces) -> None:
 
 def _check_glyphs(glyphs: Glyphs | None, skin: Skin | None, n_times: int) -> None:
     if skin is None and (glyphs is None or glyphs.is_empty):
-        raise ModelError("cannot animate nothing: give a skin, or glyphs")
+        raise ModelError("nothing to animate: give a skin, or glyphs")
     if glyphs is not None and len(glyphs.lines) != n_times:
         raise ModelError(f"cannot animate glyphs at {len(glyphs.lines)} times beside {n_times} frames")
 

@@ -28,7 +28,7 @@ IntArray = NDArray[np.int64]
 
 
 def stress_field(stress: Array, units: UnitSystem = UNNAMED) -> NodalField:
-    """Field of von Mises stresses (N,), to be read in MPa, or psi; as they are where no unit is said."""
+    """Field of von Mises stresses (N,), in MPa, or psi; unconverted without units."""
     unit, factor = units.stress_shown
     return NodalField(labelled("von Mises stress", unit), factor * np.asarray(stress))
 
@@ -49,8 +49,8 @@ def plot_contour(
 ) -> Path:
     """Draw a field in bands of colour on a body, deformed or not, the largest value on its skin marked.
 
-    The bands end at round values; bar and mark speak of the nodes of the skin only, not of those inside. A
-    mark on the side that one does not see says so.
+    The bands end at round values; bar and mark refer to the nodes of the skin only, not to those inside. A
+    mark on the far side is labelled so.
 
     Parameters
     ----------

@@ -54,11 +54,11 @@ def write_film(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
-    """H.264 in the colours that every player knows, which has frames of even sides."""
+    """H.264 in the pixel format of all players, which has frames of even sides."""
     ffmpeg = optional_package("imageio_ffmpeg", "an MP4 film", "film").get_ffmpeg_exe()
     rows, columns, _ = _even(frames(0)).shape
     pixels = f"-f rawvideo -pix_fmt rgb24 -s {columns}x{rows} -r {rate:.9g} -i -"
-    # The name of a temporary file says no format.
+    # The name of a temporary file has no suffix of a format.
     film = "-an -c:v libx264 -pix_fmt yuv420p -crf 18 -movflags +faststart -f mp4"
     with replacing(path) as temporary, TemporaryFile() as said:
         command = [ffmpeg, "-y", "-loglevel", "error", *pixels.split(), *film.split(), str(temporary)]

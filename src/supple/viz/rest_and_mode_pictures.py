@@ -44,7 +44,7 @@ def draw_rest(
     """Draw an equilibrium coloured by deflection, or by stress where there are `elements`, over the outlines
     of the undeformed bodies; None where there is nothing to draw.
 
-    The deflection of a machine of one body is enlarged as far as it takes to be seen, unless `view` says
+    The deflection of a machine of one body is enlarged until it is visible, unless `view` sets
     how far: of several it would tear their joints. Other parameters as for `draw_run`.
     """
     enlargement = view.enlargement or _visible(system, solution, bases)

@@ -64,6 +64,7 @@ def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
     ways : (t,) along the axis;  reach : the largest position along any axis
     """
     lows, highs = ({name: float(pick(way)) for name, way in ways.items()} for pick in (np.min, np.max))
+    order = list(ways)
     group: list[str] = []
     for name in sorted(ways, key=lambda each: lows[each]):
         together = [*group, name]
@@ -71,10 +72,10 @@ def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
         across = max(highs[each] for each in together) - lows[together[0]]
         # Places that all stand still have no way that another one's distance could hide.
         if group and widest > NOISE * reach and across > _APART * widest:
-            yield group
+            yield sorted(group, key=order.index)
             together = [name]
         group = together
-    yield group
+    yield sorted(group, key=order.index)
 
 
 def draw_joint_forces(path: Path, system: System, solution: Solution, units: UnitSystem) -> Path | None:

@@ -59,7 +59,7 @@ def draw_run(
     Parameters
     ----------
     folder : where the pictures go
-    meshes : of the elastic bodies to draw, by name; or their elements, which know the sections of beams; or
+    meshes : of the elastic bodies to draw, by name; or their elements, which have the sections of beams; or
         None of a body without either, whose nodes are drawn as points
     tracked : motions of places, by their names
     modes : of reduced bodies with all their coordinates, by name (`body_modes`); the lowest motions of their

@@ -63,7 +63,7 @@ def test_anisotropic_constants_stand_in_their_places(deck):
 def test_the_first_temperature_is_taken(deck):
     made = deck(CUBE + SECTION + "*MATERIAL, NAME=M\n*ELASTIC\n200., .25, 20.\n100., .25, 500.\n")
     assert made.properties["all"].material == IsotropicMaterial(200.0, 0.25, 0.0)
-    assert made.notes == ("material 'M' depends on temperature; its first row is taken",)
+    assert made.notes == ("material 'M' depends on temperature; its first row is used",)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_plastic_materials_are_elastic(deck):
     )
     assert made.left_out == ()
     assert made.passed_over["EXPANSION"] == 1
-    assert made.notes == ("*PLASTIC of material 'M' is passed over: bodies are elastic",)
+    assert made.notes == ("*PLASTIC of material 'M' is ignored: bodies are elastic",)
 
 
 @pytest.mark.parametrize(

@@ -306,18 +306,19 @@ def test_cylindrical_axes(deck):
 # --- beams
 
 POINTS = {
-    "RECT": ([0.2, 0.3], lambda y, z: True, (-0.1, 0.1, -0.15, 0.15)),
+    "RECT": ([0.2, 0.3], lambda y, z: abs(y) < 1, (-0.1, 0.1, -0.15, 0.15)),
     "CIRC": ([0.1], lambda y, z: y * y + z * z < 0.01, (-0.1, 0.1, -0.1, 0.1)),
-    "PIPE": ([0.1, 0.02], lambda y, z: 0.0064 < y * y + z * z < 0.01, (-0.1, 0.1, -0.1, 0.1)),
+    "PIPE": ([0.1, 0.02],
+             lambda y, z: (y * y + z * z > 0.0064) & (y * y + z * z < 0.01), (-0.1, 0.1, -0.1, 0.1)),
     "BOX": ([0.2, 0.3, 0.01, 0.02, 0.03, 0.04],
-            lambda y, z: not (-0.07 < y < 0.09 and -0.11 < z < 0.13), (-0.1, 0.1, -0.15, 0.15)),
+            lambda y, z: (y < -0.07) | (y > 0.09) | (z < -0.11) | (z > 0.13), (-0.1, 0.1, -0.15, 0.15)),
     "I": ([0.1, 0.3, 0.2, 0.15, 0.02, 0.03, 0.01],
-          lambda y, z: (z < -0.08 and abs(y) < 0.1) or (z > 0.17 and abs(y) < 0.075) or abs(y) < 0.005,
+          lambda y, z: ((z < -0.08) & (abs(y) < 0.1)) | ((z > 0.17) & (abs(y) < 0.075)) | (abs(y) < 0.005),
           (-0.1, 0.1, -0.1, 0.2)),
     "T": ([0.2, 0.3, 0.1, 0.02, 0.01],
-          lambda y, z: z > 0.18 or abs(y) < 0.005, (-0.1, 0.1, -0.1, 0.2)),
+          lambda y, z: (z > 0.18) | (abs(y) < 0.005), (-0.1, 0.1, -0.1, 0.2)),
     "L": ([0.2, 0.1, 0.01, 0.02],
-          lambda y, z: z < 0.005 or y < 0.01, (-0.01, 0.19, -0.005, 0.095)),
+          lambda y, z: (z < 0.005) | (y < 0.01), (-0.01, 0.19, -0.005, 0.095)),
     "TRAPEZOID": ([0.2, 0.3, 0.1, 0.05],
                   lambda y, z: abs(y) < 0.1 - (z + 0.05) / 6, (-0.1, 0.1, -0.05, 0.25)),
 }  # fmt: skip
@@ -329,7 +330,7 @@ def test_sections_of_beams_beside_sums_over_their_points(kind):
     y, z = np.meshgrid(
         y0 + (y1 - y0) * (np.arange(1200) + 0.5) / 1200, z0 + (z1 - z0) * (np.arange(1200) + 0.5) / 1200
     )
-    there = np.vectorize(inside)(y, z)
+    there = inside(y, z)
     y, z, a = y[there], z[there], (y1 - y0) * (z1 - z0) / 1200**2
     made = beam_shape(kind, dimensions)
     assert made.area == pytest.approx(a * y.size, rel=2e-3)

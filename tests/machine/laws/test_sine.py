@@ -14,7 +14,7 @@ TIMES = np.linspace(0.0, 3.0, 31)
 
 def test_sine_turns_frequency_times_a_second():
     np.testing.assert_allclose(
-        jax.vmap(Sine(2.0, 0.5))(TIMES), 2.0 * np.sin(2.0 * np.pi * 0.5 * TIMES), atol=1e-14
+        jax.jit(jax.vmap(Sine(2.0, 0.5)))(TIMES), 2.0 * np.sin(2.0 * np.pi * 0.5 * TIMES), atol=1e-14
     )
 
 

@@ -70,5 +70,5 @@ def test_dependent_forces_are_refused():
 
 @pytest.mark.parametrize("count", [0, 3])
 def test_only_eigenvalues_that_exist_can_be_asked_for(count):
-    with pytest.raises(ModelError, match=f"{count} eigenvalues asked of a reduced body that has 2"):
+    with pytest.raises(ModelError, match=f"{count} eigenvalues requested of a reduced body that has 2"):
         ReducedMatrices(np.eye(2), np.eye(2)).eigenvalues(count)

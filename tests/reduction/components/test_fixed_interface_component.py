@@ -87,7 +87,7 @@ def test_all_modes_make_the_body_exact(solid_body, exact_eigenvalues, added_mass
 
 
 def test_more_modes_than_there_are_cannot_be_kept(component):
-    with pytest.raises(ModelError, match="31 modes asked of a component that has 30"):
+    with pytest.raises(ModelError, match="31 modes requested of a component that has 30"):
         component.leading(31)
 
 

@@ -65,7 +65,7 @@ def test_rubins_eigenvalues_are_never_too_low(solid_body, component, exact_eigen
 
 
 def test_more_modes_than_there_are_cannot_be_kept(component):
-    with pytest.raises(ModelError, match="31 modes asked of a component that has 30"):
+    with pytest.raises(ModelError, match="31 modes requested of a component that has 30"):
         component.leading(31)
 
 

@@ -94,5 +94,5 @@ def test_a_reduced_body_says_why_it_has_fewer_than_were_asked():
 
 def test_more_columns_than_pairs_are_refused(case):
     body, frame, basis, _ = case
-    with pytest.raises(ModelError, match="asked for 11 derivatives, but 4 linear columns have 10 pairs"):
+    with pytest.raises(ModelError, match="requested 11 derivatives, but 4 linear columns have 10 pairs"):
         CompressedDerivatives(11).columns(body, frame, basis)

@@ -60,5 +60,5 @@ def test_load_of_wrong_shape_is_refused(case):
 
 def test_load_that_moves_nothing_is_refused(case):
     body, basis, _ = case
-    with pytest.raises(ModelError, match="moves no mode of body 'strip'"):
+    with pytest.raises(ModelError, match="excites no mode of body 'strip'"):
         StaticLoad(np.zeros(body.expansion.shape[0])).amplitudes(body, basis)

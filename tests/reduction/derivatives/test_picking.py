@@ -76,5 +76,5 @@ def test_fewer_columns_when_no_independent_one_is_left(case):
 @pytest.mark.parametrize("n", [7, -1])
 def test_more_derivatives_than_pairs_are_refused(case, n):
     body, frame, basis, _ = case
-    with pytest.raises(ModelError, match=f"asked for {n} derivatives, but 3 linear columns have 6 pairs"):
+    with pytest.raises(ModelError, match=f"requested {n} derivatives, but 3 linear columns have 6 pairs"):
         PickedDerivatives(n).columns(body, frame, basis)

@@ -57,7 +57,7 @@ def scoped_blocks(file: KeywordFile, report: Report) -> tuple[tuple[Scope, ...],
                 found += [ScopedBlock(scope, 0, inside) for inside in parts[name][1]]
                 used.add(name)
             elif "LIBRARY" in block.options:
-                report.leave_out_block(block, "an instance out of another analysis is missing")
+                report.leave_out_block(block, "an instance of another analysis is missing")
             elif parts:
                 raise file.error(
                     block.line, f"an instance of part '{name}', which the file does not define; add the part"

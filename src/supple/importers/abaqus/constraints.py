@@ -91,7 +91,7 @@ def _equations(model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, rows
         line, text = data[i]
         words = fields(text)
         if not is_plain_digits(words[0]) or len(words) > 1:
-            raise file.error(line, f"*EQUATION begins with its number of terms; '{text[:40]}' is not that")
+            raise file.error(line, f"*EQUATION begins with its number of terms; got '{text[:40]}'")
         wanted, found = int(words[0]), list[tuple[str, str, str]]()
         i += 1
         while i < len(data) and len(found) < wanted:

@@ -29,7 +29,7 @@ def generated_elements(
     for line, text in placed.block.data:
         words = fields(text)
         if not all(map(is_plain_digits, filter(None, words))):
-            raise file.error(line, f"*ELGEN takes whole numbers; '{text[:40]}' is not that")
+            raise file.error(line, f"*ELGEN takes whole numbers; got '{text[:40]}'")
         master, *rest = [int(word or 1) for word in words]
         source = next((b for b in earlier if b.scope == placed.scope and master in b.ids), None)
         if source is None:

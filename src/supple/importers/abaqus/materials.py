@@ -58,9 +58,7 @@ def read_materials(model: AbaqusModel) -> dict[str, DeckMaterial]:
             rows = _rows(model, block)
             found[-1].density = rows[0][0] if rows else 0.0
         elif block.key in _INELASTIC and found:
-            model.report.note(
-                f"*{block.name} of material '{found[-1].name}' is passed over: bodies are elastic"
-            )
+            model.report.note(f"*{block.name} of material '{found[-1].name}' is ignored: bodies are elastic")
             continue
         else:
             continue
@@ -101,7 +99,7 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
         )
     # Rows of further temperatures follow; of each the temperature stands behind the constants.
     if len(block.data) > -(-n // 8):
-        model.report.note(f"material '{material.name}' depends on temperature; its first row is taken")
+        model.report.note(f"material '{material.name}' depends on temperature; its first row is used")
     v = values[:n]
     if kind.startswith("ISO"):
         return _isotropic(model, block, material, *v)
@@ -163,7 +161,7 @@ def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) 
     if not mu > 0:
         return _without_stiffness(model, block, material)
     bulk = 2 / d1 if d1 > 0 else 20 * mu  # incompressible ones as CalculiX takes them
-    model.report.note(f"material '{material.name}' is hyperelastic: its moduli at no strain are taken")
+    model.report.note(f"material '{material.name}' is hyperelastic: its moduli at zero strain are used")
     E, nu = 9 * bulk * mu / (3 * bulk + mu), (3 * bulk - 2 * mu) / (2 * (3 * bulk + mu))
     return _isotropic(model, block, material, E, nu)
 
@@ -173,7 +171,7 @@ def _user(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckM
     # CalculiX has this law for all to try.
     if material.name.upper().startswith("LIN_ISO_EL") and rows and len(rows[0]) > 1:
         return _isotropic(model, block, material, *rows[0][:2])
-    model.report.leave_out_block(block, f"the law of material '{material.name}' stands in a program")
+    model.report.leave_out_block(block, f"the law of material '{material.name}' is user code")
     return None
 
 

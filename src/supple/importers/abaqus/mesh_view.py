@@ -131,7 +131,7 @@ def _refuse_what_is_beyond_a_mesh(file: KeywordFile) -> None:
         if block.key in _BEYOND_A_MESH:
             raise file.error(
                 block.line,
-                f"*{block.name} is not part of a mesh, and without it the body would be another one; make it "
+                f"*{block.name} is not part of a mesh, and its absence would change the body; make it "
                 "an interface, a joint or a body of the machine and remove it, or import the matrices",
             )
         for option in _SHELL_OPTIONS_BEYOND_A_MESH:

@@ -401,11 +401,11 @@ def _generated_members(
     """Those there are of first, last, step; one that is not there is a doubt."""
     file = model.file
     if len(words) not in (2, 3) or not all(map(is_plain_digits, words)):
-        raise file.error(line, f"GENERATE takes first, last, step; '{', '.join(words)}' is not that")
+        raise file.error(line, f"GENERATE takes first, last, step; got '{', '.join(words)}'")
     first, last, step = [*map(int, words), 1][:3]
     if step < 1 or last < first:
         raise file.error(
-            line, f"GENERATE from {first} to {last} by {step} names nothing; let it count upwards"
+            line, f"GENERATE from {first} to {last} by {step} is an empty range; use an ascending one"
         )
     mine = labels.of(scope)
     ids = labels.ids[mine]

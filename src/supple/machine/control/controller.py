@@ -68,7 +68,7 @@ class SampledController:
     """A law in plain Python, called between steps: its outputs are held until the next sampling instant.
 
     The march stops at every instant `start + i every` of a run; there the function is called once, and
-    accelerations begin anew with its outputs. What it remembers is kept in result files, so that a run
+    accelerations begin anew with its outputs. Its memory is kept in result files, so that a run
     that was cut off goes on as if it had not been.
 
     reads, drives : as of a `Controller`; readings are NumPy arrays and numbers
@@ -95,7 +95,7 @@ class SampledController:
 
 
 def as_memory(name: str, memory: Any) -> dict[str, np.ndarray]:
-    """What a controller remembers, as arrays of floats; ModelError for what is no dictionary of numbers."""
+    """The memory of a controller, as arrays of floats; ModelError if it is no dictionary of numbers."""
     if not isinstance(memory, Mapping) or not all(isinstance(key, str) for key in memory):
         raise ModelError(
             f"controller '{name}': its memory must be a dictionary of numbers and arrays by name, got "
@@ -113,7 +113,7 @@ def as_memory(name: str, memory: Any) -> dict[str, np.ndarray]:
 def _check_ends(controller: Controller | SampledController) -> None:
     what = f"controller '{controller.name}'"
     if not controller.drives:
-        raise ModelError(f"{what} drives nothing: name force elements, drives={{'motor': TorqueBetween(..)}}")
+        raise ModelError(f"{what} drives nothing: give force elements, drives={{'motor': TorqueBetween(..)}}")
     for reading in controller.reads.values():
         expected = "JointReading(joint) or EndReading(at)"
         check_instance(f"{what}, reads", reading, (JointReading, EndReading), expected)

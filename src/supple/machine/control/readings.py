@@ -33,7 +33,7 @@ class EndReading:
         object.__setattr__(self, "at", as_end(self.at))
         if self.at == GROUND:
             raise ModelError(
-                "a controller reads the ground, which does not move: name an interface of a body"
+                "a controller reads the ground, which does not move: give an interface of a body"
             )
 
 

@@ -100,7 +100,7 @@ def _matrix(what: str, given: Any) -> tuple[tuple[float, ...], ...]:
         raise ModelError(f"{what} must be (6,) or (6, 6) finite numbers, got shape {array.shape}")
     size = abs(matrix).max()
     if abs(matrix - matrix.T).max() > _SYMMETRIC * size:
-        raise ModelError(f"{what} must be symmetric: without a potential it would give energy for nothing")
+        raise ModelError(f"{what} must be symmetric: otherwise it would generate energy")
     # By units of its own for every freedom: moments are not compared with forces.
     own = np.sqrt(np.abs(np.diag(matrix)))
     scale = np.where(own > 0, own, np.sqrt(size) if size else 1.0)

@@ -29,7 +29,7 @@ class Curve:
         _freeze(self, "x", "z")
         _check_ascending("a curve", self.x)
         if np.shape(self.z) != np.shape(self.x):
-            raise ModelError(f"a curve has {len(self.x)} places, and values of shape {np.shape(self.z)}")
+            raise ModelError(f"a curve has {len(self.x)} points, and values of shape {np.shape(self.z)}")
 
     @property
     def parameters(self) -> tuple[np.ndarray, ...]:
@@ -111,4 +111,4 @@ def _tuples(value: Any) -> Any:
 
 def _check_ascending(what: str, places: Any) -> None:
     if np.ndim(places) != 1 or len(places) < 2 or not (np.diff(places) > 0).all():
-        raise ModelError(f"{what} must be two numbers or more that ascend, got {places}")
+        raise ModelError(f"{what} must be two or more ascending numbers, got {places}")

@@ -39,7 +39,7 @@ class ForceElement(ABC):
         object.__setattr__(self, "first", as_end(self.first))
         object.__setattr__(self, "second", as_end(self.second))
         if GROUND == self.first == self.second:
-            raise ModelError(f"{self.label} acts on the ground alone: name a body's interface")
+            raise ModelError(f"{self.label} acts on the ground alone: give a body's interface")
         check_law_kind(self.label, self)
         check_ranges(self.label, self)
 

@@ -43,7 +43,7 @@ class Penalty:
         if not (np.isfinite(self.exponent) and self.exponent >= 1):
             raise ModelError(
                 f"a penalty's exponent must be finite and at least 1, got {self.exponent}: below, the force "
-                "would set in with infinite stiffness"
+                "would start with infinite stiffness"
             )
         if not (np.isfinite(self.dissipation) and self.dissipation >= 0):
             raise ModelError(f"a penalty's dissipation must be finite, not negative, got {self.dissipation}")

@@ -23,7 +23,7 @@ __all__ = ["AngleServo", "SlideServo"]
 class AngleServo(AxialElement):
     """Moment `k (phi_0 - phi) + c (dphi_0/dt - dphi/dt)` about a hinge, held within a limit.
 
-    The difference of the angles is taken in (-pi, pi]: the hinge may turn as often as the law says, but must
+    The difference of the angles is taken in (-pi, pi]: the hinge may turn as often as the law does, but must
     not lag behind it by half a turn.
 
     angle : phi_0(t), rad, a number or a law of time        limit : largest moment

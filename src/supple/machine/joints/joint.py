@@ -80,9 +80,9 @@ class Joint(ABC):
         if not self.name:
             object.__setattr__(self, "name", f"{type(self).__name__.lower()} {self.first} - {self.second}")
         if GROUND == self.first == self.second:
-            raise ModelError(f"joint '{self.name}' joins the ground to itself: name a body's interface")
+            raise ModelError(f"joint '{self.name}' joins the ground to itself: give a body's interface")
         if self.first == self.second:
-            raise ModelError(f"joint '{self.name}' joins '{self.first}' to itself: name another interface")
+            raise ModelError(f"joint '{self.name}' joins '{self.first}' to itself: give another interface")
         check_law_kind(f"joint '{self.name}'", self)
         _ = self.initial_axes  # which refuses what is no direction
 

@@ -19,7 +19,7 @@ __all__ = ["ConstantRate"]
 class ConstantRate(UnboundedLaw):
     """`q(t) = start + rate t`: of a prescribed rotation, a driver at constant speed.
 
-    The bodies must start at that speed, or the start makes them, and says so.
+    The bodies must start at that speed; otherwise the start changes it, with a warning.
 
     Raises ModelError for numbers that are not finite.
     """

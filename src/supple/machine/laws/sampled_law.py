@@ -1,6 +1,6 @@
 """Laws of unknown shape, found out by sampling: jumps, and the turning points that a step could jump over.
 
-A function of time written in Python says nothing about itself. It is evaluated at some 17 000 even
+A function of time written in Python has no known kinks. It is evaluated at some 17 000 even
 times of the run; where neighbouring samples differ much, jumps are closed in by repeated division. A pulse
 has a turning point: a step that meets it sees the pulse, and the estimate of its error does the rest. What is
 briefer than the distance of the samples stays unseen.

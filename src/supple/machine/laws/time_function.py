@@ -46,14 +46,14 @@ def traced(function: Callable[[Any], Any], name: str, time: Any) -> Any:
         ) from error
     except (jax.errors.TracerBoolConversionError, jax.errors.NonConcreteBooleanIndexError) as error:
         raise ModelError(
-            f"its function of time ({name}) asks whether something is true of the time (if, while, and, "
+            f"its function of time ({name}) branches on a condition of the time (if, while, and, "
             "or, max, "
             "min of Python), which has no value yet when JAX compiles it; write jnp.where(condition, this, "
             "that)"
         ) from error
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError) as error:
         raise ModelError(
-            f"its function of time ({name}) makes a Python number of the time (math.sin, float, int, "
+            f"its function of time ({name}) converts the time to a Python number (math.sin, float, int, "
             "range, an "
             "index), which has no value yet when JAX compiles it; write jnp.sin for math.sin, and jnp.where("
             "condition, this, that) for a choice"

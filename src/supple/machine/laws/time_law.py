@@ -73,7 +73,7 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
         raise ModelError(f"{what}: {error}") from error
     except (TypeError, ValueError) as error:
         raise ModelError(
-            f"{what}: its law over time gives no numbers ({error}); give numbers, or arrays of jax.numpy"
+            f"{what}: its law over time returns no numbers ({error}); give numbers, or arrays of jax.numpy"
         ) from error
     if found.dtype.kind not in "iuf":
         raise ModelError(

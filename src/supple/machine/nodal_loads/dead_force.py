@@ -40,10 +40,10 @@ class DeadForce(NodalLoad):
         if self.body:
             return
         if not isinstance(self.at, str):
-            raise ModelError("DeadForce on nodes: name the body that they belong to")
+            raise ModelError("DeadForce on nodes: give the body that they belong to")
         end = as_end(self.at)
         if end == GROUND:
-            raise ModelError("DeadForce acts on the ground: name a body's interface")
+            raise ModelError("DeadForce acts on the ground: give a body's interface")
         object.__setattr__(self, "body", end.body)
         object.__setattr__(self, "at", end.interface)
 

@@ -50,7 +50,7 @@ class FollowerPressure(NodalLoad):
         if not np.issubdtype(faces.dtype, np.integer):
             raise ModelError(f"FollowerPressure on '{self.body}': faces must hold integers")
         if any(len(set(face)) < len(face) for face in faces.tolist()):
-            raise ModelError(f"FollowerPressure on '{self.body}': a face names one node twice")
+            raise ModelError(f"FollowerPressure on '{self.body}': a face has one node twice")
 
     @property
     def law(self) -> TimeLaw:

@@ -23,7 +23,7 @@ class Tie:
                 tied on a modal one only
     within : float      of the size of the set: how far from the part nodes may lie
     transfer : Collocated() or Mortar()     how nodes follow a modal part where the meshes do not match
-    continuity : MeanMotion() or EveryNode(..)      what two modal parts have in common there; nodes of finite
+    continuity : MeanMotion() or EveryNode(..)      continuity of two modal parts; nodes of finite
                 elements hang position for position
     """
 

@@ -1,4 +1,4 @@
-"""The basis whose eigenvalues are as accurate as one asks: the modes are counted by the computer."""
+"""The basis of given eigenvalue accuracy: the number of modes is determined automatically."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> Erro
 
     Raises
     ------
-    ModelError      no interface; more modes asked for than the body has, or more to start with
+    ModelError      no interface; more modes requested than the body has, or more at the start
     AccuracyError   the tolerance is not reached with all modes allowed; the proof does not come out
     """
     family = CraigBamptonFamily(body)
@@ -134,12 +134,12 @@ def _check_range(family: CraigBamptonFamily, control: ErrorControlled) -> None:
     name = family.body.name
     if control.n_modes >= family.n_vibrations:
         raise ModelError(
-            f"{control.n_modes} eigenvalues asked of body '{name}', which has {family.n_vibrations} elastic "
-            "ones; ask for fewer, so that the next one shows that none was missed"
+            f"{control.n_modes} eigenvalues requested of body '{name}', which has {family.n_vibrations} "
+            "elastic ones; request fewer, so that the next one confirms that none is missed"
         )
     if control.start > family.n_available:
         raise ModelError(
-            f"{control.start} fixed-interface modes to start with, but body '{name}' has {family.n_available}"
+            f"{control.start} fixed-interface modes at the start, but body '{name}' has {family.n_available}"
         )
 
 

@@ -60,7 +60,7 @@ class ReducedMatrices:
     def eigenvalues(self, n: int) -> np.ndarray:
         """The n lowest of the spectrum; ModelError when there are fewer."""
         if not 1 <= n <= self.spectrum.size:
-            raise ModelError(f"{n} eigenvalues asked of a reduced body that has {self.spectrum.size}")
+            raise ModelError(f"{n} eigenvalues requested of a reduced body that has {self.spectrum.size}")
         return self.spectrum[:n]
 
     def _orthonormal_columns(self) -> np.ndarray:

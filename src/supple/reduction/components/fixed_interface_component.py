@@ -79,7 +79,7 @@ class FixedInterfaceComponent:
     def leading(self, n_modes: int) -> FixedInterfaceComponent:
         """The same body with its n_modes lowest modes; ModelError when there are fewer."""
         if not 0 <= n_modes <= self.n_modes:
-            raise ModelError(f"{n_modes} modes asked of a component that has {self.n_modes}")
+            raise ModelError(f"{n_modes} modes requested of a component that has {self.n_modes}")
         return self.keeping(np.arange(n_modes))
 
 

@@ -59,7 +59,7 @@ class FreeInterfaceComponent:
         Raises ModelError when there are fewer modes.
         """
         if not 0 <= n_modes <= self.n_modes:
-            raise ModelError(f"{n_modes} modes asked of a component that has {self.n_modes}")
+            raise ModelError(f"{n_modes} modes requested of a component that has {self.n_modes}")
         kept = 6 + n_modes
         values, motion = self.eigenvalues[kept:], self.interface_motion[:, kept:]
         return FreeInterfaceComponent(

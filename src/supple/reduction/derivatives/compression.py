@@ -25,7 +25,7 @@ class CompressedDerivatives:
     """Add the n leading directions of all derivatives, each weighted by the amplitude its pair will have.
 
     n : number of columns to add; fewer where all derivatives together span less, as those of a straight beam
-        that bends, which move it along its axis alone: the report then says so among the dropped columns
+        that bends, which move it along its axis alone: the report then lists it among the dropped columns
     weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
     """
 
@@ -66,7 +66,7 @@ def compress(
 
 
 def _not_there(n: int, n_kept: int) -> tuple[str, ...]:
-    """Why there are fewer columns than asked for, as the label of those that are not there."""
+    """Why there are fewer columns than requested, as the label of the missing ones."""
     if n_kept == n:
         return ()
     return (

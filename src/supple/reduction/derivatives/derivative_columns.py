@@ -57,4 +57,4 @@ def check_derivative_count(n: int, n_linear: int) -> None:
     """ModelError when n_linear columns have fewer than n pairs, or n is negative."""
     n_pairs = n_linear * (n_linear + 1) // 2
     if not 0 <= n <= n_pairs:
-        raise ModelError(f"asked for {n} derivatives, but {n_linear} linear columns have {n_pairs} pairs")
+        raise ModelError(f"requested {n} derivatives, but {n_linear} linear columns have {n_pairs} pairs")

@@ -42,7 +42,7 @@ class ModalDerivatives:
     def reference_norms(self, body: FlexibleBody) -> np.ndarray:
         """Lengths (M-norm) beside which a derivative counts as nothing: its own, or 1/100 of the longest.
 
-        Where symmetry makes a derivative vanish, the solve leaves round-off whose own length says nothing.
+        Where symmetry makes a derivative vanish, the solve leaves round-off whose own length is meaningless.
         """
         lengths = np.sqrt(np.sum(self.vectors * (body.mass @ self.vectors), axis=0))
         return np.maximum(lengths, 0.01 * lengths.max(initial=0.0))

@@ -68,7 +68,7 @@ class StaticLoad:
             )
         amplitudes = np.abs(basis.vectors.T @ (body.expansion.T @ load)) / basis.frequencies**2
         if not amplitudes.any():
-            raise ModelError(f"the load given to weigh derivatives moves no mode of body '{body.name}'")
+            raise ModelError(f"the load that weights the derivatives excites no mode of body '{body.name}'")
         return amplitudes
 
 

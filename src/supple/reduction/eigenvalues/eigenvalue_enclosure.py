@@ -65,7 +65,7 @@ def enclose_eigenvalues(
     are lower bounds chi_n >= rho mu / (mu - 1), the most negative mu that of the highest; the Rayleigh-Ritz
     values of U are upper bounds. Subspace iteration from the trial motions brings the bounds together,
     multiple eigenvalues or not. Random motions join them where a cluster is larger than they are, or where
-    the count tells that they lack a mode. These are exact theorems, evaluated in floating point: nothing is
+    the count shows that they lack a mode. These are exact theorems, evaluated in floating point: nothing is
     proven beyond its round-off.
 
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them

@@ -46,7 +46,7 @@ class ErrorTerms:
 
 
 def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) -> ErrorTerms:
-    """The terms of each vibration that keeps fewer modes than the component knows.
+    """The terms of each vibration that keeps fewer modes than the component has.
 
     The residual flexibility of the modes not kept is that of the unknown ones, by deflation, plus
     a a^T / kappa for each known one: rank-one updates that only add, where Phi Lambda^-1 Phi^T subtracted

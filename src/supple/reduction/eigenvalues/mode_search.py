@@ -13,7 +13,7 @@ from supple.algebra import read_only
 
 __all__ = ["Bisection", "ModeSearch", "OneByOne", "SearchStep"]
 
-# Steps are at most doubled: an error that falls slowly at first would promise too many modes.
+# Steps are at most doubled: an error that falls slowly at first would predict too many modes.
 LARGEST_GROWTH = 2.0
 SMALLEST_GROWTH = 1.05
 
@@ -87,7 +87,7 @@ class OneByOne:
 
 @dataclass(frozen=True)
 class Bisection:
-    """Upwards as the errors seen so far promise, at most doubling, then bisection.
+    """Upwards as the errors so far predict, at most doubling, then bisection.
 
     Estimates may cross the tolerance more than once, so the numbers below the one found are tried too, down
     to where the largest error is 1.1 times the tolerance: the result is that of OneByOne, for a fraction of
