@@ -113,7 +113,7 @@ def _opened(
         check_nothing_lost(path)
         if CorrectionFolder(folder, case=case).is_begun:
             raise ResultFileError(
-                f"cannot write {folder}: it holds the rounds of a run that was cut off; say resume=True to "
+                f"cannot write {folder}: it holds the rounds of an interrupted run; give resume=True to "
                 "go on with them or overwrite=True to replace them, or write elsewhere"
             )
     return CorrectionFolder.create(folder, case=case, inputs=inputs)
