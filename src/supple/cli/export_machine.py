@@ -14,7 +14,15 @@ from supple.errors import ArgumentError, CaseError, did_you_mean
 from supple.export.c.machine_step import MachineStep, machine_step
 from supple.export.c.write_machine import write_machine
 from supple.export.fmu.write_fmu import write_fmu
-from supple.machine import Joint, PrescribedRotation, PrescribedTranslation, System
+from supple.machine import (
+    Cylindrical,
+    Joint,
+    PrescribedRotation,
+    PrescribedTranslation,
+    Prismatic,
+    Revolute,
+    System,
+)
 from supple.quantities import JointMotionSensor, PositionSensor, Quantity
 from supple.terminal import console, print_rows, say, worded
 
@@ -133,7 +141,7 @@ def _outputs(case: Case, system: System) -> list[Quantity]:
 
 
 def _moves_along_axis(joint: Joint) -> bool:
-    return type(joint).__name__ in ("Revolute", "Prismatic", "Cylindrical")
+    return type(joint) in (Revolute, Prismatic, Cylindrical)
 
 
 def _report(step: MachineStep) -> None:

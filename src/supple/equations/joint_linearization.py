@@ -40,6 +40,7 @@ __all__ = [
     "Blocks",
     "JointLinearization",
     "affine_form",
+    "axial",
     "geometric_stiffness",
     "joint_equations",
     "linearize_joint",
@@ -104,7 +105,7 @@ def _constant(constraint: Constraint) -> Affine:
 
 
 @jax.jit
-def _axial(matrix: jax.Array) -> jax.Array:
+def axial(matrix: jax.Array) -> jax.Array:
     """`ax(M)` with `ax(M) . phi = M : skew(phi)`; (..., 3, 3) to (..., 3)."""
     return jnp.stack(
         [
@@ -133,8 +134,8 @@ def linearize_joint(affine: Affine, first: Marker, second: Marker) -> JointLinea
     of_gap, of_turn = coefficients[:, :3], coefficients[:, 3:].reshape(-1, 3, 3)
     by_point = of_gap @ axes.T
     by_turns = (
-        jnp.cross(of_gap, gap) - _axial(of_turn @ turn.T),
-        _axial(turn.T @ of_turn),
+        jnp.cross(of_gap, gap) - axial(of_turn @ turn.T),
+        axial(turn.T @ of_turn),
     )
     motions = frame_motion(first), frame_motion(second)
     return JointLinearization(
@@ -170,8 +171,8 @@ def geometric_stiffness(
     on_first, on_second = small_product(moments, at.rotation.T), small_product(at.rotation.T, moments)
     pull = small_product(at.axes, force)
     wrenches = (
-        jnp.concatenate([-pull, jnp.cross(force, at.offset) - _axial(on_first)]),
-        jnp.concatenate([pull, _axial(on_second)]),
+        jnp.concatenate([-pull, jnp.cross(force, at.offset) - axial(on_first)]),
+        jnp.concatenate([pull, axial(on_second)]),
     )
     trace = jnp.trace(on_second) * jnp.eye(3)
     swing = small_product(at.axes, skew(force))

@@ -8,7 +8,6 @@ that a run costs one linear march besides its own, mapped over the cases in one 
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -19,7 +18,6 @@ from numpy.typing import NDArray
 
 from supple.body import Damping, FullBody
 from supple.body.damping import damping_matrix
-from supple.equations.compiled_machine import compiled_start
 from supple.error.equation import (
     AssessedBody,
     ErrorEquation,
@@ -35,7 +33,7 @@ from supple.error.equation.elastic_polynomial import ElasticPolynomial
 from supple.error.equation.error_batch import first_together
 from supple.error.equation.error_model import body_of_columns, padded_size
 from supple.error.error_estimate import WILD, modal_damping, reduced_form
-from supple.errors import RedundantConstraintWarning
+from supple.error.residual_correction import active_constraints
 from supple.integrate import FloatingMotion, Run, Solution
 from supple.machine import System
 from supple.methods.floating.compiled.every_step import every_step
@@ -162,7 +160,7 @@ def case_indicators(
     for start in range(0, len(whole), AT_ONCE):
         rows = whole[start : start + AT_ONCE]
         steps = [_seen_instants(cases[i], run, solutions[i]) for i in rows]
-        active = _active(cases[rows[0]], run, solutions[rows[0]])
+        active = active_constraints(cases[rows[0]], solutions[rows[0]])
         equations = [
             ErrorEquation(
                 cases[i],
@@ -207,16 +205,6 @@ def _seen_instants(system: System, run: Run, solution: Solution) -> Solution:
 def _bounded(history: ErrorHistory, size: float) -> Indicated:
     largest = float(history.rms.max())
     return Indicated(largest if largest <= WILD * size else np.inf, size)
-
-
-def _active(system: System, run: Run, solution: Solution) -> tuple[int, ...]:
-    """The constraint equations that the runs kept."""
-    known = solution.engine_state.get("active")
-    if known is None:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RedundantConstraintWarning)
-            known = compiled_start(system, run.start).model.active
-    return tuple(int(index) for index in known)
 
 
 def _long(system: System, bodies: Mapping[str, IndicatorBody]) -> float:

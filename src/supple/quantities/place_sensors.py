@@ -169,14 +169,15 @@ class DeflectionSensor(_AtPlace):
 
     def values(self, system: System, solution: Solution) -> Array:
         """`A_p^T (r - r_p) - (x - x_p)`, (t, 3)."""
-        body, base = body_named(system, self.place.body, self.name), self._base(system)
+        body, base = body_named(system, self.place.body, self.name), self.base(system)
         seen = observer_of(system, solution, self.place.body, {} if base is None else {self.place.body: base})
         return tracked_motion(body, solution.bodies[self.place.body], self.place.at, seen).deflection
 
     def _axes(self, system: System) -> str:
-        return f"mesh axes turning with {self._base(system)}"
+        return f"mesh axes turning with {self.base(system)}"
 
-    def _base(self, system: System) -> At | None:
+    def base(self, system: System) -> At | None:
+        """The end that the deflection is seen from; None of a body without interfaces."""
         if self.seen_from is not None:
             return self.seen_from
         body = body_named(system, self.place.body, self.name)

@@ -8,9 +8,13 @@ import socket
 from collections.abc import Sequence
 from pathlib import Path
 
+from supple.errors import MemoryShortageError, MissingPackageError, ResultFileError
 from supple.storage.file_errors import file_errors
 
-__all__ = ["Attempts"]
+__all__ = ["NOT_OF_A_CASE", "Attempts"]
+
+NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
+"""Errors of the machine or the disk: another try may succeed, so nothing is recorded."""
 
 MOST = 2
 """Attempts that may end with their process before a share is looked into case by case."""

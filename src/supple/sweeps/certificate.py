@@ -67,11 +67,6 @@ class CaseError(NamedTuple):
     basis: float = np.nan
     allowed: float = np.nan
 
-    @property
-    def needs_richer(self) -> bool:
-        """Whether the basis costs more than is allowed."""
-        return bool(self.basis > self.allowed)
-
 
 @dataclass(frozen=True, eq=False)
 class Certificate:

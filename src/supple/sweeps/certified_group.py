@@ -12,8 +12,6 @@ import numpy as np
 from supple.cases.case import Case
 from supple.error.error_estimate import check_linearised
 from supple.errors import (
-    MemoryShortageError,
-    MissingPackageError,
     ResultFileError,
     SuppleError,
     SuppleWarning,
@@ -26,7 +24,7 @@ from supple.storage import read_reduced_body
 from supple.storage.exclusive_lock import ExclusiveLock
 from supple.storage.file_errors import file_errors
 from supple.storage.sealed_hdf5 import is_whole
-from supple.sweeps.attempts import Attempts
+from supple.sweeps.attempts import NOT_OF_A_CASE, Attempts
 from supple.sweeps.certificate import Certificate, read_certificate, write_certificate
 from supple.sweeps.greedy_basis import certify, training_cases
 from supple.sweeps.plan import SweepPlan, read_plan
@@ -44,11 +42,6 @@ class CertifiedGroup:
 
     group: SweptGroup
     certificate: Certificate
-
-    @property
-    def is_asked(self) -> bool:
-        """Whether the case file asks for errors of bases."""
-        return _is_asked(self.group)
 
 
 @lru_cache(maxsize=4)
@@ -108,14 +101,9 @@ def _why_not(group: SweptGroup) -> str:
         return "no body is elastic: bases cost nothing, and the integration of rigid machines is not assessed"
     if others:
         return f"body '{others[0]}' is not reduced here from elements: its error is stated of single runs"
-    if not _is_asked(group):
+    if not group.asks_for_errors:
         return "the bases are of a fixed size: [error] with basis = true estimates their errors"
     return ""
-
-
-def _is_asked(group: SweptGroup) -> bool:
-    """Whether the case file asks for errors of bases."""
-    return bool(group.fresh.starts) or group.like.study.basis
 
 
 def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path) -> None:
@@ -138,7 +126,7 @@ def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path
             warnings.simplefilter("ignore", SuppleWarning)
             found, certificate = certify(group, training_cases(plan, cases), worst)
     except SuppleError as error:  # the cases run as well without it
-        if isinstance(error, MemoryShortageError | MissingPackageError | ResultFileError):
+        if isinstance(error, NOT_OF_A_CASE):
             attempts.withdraw()
             raise
         found, certificate = group, Certificate(reason=str(error))

@@ -11,19 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.cases.notify import silent
-from supple.errors import (
-    MemoryShortageError,
-    MissingPackageError,
-    ModelError,
-    ResultFileError,
-    SuppleError,
-    SuppleWarning,
-)
+from supple.errors import ModelError, SuppleError, SuppleWarning
 from supple.integrate import Kinematic, Solution
 from supple.quantities import read_sensors
 from supple.simulation import simulate, simulate_batch
 from supple.simulation.engines import is_explicit
 from supple.storage.solution_arrays import to_arrays
+from supple.sweeps.attempts import NOT_OF_A_CASE
 from supple.sweeps.certificate import CaseError
 from supple.sweeps.certified_group import CertifiedGroup
 from supple.sweeps.channel_statistics import channel_statistics
@@ -42,8 +36,6 @@ NUMBERS_AT_ONCE = 2**26
 """Numbers of all of their motions, 512 MiB."""
 NUMBERS_OF_A_BODY = 40
 """At an output time, besides its coordinates, their rates and accelerations: its frame, a joint."""
-NOT_OF_A_CASE = (MemoryShortageError, MissingPackageError, ResultFileError)
-"""Errors of the machine or the disk: another try may succeed, so nothing is recorded."""
 
 Array = NDArray[np.float64]
 Began = Callable[[Sequence[int]], None]

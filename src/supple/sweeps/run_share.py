@@ -9,11 +9,11 @@ from pathlib import Path
 from supple.errors import ResultFileError, SuppleError, SuppleWarning
 from supple.other_processes import one_core
 from supple.storage.sealed_hdf5 import is_whole
-from supple.sweeps.attempts import Attempts
+from supple.sweeps.attempts import NOT_OF_A_CASE, Attempts
 from supple.sweeps.certified_group import certified_group
 from supple.sweeps.fatigue_loads import summed_spectra
 from supple.sweeps.isolated_share import isolated_share
-from supple.sweeps.march_cases import NOT_OF_A_CASE, Began, march_cases
+from supple.sweeps.march_cases import Began, march_cases
 from supple.sweeps.part_file import CaseResult, CaseStatus, Part, part_path, write_part
 from supple.sweeps.plan import read_plan
 from supple.sweeps.sweep_shares import MOST_LEVELS, sweep_shares
@@ -80,7 +80,7 @@ def run_cases(folder: Path, cases: Sequence[int], level: int = 0, began: Began =
         try:
             began(cases)
             group = certified_group(folder, plan, int(plan.group[cases[0]]), level)
-            if group.is_asked and group.certificate.reason:
+            if group.group.asks_for_errors and group.certificate.reason:
                 warnings.warn(
                     f"errors of cases are not estimated: {group.certificate.reason}",
                     SuppleWarning,

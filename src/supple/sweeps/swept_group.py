@@ -91,6 +91,11 @@ class SweptGroup:
         case = self.like.varied(case.tables, made)
         return SweptCase(case, starting_system(case))
 
+    @property
+    def asks_for_errors(self) -> bool:
+        """Whether the case file asks for errors of bases."""
+        return bool(self.fresh.starts) or self.like.study.basis
+
     def fulls(self, case: Case) -> dict[str, FullBody]:
         """The reduced bodies of a case with all their coordinates."""
         found = {}

@@ -7,6 +7,7 @@ import pytest
 from error.equation.machines import soft_strip
 
 from supple.error.equation.elastic_polynomial import ElasticPolynomial
+from supple.error.equation.products_of_run import monomials, rate_monomials
 
 N_MOTION = 3
 
@@ -35,8 +36,8 @@ def test_forces_are_those_of_the_elements(strip):
 
 def test_tangents_are_those_of_the_elements(strip):
     body, Z, polynomial, g, rates = strip
-    whole, material = (np.tensordot(polynomial.monomials(g), own, axes=1) for own in polynomial.tangents)
-    of_rates = np.tensordot(polynomial.rate_monomials(g, rates), polynomial.rate_tangents, axes=1)
+    whole, material = (np.tensordot(monomials(g), own, axes=1) for own in polynomial.tangents)
+    of_rates = np.tensordot(rate_monomials(g, rates), polynomial.rate_tangents, axes=1)
     for row in range(2):
         q, rate = Z[:, :N_MOTION] @ g[row], Z[:, :N_MOTION] @ rates[row]
         of_strains, of_stress = body.assembly.tangent_parts(q)

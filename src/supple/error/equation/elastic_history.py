@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import FlexibleBody
-from supple.error.equation.products_of_run import few_instants, pair_products, weights_of_instants
+from supple.error.equation.products_of_run import (
+    few_instants,
+    monomials,
+    pair_products,
+    rate_monomials,
+    weights_of_instants,
+)
 from supple.fem import StrainWorks
 
 __all__ = [
@@ -166,8 +172,8 @@ def tangent_history(
         none = np.zeros((0, k, k))
         return TangentHistory(none, none, np.zeros((len(coordinates), 0)))
     g = coordinates * scale
-    monomials = np.hstack([g, pair_products(g, g)])
-    chosen = few_instants(monomials, SMALLEST_MONOMIAL, MOST_SAMPLES)
+    products = monomials(g)
+    chosen = few_instants(products, SMALLEST_MONOMIAL, MOST_SAMPLES)
     at_rest = _projected(body.stiffness, onto)
     through_strains: list[Array] = []
 
@@ -179,14 +185,14 @@ def tangent_history(
         through_strains.append(of_strains - at_rest)
         return of_strains + of_stress - at_rest
 
-    whole = _samples(gained, monomials, chosen, at_rest, proven)
-    weights = weights_of_instants(monomials, chosen[: len(whole)], monomials)
+    whole = _samples(gained, products, chosen, at_rest, proven)
+    weights = weights_of_instants(products, chosen[: len(whole)], products)
     return TangentHistory(whole, np.reshape(through_strains, (-1, k, k)), weights)
 
 
 def _samples(
     matrix_at: Callable[[int], Array],
-    monomials: Array,
+    products: Array,
     chosen: NDArray[np.intp],
     at_rest: Array,
     proven: float,
@@ -200,7 +206,7 @@ def _samples(
     for start in range(0, len(chosen), AT_ONCE):
         instants = chosen[start : start + AT_ONCE]
         more = np.array([matrix_at(int(instant)) for instant in instants])
-        predicted = weights_of_instants(monomials, chosen[:start], monomials[instants])
+        predicted = weights_of_instants(products, chosen[:start], products[instants])
         missed = scaled.T @ (more - np.tensordot(predicted, samples, axes=1)) @ scaled
         samples = np.concatenate([samples, more])
         if np.linalg.norm(missed, ord=2, axis=(1, 2)).max() <= proven:
@@ -252,16 +258,15 @@ def strain_rate_history(
     scale = _unit_energies(body, motion, coordinates)
     if scale is None or not time or not np.any(rates):
         return StrainRateHistory(np.zeros((0, k, k)), np.zeros((t, 0)))
-    g, rate = coordinates * scale, rates * scale
-    monomials = np.hstack([rate, (g[:, :, None] * rate[:, None]).reshape(t, -1)])
-    chosen = few_instants(monomials, SMALLEST_RATE, MOST_SAMPLES)
+    products = rate_monomials(coordinates * scale, rates * scale)
+    chosen = few_instants(products, SMALLEST_RATE, MOST_SAMPLES)
 
     def added(instant: int) -> Array:
         q, moving = motion @ coordinates[instant], motion @ rates[instant]
         return _projected(body.assembly.strain_rate_tangent(q, moving), onto)
 
-    samples = _samples(added, monomials, chosen, _projected(body.stiffness, onto), proven / time)
-    return StrainRateHistory(samples, weights_of_instants(monomials, chosen[: len(samples)], monomials))
+    samples = _samples(added, products, chosen, _projected(body.stiffness, onto), proven / time)
+    return StrainRateHistory(samples, weights_of_instants(products, chosen[: len(samples)], products))
 
 
 def _projected(matrix: Any, onto: Array) -> Array:

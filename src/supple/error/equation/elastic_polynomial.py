@@ -56,14 +56,9 @@ class ElasticPolynomial:
         """Forces (t, k) of the strain rates beyond those at rest, by unit of retardation time."""
         return strain_rate_polynomial(self._of_motion)(coordinates, rates)
 
-    def monomials(self, coordinates: Array) -> Array:
-        """(t, s + s (s + 1) / 2): g_l, then g_j g_l with j <= l: the weights of `tangents`."""
-        first, second = np.triu_indices(self.n_motion)
-        return np.hstack([coordinates, coordinates[:, first] * coordinates[:, second]])
-
     @cached_property
     def tangents(self) -> tuple[Array, Array]:
-        """What a monomial adds to the tangent, and through the strains alone, (m, k, k) each."""
+        """What each of `monomials` adds to the tangent, and through the strains alone, (m, k, k) each."""
         linear, turned, cubic = self._symmetric
         first, second = np.triu_indices(self.n_motion)
         s, k = self.n_motion, linear.shape[0]
@@ -83,14 +78,9 @@ class ElasticPolynomial:
         assert whole.shape == material.shape == (s + len(first), k, k)
         return whole, material
 
-    def rate_monomials(self, coordinates: Array, rates: Array) -> Array:
-        """(t, s + s^2): g'_k, then g_j g'_k: the weights of `rate_tangents`."""
-        products = (coordinates[:, :, None] * rates[:, None]).reshape(len(rates), -1)
-        return np.hstack([rates, products])
-
     @cached_property
     def rate_tangents(self) -> Array:
-        """What a monomial with a rate adds to the tangent, by unit of retardation time, (s + s^2, k, k)."""
+        """What each of `rate_monomials` adds to the tangent, by unit of retardation time, (s + s^2, k, k)."""
         _, _, cubic = self._symmetric
         s, k = self.n_motion, cubic.shape[0]
         own = np.moveaxis(self._bilinear[:, :, :s], 2, 0)

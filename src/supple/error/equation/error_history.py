@@ -33,6 +33,7 @@ from supple.error.equation.linearised_march import (
     first_error,
     march_error,
 )
+from supple.error.equation.products_of_run import monomials, rate_monomials
 from supple.error.equation.steps_of_run import blocks_of_run, rotation_vectors, rotations, standing
 from supple.integrate import Coefficients, Solution, Statistics
 from supple.machine import System
@@ -460,7 +461,7 @@ def _from_polynomial(
 ) -> _Elasticity:
     """The same of the columns of the run itself, exactly."""
     force, (whole, material) = polynomial.force(motion.coordinates), polynomial.tangents
-    weights = polynomial.monomials(motion.coordinates)
+    weights = monomials(motion.coordinates)
     if not assessed.retardation_time:
         none = np.zeros((0, *whole.shape[1:]))
         return _Elasticity(force, np.zeros_like(force), whole, none, none, weights, np.zeros((len(force), 0)))
@@ -471,7 +472,7 @@ def _from_polynomial(
         material,
         polynomial.rate_tangents,
         weights,
-        polynomial.rate_monomials(motion.coordinates, motion.rates),
+        rate_monomials(motion.coordinates, motion.rates),
     )
 
 

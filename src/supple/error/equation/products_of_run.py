@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-__all__ = ["few_instants", "pair_products", "weights_of_instants"]
+__all__ = ["few_instants", "monomials", "pair_products", "rate_monomials", "weights_of_instants"]
 
 Array = NDArray[np.float64]
 
@@ -38,3 +38,14 @@ def pair_products(a: Array, b: Array) -> Array:
     """The symmetric products `(a_j b_k + b_j a_k) / 2`, j <= k, (t, n2)."""
     first, second = np.triu_indices(a.shape[1])
     return (a[:, first] * b[:, second] + b[:, first] * a[:, second]) / 2
+
+
+def monomials(coordinates: Array) -> Array:
+    """Those of a tangent, g_l, then g_j g_l with j <= l, of coordinates (t, s): (t, s + s (s + 1) / 2)."""
+    return np.hstack([coordinates, pair_products(coordinates, coordinates)])
+
+
+def rate_monomials(coordinates: Array, rates: Array) -> Array:
+    """Those that strain rates add to it, g'_k, then g_j g'_k: (t, s + s^2)."""
+    products = (coordinates[:, :, None] * rates[:, None]).reshape(len(rates), -1)
+    return np.hstack([rates, products])

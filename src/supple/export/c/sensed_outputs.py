@@ -13,7 +13,7 @@ import numpy as np
 from supple.equations.build_model import force_group_of, readers_of
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.ends import markers
-from supple.equations.joint_linearization import affine_form
+from supple.equations.joint_linearization import affine_form, axial
 from supple.equations.marker import Marker, pose
 from supple.equations.model import Ends, Model
 from supple.export.c.variables import Variable
@@ -175,7 +175,7 @@ def _pose(ends: Ends, motion: SystemMotion) -> Pose:
 
 
 def _deflection(system: System, sensor: DeflectionSensor) -> Reads | None:
-    base = sensor._base(system)
+    base = sensor.base(system)
     point = _Point.of(system, sensor.place)
     if base is None:
         return None
@@ -229,11 +229,7 @@ def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], 
         every = jnp.zeros(model.n_equations).at[np.array(model.active, dtype=int)].set(motion.multipliers)
         weights = every[rows] @ coefficients
         turn = _pose(reader.first, motion).axes.T @ _pose(reader.second, motion).axes
-        on_turn = weights[3:].reshape(3, 3) @ turn.T
-        moment = -jnp.stack(
-            [on_turn[2, 1] - on_turn[1, 2], on_turn[0, 2] - on_turn[2, 0], on_turn[1, 0] - on_turn[0, 1]]
-        )
-        return jnp.concatenate([-weights[:3], moment])
+        return -jnp.concatenate([weights[:3], axial(weights[3:].reshape(3, 3) @ turn.T)])
 
     return read
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from supple.export.superelements.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
@@ -23,7 +22,7 @@ def write_abaqus_superelement(path: Path | str, form: InterfaceForm) -> Path:
     matrices = {"STIFFNESS": form.stiffness, "MASS": form.mass}
     if form.is_damped:
         matrices["VISCOUS DAMPING"] = form.damping
-    n, labels = len(form.interfaces), _freedoms(form)
+    n, labels = len(form.interfaces), form.freedoms(of_modal=1)
     places = np.concatenate([form.positions, np.tile(form.positions[:1], (form.n_modal, 1))])
     lines = [f"** {line}" for line in form.comment()]
     lines += [f"** nodes 1 to {n}: the interfaces; the others have modal coordinates as freedom 1", "*NODE"]
@@ -37,11 +36,3 @@ def write_abaqus_superelement(path: Path | str, form: InterfaceForm) -> Path:
         ]
     named = ", ".join(f"{role}=SUPPLE_{role.split()[-1]}" for role in matrices)
     return write_ascii(path, [*lines, f"*MATRIX ASSEMBLE, {named}"])
-
-
-def _freedoms(form: InterfaceForm) -> NDArray[np.int64]:
-    """Node and freedom of every row."""
-    n = len(form.interfaces)
-    own = np.column_stack([np.repeat(np.arange(1, n + 1), 6), np.tile(np.arange(1, 7), n)])
-    modal = n + 1 + np.arange(form.n_modal)
-    return np.concatenate([own, np.column_stack([modal, np.ones_like(modal)])])

@@ -69,6 +69,16 @@ class InterfaceForm:
         """Number of modal coordinates."""
         return len(self.stiffness) - self.n_boundary
 
+    def freedoms(self, *, of_modal: int) -> NDArray[np.int64]:
+        """Node and component (6 n + m, 2) of every row: nodes 1 to n have six, each further one its own.
+
+        of_modal : component of the modal coordinates
+        """
+        n = len(self.interfaces)
+        own = np.column_stack([np.repeat(np.arange(1, n + 1), 6), np.tile(np.arange(1, 7), n)])
+        modal = n + 1 + np.arange(self.n_modal)
+        return np.concatenate([own, np.column_stack([modal, np.full_like(modal, of_modal)])])
+
     @property
     def is_damped(self) -> bool:
         """Whether any damping is there to write."""

@@ -19,12 +19,12 @@ from scipy import linalg
 
 from supple.export.superelements.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
+from supple.export.superelements.stated_frequencies import N_RIGID
 
 __all__ = ["write_calculix_superelement"]
 
 Array = NDArray[np.float64]
 
-_RIGID = 6
 _TERMS_PER_LINE = 4
 
 
@@ -39,7 +39,7 @@ def write_calculix_superelement(path: Path | str, form: InterfaceForm) -> Path:
     """
     omega, motion = _free_vibrations(form)
     dependent, free, by_interfaces, by_free = _dependence(form, motion)
-    n_found = max(1, (len(omega) - _RIGID) // 4)
+    n_found = max(1, (len(omega) - N_RIGID) // 4)
     lines = [
         *(f"** {line}" for line in form.comment()),
         "** interfaces: the first node of a set has translations, the second has rotations, as 1, 2, 3:",
@@ -63,7 +63,7 @@ def _free_vibrations(form: InterfaceForm) -> tuple[Array, Array]:
     scale = 1.0 / np.sqrt(np.diag(form.mass))
     K, M = (matrix * np.outer(scale, scale) for matrix in (form.stiffness, form.mass))
     squares, modes = linalg.eigh(K, M)
-    squares[:_RIGID] = 0.0
+    squares[:N_RIGID] = 0.0
     return np.sqrt(squares), (scale[:, None] * modes)[: form.n_boundary]
 
 
@@ -99,7 +99,7 @@ def _masses_and_springs(form: InterfaceForm, omega: Array) -> list[str]:
     lines = ["*ELEMENT, TYPE=MASS, ELSET=SUPPLE_MASSES"]
     lines += [f"{number - first + 1}, {number}" for number in range(first, last + 1)]
     lines += ["*MASS, ELSET=SUPPLE_MASSES", "1.0"]
-    for number in range(_RIGID, k):
+    for number in range(N_RIGID, k):
         element, node, component = last - first + 1 + number, *_place(first, number)
         lines += [
             f"*ELEMENT, TYPE=SPRING1, ELSET=SUPPLE_MODE_{number + 1}",

@@ -8,9 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from supple.export.dmig_punch import dmig_cards
 from supple.export.superelements.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
@@ -35,7 +32,7 @@ def write_dmig_superelement(path: Path | str, form: InterfaceForm) -> Path:
     if form.is_damped:
         matrices["BAAX"] = form.damping
     run = [line.format(damped=" / B2GG = BAAX" if form.is_damped else "") for line in _TO_RUN]
-    cards = [*_bulk_data(form, run), *dmig_cards(_freedoms(form), matrices)]
+    cards = [*_bulk_data(form, run), *dmig_cards(form.freedoms(of_modal=0), matrices)]
     return write_ascii(path, cards)
 
 
@@ -53,14 +50,6 @@ def write_output4_superelement(path: Path | str, form: InterfaceForm) -> tuple[P
     of_rows = [f"rows of {', '.join(matrices)} in {target.name}: six of each grid, then the scalar points"]
     beside = write_ascii(target.with_suffix(".bdf"), _bulk_data(form, of_rows))
     return write_output4(target, matrices), beside
-
-
-def _freedoms(form: InterfaceForm) -> NDArray[np.int64]:
-    """Grid and component of every row; component 0 of scalar points."""
-    n = len(form.interfaces)
-    grids = np.column_stack([np.repeat(np.arange(1, n + 1), 6), np.tile(np.arange(1, 7), n)])
-    points = n + 1 + np.arange(form.n_modal)
-    return np.concatenate([grids, np.column_stack([points, np.zeros_like(points)])])
 
 
 def _bulk_data(form: InterfaceForm, further: Sequence[str]) -> list[str]:

@@ -122,10 +122,7 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component given, const fmi2ValueReference refe
 
 EXPORT fmi2Status fmi2GetFMUstate(fmi2Component given, fmi2FMUstate *state)
 {
-    if (!*state) *state = malloc(sizeof(machine));
-    if (!*state) return fmi2Error;
-    memcpy(*state, &((instance *)given)->m, sizeof(machine));
-    return fmi2OK;
+    return kept(state, &((instance *)given)->m) ? fmi2OK : fmi2Error;
 }
 
 EXPORT fmi2Status fmi2SetFMUstate(fmi2Component given, fmi2FMUstate state)
@@ -160,10 +157,7 @@ EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component given, const fmi2Byte by
                                           fmi2FMUstate *state)
 {
     if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
-    if (!*state) *state = malloc(sizeof(machine));
-    if (!*state) return fmi2Error;
-    memcpy(*state, bytes, size);
-    return fmi2OK;
+    return kept(state, bytes) ? fmi2OK : fmi2Error;
 }
 
 EXPORT fmi2Status fmi2DoStep(fmi2Component given, fmi2Real begin, fmi2Real size, fmi2Boolean no_return)

@@ -115,10 +115,7 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance given, const fmi3ValueReference re
 
 EXPORT fmi3Status fmi3GetFMUState(fmi3Instance given, fmi3FMUState *state)
 {
-    if (!*state) *state = malloc(sizeof(machine));
-    if (!*state) return fmi3Error;
-    memcpy(*state, &((instance *)given)->m, sizeof(machine));
-    return fmi3OK;
+    return kept(state, &((instance *)given)->m) ? fmi3OK : fmi3Error;
 }
 
 EXPORT fmi3Status fmi3SetFMUState(fmi3Instance given, fmi3FMUState state)
@@ -153,10 +150,7 @@ EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance given, const fmi3Byte byt
                                           fmi3FMUState *state)
 {
     if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
-    if (!*state) *state = malloc(sizeof(machine));
-    if (!*state) return fmi3Error;
-    memcpy(*state, bytes, size);
-    return fmi3OK;
+    return kept(state, bytes) ? fmi3OK : fmi3Error;
 }
 
 EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 size, fmi3Boolean no_return,

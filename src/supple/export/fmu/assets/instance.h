@@ -49,6 +49,14 @@ static int moved(machine *m, double begin, double size)
     return size > 0.0 ? machine_advance(m, begin + size) : 0;
 }
 
+/* A machine is copied into the place of a state, which is made where there is none; false: no memory is left. */
+static bool kept(void **state, const void *from)
+{
+    if (!*state) *state = malloc(sizeof(machine));
+    if (*state) memcpy(*state, from, sizeof(machine));
+    return *state != NULL;
+}
+
 static const char *const NO_CONVERGENCE = "Newton's iteration failed with the smallest step: loads far beyond what "
                                           "the machine carries, or a prescribed motion that jumps";
 static const char *const OTHER_TIME = "a step must begin at the time that the machine has reached, and go forward";
