@@ -101,6 +101,7 @@ def marched(engine, h, n):
     return float(jnp.abs(go(state).v).max()) / 1e-6
 
 
+@pytest.mark.slow
 def test_the_step_accounts_for_it():
     """Of a cube without lateral strain: xi = 3 b_1 of its breathing, dt = L / c (sqrt(1 + xi^2) - xi)."""
     for b1 in (0.0, 0.06, 0.2):

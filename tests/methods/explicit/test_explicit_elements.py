@@ -34,7 +34,8 @@ def forces(subdomain, x, dx=None):
     moves[numbers] = x - subdomain.nodes if dx is None else dx
     start = own.start
     at = Instant(jnp.asarray(back.T), jnp.asarray(moves.T), jnp.ones(()), start.turning.triads)
-    out = nodal_forces(own.model, own.methods, start.time, at, start.blocks, ())
+    compiled = jax.jit(lambda at: nodal_forces(own.model, own.methods, start.time, at, start.blocks, ()))
+    out = compiled(at)
     return np.asarray(out.forces[:2])[:, :, numbers], out
 
 
@@ -120,7 +121,7 @@ def test_hourglass_control_resists_what_one_point_does_not_see():
     pattern = np.sign(part.nodes[:, 1] * part.nodes[:, 2]) * np.sign(part.nodes[:, 0] - 2)
     u = 0.01 * pattern[:, None] * [1.0, 0.0, 0.0]
     (internal, hourglass), _ = forces(part, part.nodes + u)
-    assert np.abs(internal).max() < 1e-14
+    assert np.abs(internal).max() < 1e-11 * np.abs(hourglass).max()
     assert (hourglass.T * u).sum() < 0
 
 

@@ -129,14 +129,13 @@ def test_two_modal_parts_swing_as_two_reduced_ones():
     assert np.abs(found[-1].bodies["one"].coordinates).max() > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "joint",
     [
-        pytest.param(Ball(name="knee", first="one.b", second="rod.a"), marks=pytest.mark.slow),
-        pytest.param(Fixed(name="knee", first="one.b", second="rod.a"), marks=pytest.mark.slow),
-        pytest.param(
-            Cylindrical(name="knee", first="one.b", second="rod.a", axis=ACROSS), marks=pytest.mark.slow
-        ),
+        Ball(name="knee", first="one.b", second="rod.a"),
+        Fixed(name="knee", first="one.b", second="rod.a"),
+        Cylindrical(name="knee", first="one.b", second="rod.a", axis=ACROSS),
         PrescribedRotation(name="knee", first="one.b", second="rod.a", axis=ACROSS, angle=lambda t: t**2),
     ],
     ids=lambda joint: type(joint).__name__,
@@ -199,6 +198,7 @@ def test_a_spin_that_would_stiffen_a_modal_part_is_refused_at_rest():
         linearize(System([part], [hub]), spin=Spin(5.0, (0, 0, 1)))
 
 
+@pytest.mark.slow
 def test_a_mass_on_a_spring_and_damper_swings_as_the_closed_form():
     """From a stretched start: z = z_0 e^-at (cos wt + a/w sin wt); a damper follows half a step late."""
     mass, k, c, z0 = 2.0, 800.0, 4.0, 0.1
@@ -305,9 +305,8 @@ def held_up(sampled):
     return System([rod()], joints=[pin], gravity=G, controllers=[control])
 
 
-@pytest.mark.parametrize(
-    "sampled", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["traced", "sampled"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("sampled", [False, True], ids=["traced", "sampled"])
 def test_controllers_drive_frames_as_they_drive_floating_bodies(sampled):
     system, run = held_up(sampled), Run(0.4, 0.02)
     expected = simulate(system, Run(0.4, 0.02, FixedStep(1e-3))).bodies["rod"].rotation

@@ -75,6 +75,7 @@ def test_uniaxial_plastic_strain_follows_its_closed_form():
     assert dissipated == pytest.approx(plastic * (1.0 + 15.0 * plastic), rel=0.07)  # per undeformed volume
 
 
+@pytest.mark.slow
 def test_the_strain_increment_is_of_second_order():
     law = J2Plasticity(METAL, LinearHardening(1.0, 30.0))
     exact = (2 * MU * np.log(1.3) - 1.0) / (3 * MU + 30.0)

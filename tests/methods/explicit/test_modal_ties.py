@@ -217,6 +217,7 @@ def test_with_all_modes_and_every_node_the_cut_bar_is_the_bar_itself():
     assert np.abs(sides[0][order[0]] - sides[1][order[1]]).max() < 1e-13 * 8
 
 
+@pytest.mark.slow
 def test_the_step_limit_of_tied_parts_is_that_of_their_common_pencil():
     system = pair(half(*LEFT), half(*RIGHT), spin=(0, 0, 0), velocity=(0, 0, 0))
     built = ExplicitEngine(system, Run(1.0, 1.0)).built

@@ -68,6 +68,7 @@ def _vibrated(box, model, step, n):
     return float(jnp.abs(flown(SCHEME, model, state, step, n).y).max())
 
 
+@pytest.mark.slow
 def test_the_step_limit_of_free_modes_is_that_of_the_modes():
     box = modal_box()
     assert box.step_limit == pytest.approx(2 / box.frequencies[-1], rel=1e-9)

@@ -34,6 +34,7 @@ def test_predicted_links_brake_a_rigid_rotation_as_derived():
     assert links < 1e-8
 
 
+@pytest.mark.slow
 def test_exact_links_do_not_brake_a_rigid_rotation():
     lost, links = _momentum_lost(rigid_box(), PublishedScheme(links=ExactLinks()))
     assert lost < 1e-11

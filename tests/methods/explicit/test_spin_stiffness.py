@@ -125,6 +125,7 @@ def test_the_frequency_of_flapping_is_that_of_the_floating_frame(body, rotor, fl
     assert bending[1] > 1.05 * rotor.frequencies[0]  # what modes at rest would miss
 
 
+@pytest.mark.slow
 def test_momentum_is_kept_and_the_balance_is_closed(flapping):
     _, engine, solution = flapping
     e = solution.series[ENERGIES]

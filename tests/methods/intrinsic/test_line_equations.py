@@ -9,14 +9,23 @@ from fixtures.beam_lines import beam_line, straight
 
 from supple.body import LinearRayleighDamping, ModalDamping, RayleighDamping
 from supple.errors import ModelError
-from supple.methods.intrinsic import BALL, CLAMPED, FREE, condensed_line, intrinsic_modes, line_equations
+from supple.methods.intrinsic import (
+    BALL,
+    CLAMPED,
+    FREE,
+    condensed_line,
+    intrinsic_modes,
+    line_equations,
+    strain_integration,
+)
 from supple.methods.intrinsic.line_model import line_model
-from supple.methods.intrinsic.strain_integration import rotation_of, station_places
+from supple.methods.intrinsic.strain_integration import rotation_of
 from supple_benchmarks.intrinsic import dense_couplings as dense
 
 SECTION = {"EA": 1e5, "EI": (10.0, 4.0), "GJ": 8.0, "mass_per_length": 1.3, "radius": 0.02}
 # Compiled as a whole: one by one, their operations are hundreds of programs.
 line_rates = jax.jit(line_equations.line_rates)
+station_places = jax.jit(strain_integration.station_places)
 dense_rates = jax.jit(lambda model, q1, q2: dense.dense_rates(model, dense.dense_couplings(model), q1, q2))
 PARENTS = [-1, 0, 1, 2, 3, 2, 5, 6]
 M = 20
@@ -45,8 +54,14 @@ def amplitudes(modes, seed=1):
     return rng.standard_normal(modes.n_modes), rng.standard_normal(modes.n_elastic)
 
 
-@pytest.mark.parametrize("make", LINES)
-@pytest.mark.parametrize("support", [CLAMPED, BALL, FREE])
+@pytest.mark.parametrize(
+    ("make", "support"),
+    [
+        pytest.param(make, support, marks=() if i == k else pytest.mark.slow)
+        for i, make in enumerate(LINES)
+        for k, support in enumerate([CLAMPED, BALL, FREE])
+    ],
+)
 def test_factors_and_tensors_give_the_same_rates_for_any_truncation(make, support):
     modes = intrinsic_modes(make(), support, M)
     model, (q1, q2) = line_model(modes), amplitudes(modes)
