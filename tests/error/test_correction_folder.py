@@ -50,6 +50,7 @@ def kept(system, tmp_path_factory):
     return result.bodies["beam"], folder
 
 
+@pytest.mark.slow
 def test_every_round_is_on_disk(kept):
     result, folder = kept
     archive = CorrectionFolder.resume(folder, case=CASE)
@@ -78,6 +79,7 @@ def repeated(system, folder):
     return self_correct(system, RUN, {"beam": START}, archive=archive).bodies["beam"]
 
 
+@pytest.mark.slow
 def test_a_finished_correction_is_read_and_not_run(system, kept, simulated, monkeypatch):
     """The same rounds, without one step, residual or eigenvalue."""
     result, folder = kept
@@ -137,11 +139,13 @@ def test_starting_anew_removes_the_old_rounds_and_nothing_else(tmp_path):
     assert archive.read_bases(0, {}) is None
 
 
+@pytest.mark.slow
 def test_rounds_of_another_case_are_not_continued(kept):
     with pytest.raises(ResultFileError, match="its rounds are of another case; write to another folder"):
         CorrectionFolder.resume(kept[1], case="another strip")
 
 
+@pytest.mark.slow
 def test_bases_of_another_mesh_are_not_continued(kept):
     wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
     other = flexible_body("beam", shell_model(strip(1.0, 0.1, 2, 2), wall), (RigidInterface("root", "root"),))

@@ -121,7 +121,10 @@ def test_of_a_rigid_pendulum():
 
 
 @pytest.mark.filterwarnings("ignore::supple.errors.ResolutionWarning")  # it is what this is about
-@pytest.mark.parametrize(("jump", "highest"), [(0.1, 1.1), (0.105, 2.1)], ids=["at a step", "between"])
+@pytest.mark.parametrize(
+    ("jump", "highest"),
+    [pytest.param(0.1, 1.1, id="at a step"), pytest.param(0.105, 2.1, id="between", marks=pytest.mark.slow)],
+)
 def test_of_a_force_that_jumps(jump, highest):
     """A slider of 2 kg is pushed by 3 N from an instant on: x = F (t - t0)^2 / 2 m, against the exact motion.
 
@@ -161,6 +164,7 @@ def test_newtons_tolerance_costs_what_is_said_or_less_than_the_floor(small, name
     assert 0.7 < told.value / max(true, floor) < 1.4
 
 
+@pytest.mark.slow
 def test_without_runs_the_floor_is_all_that_is_stated(small):
     system = pushed(small)
     run = Run(0.1, 0.02, step=FixedStep(0.02))
@@ -170,6 +174,7 @@ def test_without_runs_the_floor_is_all_that_is_stated(small):
     assert told.newton.value == pytest.approx(10 * 1e-6 * WholeBody("beam").size(system, solution))
 
 
+@pytest.mark.slow
 def test_a_run_that_breaks_off_has_no_known_error(small):
     system = pushed(small)
     run = Run(0.1, 0.02, step=FixedStep(0.02))

@@ -69,7 +69,7 @@ def test_a_linear_body_is_held_to_a_tenth_of_a_radian(linear):
     ("clamped", "gravity"),
     [
         pytest.param(("root",), 100.0, id="bent by several thicknesses"),
-        pytest.param(("root", "tip"), 2000.0, id="stiffened by its membrane"),
+        pytest.param(("root", "tip"), 2000.0, id="stiffened by its membrane", marks=pytest.mark.slow),
     ],
 )
 def test_a_linear_plate_states_what_its_quadratic_strains_would_change(clamped, gravity):

@@ -96,7 +96,8 @@ def in_mean_axes(beam):
         return *corrected(beam, FRAMES["mean-axis"]), built
 
 
-@pytest.mark.parametrize("name", ["mean-axis", pytest.param("nodal-fixed", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mean-axis", "nodal-fixed"])
 def test_estimates_are_the_true_errors(beam, in_mean_axes, name):
     """Of every round, within the factor 0.7 .. 1.4; the last round meets what was asked, no earlier one.
 
@@ -176,6 +177,7 @@ def breaking_off(monkeypatch):
     return at
 
 
+@pytest.mark.slow
 def test_a_run_that_breaks_off_is_corrected_by_what_it_did(beam, breaking_off):
     breaking_off(1.0)
     with pytest.raises(SelfCorrectionError, match="inf with 8 coordinates, inf with 11") as caught:

@@ -113,6 +113,7 @@ def plain(beam, request):
     return full, system, run, state_errors(system, run, solution, STUDY, fulls=[full])
 
 
+@pytest.mark.slow
 def test_every_part_of_a_plain_run_is_the_truth(plain):
     """Basis against the full run with the same steps, step against a sixteenth of it, in four quantities."""
     full, system, run, solution = plain

@@ -80,6 +80,7 @@ def test_damage_and_lifetime_are_those_of_the_kept_motions(strip, tmp_path):
     assert f"{found:.4g}" in page
 
 
+@pytest.mark.slow
 def test_a_peak_beyond_the_ultimate_stress_is_a_failure_of_its_case_alone(strip, tmp_path):
     own = swept_case(swept(strip, tmp_path / "first"), 1)
     case = read_case(strip)

@@ -39,7 +39,7 @@ def test_damping_speed_and_loads_share_a_body_and_thickness_does_not(strip_case)
     assert [plan.representative(group) for group in range(3)] == [6, 15, 24]
 
 
-@pytest.mark.parametrize("held", ['held = "root"', "modes = [1, 3]"])
+@pytest.mark.parametrize("held", [pytest.param('held = "root"', marks=pytest.mark.slow), "modes = [1, 3]"])
 def test_a_case_is_that_of_a_file_with_its_damping(strip_case, tmp_path, held, monkeypatch):
     """The second ratio is scaled from the reduction with the first; alone its body is reduced with it."""
     from concurrent.futures import ThreadPoolExecutor

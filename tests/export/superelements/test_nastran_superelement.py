@@ -18,6 +18,7 @@ def clamped_frequencies(files):
     return seen.frequencies[:6] / (2 * np.pi)
 
 
+@pytest.mark.slow
 def test_matrices_of_output4_are_read_back_bit_by_bit_by_pyyeti(form, tmp_path):
     op4 = pytest.importorskip("pyyeti.nastran.op4")
     matrices, _ = write_output4_superelement(tmp_path / "body.op4", form)
