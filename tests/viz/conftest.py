@@ -4,6 +4,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from supple.viz import contour, mesh_plot, shaded_surface, style
+
+
+@pytest.fixture(autouse=True)
+def _coarse_pictures(monkeypatch):
+    """A sixteenth of the pixels: what is looked for here is as large in them."""
+    monkeypatch.setattr(shaded_surface, "_SUPERSAMPLING", 1)
+    monkeypatch.setitem(style._RC, "savefig.dpi", 100)
+    for module in (contour, mesh_plot):
+        monkeypatch.setattr(module, "N_COLUMNS", 630)
+
 
 @pytest.fixture
 def ink():

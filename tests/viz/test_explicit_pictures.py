@@ -108,6 +108,7 @@ def test_stress_of_round_off_has_no_colour():
 def test_energies_of_round_off_are_no_curves(tmp_path, monkeypatch):
     panels = []
     monkeypatch.setattr(run_curves, "plot_time_history", lambda path, own, **_: panels.append(own) or path)
+    monkeypatch.setattr(run_pictures, "draw_mesh", lambda path, *_, **__: path)
     times = np.linspace(0.0, 1.0, 5)
     energies = np.zeros((5, 8))
     energies[:, 0], energies[:, 6] = 1.0, 1e-14 * times

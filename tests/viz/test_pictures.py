@@ -184,6 +184,7 @@ def test_faces_turned_to_the_light_are_brighter():
     assert top > left > right
 
 
+@pytest.mark.slow
 def test_a_large_mesh_takes_about_a_second(tmp_path):
     mesh = cylinder_shell(2.0, 60.0, 120, 36)
     assert len(skin_of(mesh).triangles) > 8394
