@@ -20,7 +20,10 @@ def names_of_forms(kind=FormDefaults):
 
 def asked_for(path, forms):
     """Lines of a file with `isinstance(.., FORM)`."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    text = path.read_text(encoding="utf-8")
+    if not any(form in text for form in forms):
+        return
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "isinstance":
             named = {name.id for name in ast.walk(node.args[1]) if isinstance(name, ast.Name)}
             if named & forms:

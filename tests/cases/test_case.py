@@ -57,6 +57,7 @@ def counted(monkeypatch, module, name):
     return calls
 
 
+@pytest.mark.slow
 def test_a_script_simulates_a_case(case_folder):
     path = case_folder / "strip.toml"
     path.write_text(path.read_text().replace("duration = 0.4", "duration = 0.01"))

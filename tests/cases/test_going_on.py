@@ -47,6 +47,7 @@ def test_the_run_goes_on_at_its_time_as_if_there_were_no_break(before):
     assert any(line.startswith("goes on from before/bar.h5 at t = ") for line in told)
 
 
+@pytest.mark.slow
 def test_on_another_basis_and_in_other_units_the_loss_is_stated(before):
     told = []
     more = ("modes = 6", "modes = 8")

@@ -81,7 +81,12 @@ def test_the_machine_of_a_case_is_that_of_python(read, tmp_path):
     assert [each.name for each in system.joints] == ["hip", "knee", "rail"]
     assert len(system.loads) == len(machine.loads) == 4
     np.testing.assert_array_equal(system.gravity, machine.gravity)
-    found, wanted = (simulate(each, case.run).bodies for each in (system, machine))
+
+
+@pytest.mark.slow
+def test_the_machine_of_a_case_moves_as_that_of_python(read, tmp_path):
+    case, machine = read(), read_mujoco(tmp_path / "arm.xml")
+    found, wanted = (simulate(each, case.run).bodies for each in (case.system, machine))
     for name in ("upper", "lower", "slider"):
         np.testing.assert_allclose(found[name].position, wanted[name].position, atol=1e-10)
 

@@ -145,6 +145,7 @@ def test_info_of_another_kind_of_file(tmp_path):
     assert "unknown kind of file; give one that ends in .toml" in call("info", tmp_path / "a.txt", code=2)
 
 
+@pytest.mark.slow
 def test_a_run_that_was_cut_off_is_continued_to_the_same_end(finished, tmp_path):
     folder, _ = finished
     case, whole, cut = folder / "strip.toml", folder / "out", tmp_path / "cut"

@@ -72,6 +72,7 @@ def test_reduce_writes_each_body_and_says_what_it_is(case):
         assert part in output
 
 
+@pytest.mark.slow
 def test_a_case_with_the_file_runs_as_the_case_itself(reduced_strip, case, reduced_case):
     shutil.copy(reduced_strip, case.parent)
     small = reduced_case()

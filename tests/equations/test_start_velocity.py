@@ -138,7 +138,10 @@ def test_a_hub_carries_its_strip(forms, form):
     assert [each.body for each in start.change.taken] == ["hub", "strip"]
 
 
-@pytest.mark.parametrize("form", SOME_FIRST)
+@pytest.mark.parametrize(
+    "form",
+    [pytest.param(form, marks=() if form == "mean-axis" else pytest.mark.slow) for form in FORMS],
+)
 def test_a_flexible_rod_of_a_slider_crank(forms, form):
     """Crank upright, of radius r: the slider moves at -r w, and the rod does not turn at that instant."""
     r = 0.2

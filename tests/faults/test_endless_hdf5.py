@@ -93,7 +93,7 @@ def test_a_process_that_ends_at_once_is_told_of(tmp_path, monkeypatch):
         pass
 
 
-@pytest.mark.parametrize("libver", ["earliest", "latest"])
+@pytest.mark.parametrize("libver", ["earliest", pytest.param("latest", marks=pytest.mark.slow)])
 def test_a_body_without_a_seal_is_read_bit_by_bit(tmp_path, linear, libver):
     """As another program leaves it that writes the file anew, or as it was before there were seals."""
     path = write_reduced_body(tmp_path / "body.h5", linear)

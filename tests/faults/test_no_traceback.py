@@ -145,7 +145,7 @@ DEEP = 10_000
     [
         f"a = {'[' * DEEP}{']' * DEEP}",
         f"a = {'{a=' * DEEP}1{'}' * DEEP}",
-        f"{'a.' * DEEP}a = 1",
+        pytest.param(f"{'a.' * DEEP}a = 1", marks=pytest.mark.slow),
         f"[{'a.' * DEEP}a]",
     ],
 )

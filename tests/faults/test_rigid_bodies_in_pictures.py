@@ -51,6 +51,7 @@ def test_glyphs_stand_where_bodies_and_joints_are(pendulum):
     np.testing.assert_allclose(places["centre of mass"], centre, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_machine_without_a_mesh_is_drawn_and_animated(tmp_path, pendulum):
     system, solution = pendulum
     pictures = {path.name for path in draw_run(tmp_path, system, solution, {})}

@@ -234,6 +234,7 @@ def run_until_it_simulates(path):
     warn_of_frequencies(case.units, reduced_bodies(case.system, case.flexible))
 
 
+@pytest.mark.slow
 def test_units_of_a_result_file_are_those_of_its_info(machine):
     from supple.results.descriptions import describe_result
 

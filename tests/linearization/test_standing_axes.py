@@ -350,6 +350,7 @@ class TestGroundResonance:
             assert apart.min() < 1e-7 * rate
         return modes
 
+    @pytest.mark.slow
     def test_three_blades_have_constant_equations_in_multi_blade_coordinates(self):
         rate, masses = 12.0, [self.blade] * 3
         linear = linearize(self.machine(3), spin=self.spin(3, rate))

@@ -61,6 +61,7 @@ def assert_right(finished, n):
         np.testing.assert_array_equal(each.result, jax.jit(rotation_exp)(vector(each.number)))
 
 
+@pytest.mark.slow
 def test_another_process_takes_its_share(program, started):
     began = []
     assert_right(list(on_all_cores(program, tasks_of(30, began, started))), 30)

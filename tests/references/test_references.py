@@ -45,6 +45,7 @@ def test_an_end_moment_rolls_the_beam_up(axis):
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.15)
 
 
+@pytest.mark.slow
 def test_an_end_torque_twists_the_beam():
     _, R = bent(cantilever(), at_the_tip(cantilever(), 0, 0, 0, 80.0 * 1.5 / LENGTH, 0, 0))
     c, s = np.cos(1.5), np.sin(1.5)
@@ -139,6 +140,7 @@ def test_a_small_push_sounds_the_lowest_frequency():
     assert np.arccos(cosine) == pytest.approx(own, rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_rod_in_a_plane_is_the_elastica():
     stiff = Rod(2.0, (1e9, 1e9, 1e9, 5.0, 3.0, 7.0))
     for axis, bending in ((2, 3.0), (1, 7.0)):

@@ -76,6 +76,7 @@ def test_the_covariance_is_that_of_many_fits():
     np.testing.assert_allclose(alone.uncertainty.covariance, covariance * alone.misfit / noise**2, rtol=0.05)
 
 
+@pytest.mark.slow
 def test_springs_side_by_side_are_not_determined():
     """Only the sum of their stiffnesses moves anything: the fit reports the difference as undetermined."""
     times, values = measured()

@@ -135,6 +135,7 @@ def last_periods(column):
     return np.sqrt(2 * np.mean(column[-300:] ** 2))
 
 
+@pytest.mark.slow
 def test_the_amplitude_of_a_driven_oscillator_follows_its_stiffness():
     """`A = F / |k - m w^2 + i c w|`, `dA/dk = - A (k - m w^2) / |..|^2`, once it has swung in."""
     position = PositionSensor("x", Place("block", "centre"))
@@ -167,6 +168,7 @@ def test_the_amplitude_of_a_driven_oscillator_follows_its_stiffness():
     )
 
 
+@pytest.mark.slow
 def test_consistent_starts_and_prescribed_motions_are_differentiated_too():
     """An arm hinged to a driven rod starts with the velocities and forces that the drive asks for."""
 
@@ -190,6 +192,7 @@ def test_consistent_starts_and_prescribed_motions_are_differentiated_too():
     assert_as_differences(build, parameters, run, [PIN, JointForceSensor("force", "drive")])
 
 
+@pytest.mark.slow
 def test_a_run_from_equilibrium_begins_at_the_equilibrium_of_each_value():
     def build(parameters):
         spring = TorsionSpringDamper(
@@ -203,6 +206,7 @@ def test_a_run_from_equilibrium_begins_at_the_equilibrium_of_each_value():
     assert abs(found.derivatives["pin"]["stiffness"][0, 0]) > 1e-3
 
 
+@pytest.mark.slow
 def test_adaptive_steps_meet_the_moved_instants_of_laws():
     def build(parameters):
         up = np.array([0, 0, parameters["force"]])
@@ -271,6 +275,7 @@ def test_a_deforming_bar_and_its_statistics_are_differentiated():
         assert_as_differences(build, {"stiffness": 500.0, "frequency": 1.3}, run, [each])
 
 
+@pytest.mark.slow
 def test_chains_are_eliminated_along_their_tree():
     """Six rods on ball joints, as long as none of them has swung far: later their motion is chaotic."""
 

@@ -126,7 +126,8 @@ def swinging(body, rate):
     return System((Placed(body, angular_velocity=[0, rate, 0]),), (hinge,))
 
 
-@pytest.mark.parametrize("processes", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("processes", [0, 1])
 def test_full_bodies_go_one_after_another(blade, monkeypatch, processes):
     """Each in the bits of its own run, also where another process shares the work."""
     monkeypatch.setattr(worker_processes, "_number_worth", lambda *_: processes)

@@ -162,6 +162,7 @@ def test_a_full_body_other_than_the_one_reduced_is_refused(bar):
         equilibrium(turned(reduced), spin=SPIN, fulls=[FullBody(other, ROOT)])
 
 
+@pytest.mark.slow
 def test_a_machine_that_turns_faster_than_it_vibrates_is_found_in_mean_axes(bar):
     """Its frame moves as it stretches, and the centrifugal force of the whole body with it."""
     fast = Spin(60.0, (0, 0, 1))  # its first frequency is 10 rad/s
@@ -229,6 +230,7 @@ def test_a_reduced_body_knows_the_one_it_was_made_of(bar):
     assert pickle.loads(pickle.dumps(reduced)).full is None
 
 
+@pytest.mark.slow
 def test_modal_damping_of_all_modes_is_counted_in_full(bar):
     """As many modes as the reduced body has are damped: the whole of its basis."""
     reduced = reduce(bar, ROOT, CraigBampton(3), derivatives=NoDerivatives(), damping=ModalDamping(0.02))
@@ -238,6 +240,7 @@ def test_modal_damping_of_all_modes_is_counted_in_full(bar):
     assert modes.error.eigenvalues == pytest.approx(modes.eigenvalues, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_condensed_motion_is_no_error_of_a_machine_that_may_turn():
     """A strip that gravity bends by 6 % of its length: nearly the same error clamped and hinged about it."""
     wall = HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01)
@@ -252,6 +255,7 @@ def test_condensed_motion_is_no_error_of_a_machine_that_may_turn():
     assert 0.5 < turning.rms / clamped.rms < 2
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::supple.errors.LockingWarning")
 def test_a_fixed_size_that_locks_under_a_uniform_load_says_by_how_much():
     """Ten modes, ten derivatives, tip at 12 % of the length: plain tensors err by 1.4 %, condensed 0.01 %."""

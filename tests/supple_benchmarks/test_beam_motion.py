@@ -23,6 +23,7 @@ SOFT_BEAM = replace(
 )
 
 
+@cache
 def arched_flight(step, rho_inf):
     """A beam arched smoothly, turning and drifting, let go for 2 s."""
     elements = BeamElements(SOFT_BEAM, 8)

@@ -40,6 +40,7 @@ def test_errors_are_relative_and_motions_without_energy_do_not_count():
     assert (summary["decks"], summary["read"], summary["mass_error_within"]) == (2, 1, 0)
 
 
+@pytest.mark.slow
 def test_a_deck_is_read_and_weighed(tmp_path):
     (tmp_path / "bar.inp").write_text(BAR)
     (tmp_path / "expected.json").write_text(json.dumps({"bar.inp": {"mass": 78.5, "cg": [0.5, 0, 0]}}))

@@ -20,6 +20,7 @@ PROBLEM = RotatingBeam(duration=2.0)
 SPIN = SpinUp(12.0, rise_time=8.0)
 
 
+@pytest.mark.slow
 def test_the_tip_is_within_its_tolerance_of_a_far_finer_one():
     """More elements and a step that needs no extrapolation, at every instant."""
     found = exact_tip(PROBLEM, SPIN)

@@ -280,7 +280,7 @@ def test_extreme_masses_cost_newton_no_iteration(machine, elimination):
     assert np.all(errors(machine, np.asarray(solved(elimination, model, fronts, load)[2])) <= 1e-7)
 
 
-@BOTH
+@LOOPS_FIRST
 @pytest.mark.parametrize("machine", [hanging_chain, ring], indirect=True)
 def test_elimination_leaves_rounding_alone(machine, elimination):
     """Row exchanges within a body and its joint are enough, unless masses differ by many powers of ten."""

@@ -118,6 +118,7 @@ def test_a_closed_loop_of_two_full_bodies_moves_the_same():
     assert modified.statistics.factorizations < exact.statistics.factorizations / 3
 
 
+@pytest.mark.slow
 def test_factorisations_are_counted_as_they_are_made(full, monkeypatch):
     made = []
     for name in ("exact", "symmetric"):
@@ -133,6 +134,7 @@ def test_factorisations_are_counted_as_they_are_made(full, monkeypatch):
     assert len(made) == solution.statistics.factorizations + at_the_start
 
 
+@pytest.mark.slow
 def test_a_linear_body_keeps_one_factor(full):
     """It changes with the angular velocity alone."""
     linear = replace(full, body=full.body.linearized())
@@ -142,6 +144,7 @@ def test_a_linear_body_keeps_one_factor(full):
     assert modified.statistics.factorizations == 1
 
 
+@pytest.mark.slow
 def test_a_factor_is_renewed_where_the_motion_outgrows_it(full):
     """The beam swings through a quarter turn and bends; one factor does not serve all of it."""
     modified = simulate(pendulum(full, spin=(0.5, -10.0, 2.0)), options(h=1e-2, duration=0.2))
@@ -195,6 +198,7 @@ def test_the_residual_reached_is_the_one_stated(full):
     assert machine.evaluate(state.state, by_position).relative_residual.max() <= 1e-8
 
 
+@pytest.mark.slow
 def test_newtons_own_iteration_takes_over_where_the_symmetric_part_is_singular(full, monkeypatch):
     def singular(self, point):
         raise AccuracyError("singular")
