@@ -17,6 +17,7 @@ pytest_plugins = (
     "fixtures.strip_case",
     "fixtures.swept_pendulum",
     "fixtures.programs_in_a_folder",
+    "fixtures.hdf5_copied_here",
 )
 
 # The systems here are small and run for moments: compile them quickly rather than well.

@@ -35,6 +35,7 @@ from supple.machine import GROUND, At, Fixed, Spin, System
 from supple.methods.floating.full.full_damping import full_damping
 from supple.reduction import CompleteBasis, CraigBampton, NoDerivatives, NoLoads, reduce
 
+pytestmark = pytest.mark.usefixtures("hdf5_copied_here")
 MODES = 6
 ENDS = [RigidInterface("root", [0]), RigidInterface("tip", [1])]
 
@@ -111,7 +112,7 @@ def files_of(form, folder, beam, labels):
     return {"nodes": bdf, "stiffness": folder / "arm.op4", "mass": folder / "arm.op4"}
 
 
-@pytest.mark.parametrize("form", ["dmig", "hdf5", "op4"])
+@pytest.mark.parametrize("form", ["dmig", "hdf5", pytest.param("op4", marks=pytest.mark.slow)])
 def test_every_form_gives_the_reduced_body(form, tmp_path, beam, labels, ours):
     """Frequencies, motions of the interfaces and inertia are those of the reduction made here."""
     body = read_labelled_superelement("arm", MatrixFiles(**files_of(form, tmp_path, beam, labels)))
@@ -305,7 +306,7 @@ def test_a_component_of_a_scalar_point(tmp_path, beam, labels):
         read_labelled_superelement("arm", MatrixFiles(**files))
 
 
-@pytest.mark.parametrize("form", ["hdf5", "op4", "python"])
+@pytest.mark.parametrize("form", ["hdf5", pytest.param("op4", marks=pytest.mark.slow), "python"])
 def test_recovered_points_are_nodes(form, tmp_path, beam, labels, ours):
     """Displacements in the first modes are those of the whole beam's reduction."""
     points, T, ids = inside(beam)

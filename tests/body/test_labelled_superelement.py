@@ -120,6 +120,7 @@ def write_all(folder, model):
     (folder / "arm.dof").write_text("\n".join(f"{node}.{component}" for node, component in labels_of(model)))
 
 
+pytestmark = pytest.mark.usefixtures("hdf5_copied_here")
 FORMATS = {
     "dmig": ("arm.bdf", "arm.pch", "arm.pch"),
     "hdf5": ("arm.h5", "arm.h5", "arm.h5"),

@@ -57,6 +57,7 @@ def test_pictures_of_the_process_are_those_drawn_here(drawing, worth, tmp_path):
         assert filecmp.cmp(tmp_path / name, here / name, shallow=False), name
 
 
+@pytest.mark.slow
 def test_what_a_killed_process_has_left_is_drawn_here(drawing, worth, tmp_path):
     with DrawingBeside() as beside:
         beside.begin(lambda: drawing)

@@ -150,6 +150,7 @@ def test_gives_up_after_the_rounds_allowed_and_keeps_them(beam):
     assert caught.value.rounds[1].estimated_error < 1e-2 * caught.value.rounds[0].estimated_error
 
 
+@pytest.mark.slow
 def test_gives_up_rather_than_need_more_coordinates(beam):
     with pytest.raises(SelfCorrectionError, match="would have 11 coordinates, more than 10 allowed"):
         corrected(beam, FRAMES["nodal-fixed"], absolute=None, relative=1e-9, largest_size=10)

@@ -65,6 +65,7 @@ def seal_again(path):
         for again in (False, True)
     ],
 )
+@pytest.mark.usefixtures("hdf5_copied_here")
 def test_numbers_that_no_body_has_are_refused_with_and_without_a_seal(tmp_path, written, name, value, again):
     path = written(tmp_path / "body.h5")
     with h5py.File(path, "r") as file:

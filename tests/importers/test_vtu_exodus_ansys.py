@@ -203,7 +203,7 @@ def write_exodus(path, variables, form):
                 made.elem_type = kind
 
 
-@pytest.mark.parametrize("form", ["classic", "hdf5"])
+@pytest.mark.parametrize("form", ["classic", pytest.param("hdf5", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("kind", "points", "cell", "size"), [*meshes()])
 def test_exodus_cells_of_every_type(tmp_path, form, kind, points, cell, size):
     x, nodes = used(points, cell)

@@ -228,6 +228,7 @@ def test_a_shaft_of_solid_elements_in_both_axes(monkeypatch):
     assert np.count_nonzero(shown.sense) == 6
 
 
+@pytest.mark.slow
 def test_floquet_finds_what_axes_that_stand_do(monkeypatch):
     """The deformation left in turning axes makes the equations periodic; their modes are the same."""
     machine, spin = turned_shaft((3e6, 6e6)), Spin(300.0, X)

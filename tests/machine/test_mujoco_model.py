@@ -95,6 +95,7 @@ def test_motion_is_that_of_mujoco(mujoco, text, names):
     assert {type(joint) for joint in system.joints} <= {Revolute, Prismatic}
 
 
+@pytest.mark.slow
 def test_a_double_pendulum_is_that_built_by_hand():
     """Welded bodies are one: mass, centre and inertia by Steiner; joints and springs as in the file."""
     system = read_mujoco(PENDULUM)

@@ -24,6 +24,7 @@ def test_the_first_swing_of_closed_forms():
     assert first_swing(0 * t) is None
 
 
+@pytest.mark.slow
 def test_a_strip_that_begins_to_hang_swings_and_one_at_rest_does_not(clamped_blade):
     clamp = Fixed(name="clamp", first=GROUND, second=At("blade", "root"))
     system = System([clamped_blade], [clamp], gravity=(0, 0, -0.01))

@@ -144,6 +144,7 @@ def test_full_bodies_go_one_after_another(blade, monkeypatch, processes):
     assert own.bodies["blade"].angular_velocity[0, 1] == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 def test_another_process_answers_with_the_same_bits_and_what_it_warns_of(blade):
     run = Run(duration=0.01, output_step=0.005)
     case = swinging(FullBody(blade, NodalFixedFrame("root")), 3.0)

@@ -113,6 +113,7 @@ def killed_run(tmp_path):
     return path, reported
 
 
+@pytest.mark.slow
 def test_a_killed_run_keeps_every_chunk(killed_run, make):
     path, reported = killed_run
     header, kept = read_header(path), read_solution(path)

@@ -58,6 +58,7 @@ def test_free_flight_conserves_at_the_integrators_order(invariant):
     assert drifts[-1] < 1e-4
 
 
+@pytest.mark.slow
 def test_second_order_in_the_step():
     # Driven smoothly from rest: no initial jump spoils the rate with waves that the steps cannot resolve.
     def tip(step):

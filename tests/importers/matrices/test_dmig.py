@@ -41,6 +41,7 @@ def test_the_stiffness_and_the_mass_of_a_file(read):
     assert read(GOOD, name="maax").matrix.toarray() == [[1.0]]
 
 
+@pytest.mark.slow
 def test_a_file_of_another_program(tmp_path):
     """pyyeti writes symmetric and general matrices; both come back, bit for bit."""
     bulk = pytest.importorskip("pyyeti.nastran.bulk")

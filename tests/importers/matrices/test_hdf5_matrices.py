@@ -11,6 +11,7 @@ from supple.errors import ImportFormatError
 from supple.importers import MatrixRole
 from supple.importers.matrices.hdf5_matrices import read_hdf5_matrix, read_hdf5_nodes
 
+pytestmark = pytest.mark.usefixtures("hdf5_copied_here")
 K = csc_array(np.array([[4.0, -1.0, 0], [-1, 3, 0], [0, 0, 2]]))
 
 

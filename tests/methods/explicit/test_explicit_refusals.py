@@ -1,6 +1,7 @@
 """What an explicit march does not do is refused in one sentence, before anything is computed."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -236,17 +237,28 @@ def test_angular_velocity_is_along_the_axes_of_the_body():
     assert motion.velocities[0] == pytest.approx(expected, abs=1e-12)
 
 
-def test_a_run_that_starts_later_has_the_loads_of_its_time():
+@pytest.mark.parametrize(
+    "make",
+    [partial(explicit_bar, CellType.HEXA8), pytest.param(modal, marks=pytest.mark.slow)],
+    ids=["elements", "modes"],
+)
+def test_a_run_that_starts_later_has_the_loads_of_its_time(make):
     """A force that acts at t = 0 alone does nothing to a run from t = 1 on."""
+    part = make()
     gone = Scaled(np.array([0.0, 0.0, 1.0]), Table([0.0, 0.5, 3.0], [1.0, 0.0, 0.0]))
-    for part in (explicit_bar(CellType.HEXA8), modal()):
-        system = System([part], loads=[DeadForce(at=f"{part.name}.tip", force=gone)])
-        energies = simulate(system, Run(0.02, 0.01, start=1.0)).series["energies"]
-        assert np.abs(energies).max() < 1e-20
+    system = System([part], loads=[DeadForce(at=f"{part.name}.tip", force=gone)])
+    energies = simulate(system, Run(0.02, 0.01, start=1.0)).series["energies"]
+    assert np.abs(energies).max() < 1e-20
     with pytest.raises(ModelError, match=r"its table ends at t = 3, before the run does \(t = 3.01\)"):
         simulate(system, Run(0.02, 0.01, start=2.99))
 
 
+def stretching(elements):
+    """Rates (N, 3) that stretch a part about its centre."""
+    return 0.01 * (elements.nodes - elements.centre_of_mass)
+
+
+@pytest.mark.slow
 def test_parts_start_deformed_as_they_are_placed():
     """A modal part vibrates from its coordinates, q cos(omega t); finite elements have rates alone."""
     part = modal()
@@ -257,12 +269,16 @@ def test_parts_start_deformed_as_they_are_placed():
     expected = 1e-3 * np.cos(omega * found.times)
     assert found.bodies["box"].coordinates[:, 0] == pytest.approx(expected, abs=2e-6)
     elements = explicit_bar(CellType.HEXA8, bulk_viscosity=BulkViscosity(0.0, 0.0))
-    stretching = 0.01 * (elements.nodes - elements.centre_of_mass)
-    moved = simulate(System([Placed(elements, coordinate_rates=stretching.ravel())]), RUN)
-    assert moved.bodies["bar"].velocities[0] == pytest.approx(stretching, abs=1e-15)
+    rates = stretching(elements)
+    moved = simulate(System([Placed(elements, coordinate_rates=rates.ravel())]), RUN)
+    assert moved.bodies["bar"].velocities[0] == pytest.approx(rates, abs=1e-15)
     assert moved.bodies["bar"].velocities[-1].mean(axis=0) == pytest.approx(np.zeros(3), abs=1e-15)
+
+
+def test_finite_elements_start_undeformed():
+    elements = explicit_bar(CellType.HEXA8)
     with pytest.raises(ModelError, match="part 'bar' is of finite elements, which start undeformed"):
-        simulate(System([Placed(elements, coordinates=stretching.ravel())]), RUN)
+        simulate(System([Placed(elements, coordinates=stretching(elements).ravel())]), RUN)
 
 
 def test_walls_and_materials_beyond_the_explicit_elements_are_refused():

@@ -156,6 +156,7 @@ def test_a_rigid_body_on_a_modal_part_moves_as_on_a_reduced_one(joint):
     assert opened(found) < 1e-9
 
 
+@pytest.mark.slow
 def test_free_parts_on_a_ball_keep_both_momenta():
     system = System(
         [Placed(modal("one"), angular_velocity=(0.3, 0.5, 2.0)), Placed(rod(), position=(1.0, 0, 0))],

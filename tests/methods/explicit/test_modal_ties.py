@@ -112,6 +112,7 @@ def flight():
     return system, *marched(system, 40.0)
 
 
+@pytest.mark.slow
 def test_halves_that_fly_and_spin_keep_both_momenta_and_the_balance(flight):
     _, engine, solution = flight
     p = sum(modal_momenta(engine, solution, name) for name in ("left", "right"))
@@ -121,6 +122,7 @@ def test_halves_that_fly_and_spin_keep_both_momenta_and_the_balance(flight):
     assert np.abs(solution.bodies["left"].coordinates[1:]).max() > 1e-3
 
 
+@pytest.mark.slow
 def test_mean_displacement_and_mean_turn_of_the_joint_are_equal(flight):
     system, _, solution = flight
     left, right = interface(system, solution)
