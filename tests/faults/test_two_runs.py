@@ -130,6 +130,7 @@ def test_what_is_no_result_is_not_overwritten_either(tmp_path, case):
     assert (tmp_path / "bar.h5").read_text() == "the thesis"
 
 
+@pytest.mark.slow
 def test_a_finished_run_of_a_file_is_replaced_where_that_is_said(tmp_path):
     path, other = tmp_path / "run.h5", pendulum(mass=2.0)
     simulate(pendulum(), RUN, file=path)

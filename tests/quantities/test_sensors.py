@@ -159,6 +159,7 @@ def test_a_mass_on_a_spring_pulls_at_it_and_at_its_guide_as_newton_says():
     np.testing.assert_allclose(held[:, :3] @ axes.T, np.tile([-mass * 3.0, 0, 0], (len(times), 1)), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_an_accelerometer_on_a_shaken_base_shows_the_acceleration_in_space():
     """A mass on a spring on a shaken table, from rest: relative x'' = - w^2 x - a, in space - w^2 x."""
     mass, stiffness, amplitude, rate = 2.0, 800.0, 3.0, 13.0

@@ -76,6 +76,7 @@ def test_a_sweep_is_its_cases_one_by_one(pendulum, tmp_path):
         SweepColumns(folder).motion(0)
 
 
+@pytest.mark.slow
 def test_the_distance_from_single_runs_is_round_off(pendulum, tmp_path):
     """A single run is as far from itself with a gravity of a few units in the last place more.
 

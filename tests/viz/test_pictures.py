@@ -60,7 +60,7 @@ def test_time_history(tmp_path, ink):
     assert 0.01 < ink(path) < 0.5
 
 
-@pytest.mark.parametrize("suffix", ["pdf", "svg"])
+@pytest.mark.parametrize("suffix", [pytest.param("pdf", marks=pytest.mark.slow), "svg"])
 def test_the_suffix_chooses_the_format_and_the_same_data_gives_the_same_file(tmp_path, suffix):
     panels = [Panel("u (m)", [Series("ours", T, np.sin(T))])]
     one = plot_time_history(tmp_path / f"one.{suffix}", panels)

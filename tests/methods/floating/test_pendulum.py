@@ -92,6 +92,7 @@ def test_hinge_stays_closed_over_thousands_of_steps(pendulum):
     assert np.abs(motion.rotation[:, 1:, 0]).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_tighter_tolerances_never_hurt(pendulum):
     """The discretisation error is the same for all; what tolerances add to it only falls."""
     reference = run(pendulum, tolerances=Tolerances(residual=1e-13)).bodies["bob"].position

@@ -33,7 +33,10 @@ def sizes(body):
 
 @pytest.mark.parametrize(
     ("basis", "recipe"),
-    [("Craig-Bampton", CraigBampton), ("Craig-Bampton with residual modes", CraigBamptonResidual)],
+    [
+        ("Craig-Bampton", CraigBampton),
+        pytest.param("Craig-Bampton with residual modes", CraigBamptonResidual, marks=pytest.mark.slow),
+    ],
 )
 def test_size_is_the_smallest_that_meets_the_tolerance(body, sizes, basis, recipe):
     """Against the free body's exact eigenvalues, with bodies reduced from scratch."""

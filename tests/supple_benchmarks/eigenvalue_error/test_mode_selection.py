@@ -69,6 +69,7 @@ def test_eigenvalue_error_is_that_of_the_reduced_body(block_body):
     )
 
 
+@pytest.mark.slow
 def test_panels_of_a_thin_box_make_interface_aware_rules_pay(tmp_path):
     wall = HomogeneousSection(Isotropic(70e9, 0.33, 2700.0), 0.001)
     model = shell_model(box_beam(1.0, 0.1, 0.06, 16, 4, 4), wall)

@@ -40,6 +40,7 @@ def test_table_has_a_line_for_each_body_and_rule_and_leaves_gaps(studies):
         assert abs(float(written) / (100 * quality.transfer_error) - 1.0) <= 0.05
 
 
+@pytest.mark.slow
 def test_pictures_are_named_after_the_bodies(studies, tmp_path):
     pictures = draw_studies(studies, tmp_path / "figures")
     assert [picture.name for picture in pictures] == [

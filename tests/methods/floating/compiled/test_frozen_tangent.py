@@ -185,6 +185,7 @@ def test_a_recorded_part_without_a_tangent_is_continued(rod):
     assert np.allclose(own, resumed, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_cases_of_a_batch_keep_their_own_and_move_as_alone(rod, monkeypatch):
     monkeypatch.setattr(engine, "march_for", lambda *_: COMPILED_MARCH)  # that of batches
     # Started one by one: of machines at rest, rounding would tell whether tangents are worth keeping.

@@ -78,7 +78,7 @@ def test_a_run_goes_on_to_the_last_digit(system, roomy):
     assert_same_motion(simulate(system, RUN, resume=half), roomy, 0.0)
 
 
-@pytest.mark.parametrize("room", [True, False])
+@pytest.mark.parametrize("room", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_runs_with_and_without_room_go_on_from_each_other(room):
     """To the order of the method, as from a part that kept nothing of the integrator."""
     begun = simulate(swinging(3, room=room), RUN)

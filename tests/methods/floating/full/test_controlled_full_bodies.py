@@ -191,6 +191,7 @@ def test_sampled_controllers_drive_a_full_body_as_its_complete_basis(body):
     assert calls == theirs
 
 
+@pytest.mark.slow
 def test_a_sampled_run_in_two_parts_is_one_run(body):
     calls = []
     system = hinged(full(body), [sampled(calls)])
