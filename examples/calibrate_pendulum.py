@@ -1,12 +1,12 @@
-"""The centre of mass and the bearing of a pendulum, found from how it swings.
+"""Centre of mass and bearing damping of a pendulum, identified from a measured motion.
 
-A rod of 2 kg, whose moment of inertia about its pivot is known (0.5 kg m2), is let go level. Its angle was
-measured 50 times a second for 6 s, with a noise of 0.02 rad. How far from the pivot is its centre of mass,
-and how much does the bearing damp?
+A rod of 2 kg with a known moment of inertia about its pivot (0.5 kg m2) is released from the horizontal. Its
+angle was measured 50 times a second for 6 s, with a noise of 0.02 rad. Unknown are the distance of its centre
+of mass from the pivot and the damping of its bearing.
 
-Expected: 0.35 m and 0.06 N m s, with which the measurement was made, within three standard deviations, which
-are below 1 % of either; the residuals are the noise. The moment of inertia could not be found as well: the
-motion depends on `m g s / J` and `c / J` alone.
+Expected: 0.35 m and 0.06 N m s, the values of the measurement, within three standard deviations, which are
+below 1 % of either; the residuals are the noise. The moment of inertia cannot be identified as well: the
+motion depends on `m g s / J` and `c / J` only.
 Run it: `python examples/calibrate_pendulum.py` draws measurement and fit to calibrate_pendulum.png.
 """
 

@@ -1,14 +1,14 @@
-"""A digital twin: strain gauges of a rotating blade give its whole motion, and the load that nobody measures.
+"""A digital twin: strain gauges of a rotating blade give its whole motion and an unmeasured load.
 
-A blade of 10 m turns at 4 rad/s about its root. An unknown force pushes its tip out of the plane of rotation.
-The truth is a run of all coordinates of its mesh; of it the twin has twenty strain gauges with 2 % noise,
-fifty times a second. The twin is the reduced blade, marched on from sample to sample: an extended Kalman
-filter corrects its coordinates, their rates, the force and the rate of the force. The derivatives of a step
-come from the march itself (forward mode of JAX, `supple.methods.floating`).
+A blade of 10 m rotates at 4 rad/s about its root. An unknown force pushes its tip out of the plane of
+rotation. The true motion is a run with all coordinates of its mesh. The twin uses twenty strain gauges with
+2 % noise, fifty samples a second. It is the reduced blade, integrated from sample to sample: an extended
+Kalman filter corrects its coordinates, their rates, the force and the rate of the force. The derivatives of a
+step are those of the integrator itself (forward mode of JAX, `supple.methods.floating`).
 
-Expected: the deflection of the tip, which no gauge measures, within 1 % of its largest at every
-sample behind the first half second, and the force within 10 % of its largest (root mean square). It prints
-how much faster than the blade the twin is.
+Expected: the deflection of the tip, which no gauge measures, within 1 % of its largest value at every sample
+after the first half second, and the force within 10 % of its largest value (root mean square). The program
+prints the ratio of real time to computing time.
 Run it: `python examples/digital_twin.py` draws tip and force to digital_twin.png.
 """
 

@@ -1,11 +1,11 @@
-"""Two satellites from bulk data, docked by a hinge: a motor turns one against the other, free in space.
+"""Two satellites from bulk data, docked by a hinge: a motor rotates one against the other in free flight.
 
-The program writes a deck as a satellite comes from its builder, in bulk data of some 5000 grids: sandwich
+The program writes a deck like that of a satellite manufacturer, bulk data of some 5000 grids: sandwich
 panels (`PCOMP`), a frame of bars, a tank and a box (`CONM2`) on `RBE2` and `RBE3`, a wing on `CBUSH`
-hinges, a docking ring (`RBE2`). Both bodies of the machine are made of that one deck; their rings meet.
+hinges, a docking ring (`RBE2`). Both bodies of the machine come from that one deck; their rings are joined.
 
-Expected: nothing holds the two, so momentum and angular momentum stay zero (1e-6 of what the motor turns);
-and on the mean of its swing the first turns as one of two rigid bodies of the deck's inertia (0.1 %).
+Expected: no external force acts, so momentum and angular momentum stay zero (1e-6 of the motor's). The mean
+rotation of the first satellite is that of one of two rigid bodies with the deck's inertia (0.1 %).
 Run it: `python examples/docked_satellites.py` writes satellite.bdf and draws docked_satellites.png.
 """
 

@@ -1,6 +1,6 @@
-"""A bar hits a wall: its nose crushes in plastic hexahedra while the rest only vibrates, in modes.
+"""A bar hits a wall: its nose is modelled by plastic hexahedra, the rest by vibration modes.
 
-Energies stay in balance to a thousandth, and the nose takes up more than half of what the bar had.
+The energy balance closes to a thousandth, and the nose absorbs more than half of the initial energy.
 Run it: `python examples/impact.py` draws the energies to impact.png.
 """
 

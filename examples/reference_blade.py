@@ -1,16 +1,16 @@
 """The blade of the IEA Wind 22 MW reference turbine, 138 m long, from its public table of 6 x 6 sections.
 
-No mesh: place, stiffness and inertia at 30 stations (iea22_blade.csv) are all there is. The blade is held at
-its root and bends under its weight, the flap side down, then twice as far under twice the weight; its modes
+There is no mesh: position, stiffness and inertia at 30 stations (iea22_blade.csv) define the blade. It is
+clamped at its root and bends under its weight in the flap direction, then under twice the weight; its modes
 are those of the clamped blade.
 
-Expected: the mass per length of the turbine's repository, 82 087.9 kg over 136.988 m, within 1e-4. The
-frequencies of the first three edgewise modes within 1.5 %, of two flapwise ones within 5 %, of those that
-OpenFAST gives for the spinning rotor in wind (outputs/02_stability there), taken back to rest: means of the
-backward and forward whirl at 1.85, 2.46 and 3.08 rpm, their squares extrapolated linearly over the square of
-the speed. (Air damps the flapwise ones by 7 to 30 % there, which costs their accuracy.) At a hundredth of its
-weight, the deflection of the tip that follows from summing up the weight beyond each section and the strains
-on the way, within 0.3 %; under the whole weight less than in proportion.
+Expected: the mass of the turbine's repository, 82 087.9 kg over 136.988 m, within 1e-4. The frequencies of
+the first three edgewise modes within 1.5 %, of two flapwise ones within 5 %, of those by OpenFAST for the
+rotating rotor in wind (outputs/02_stability there), extrapolated to zero speed: means of backward and forward
+whirl at 1.85, 2.46 and 3.08 rpm, their squares linear in the square of the speed. (Aerodynamic damping of
+7 to 30 % limits the accuracy of the flapwise ones.) At a hundredth of the weight, the tip deflection within
+0.3 % of the integrated strains under the weight beyond each section; under the whole weight it is less than
+proportional.
 Run it: `python examples/reference_blade.py` draws the bent blade to reference_blade.png.
 """
 

@@ -1,12 +1,11 @@
-"""A robot arm of two flexible links under gravity, its joints held by PD controllers.
+"""A robot arm of two flexible links under gravity with PD control of its joints.
 
-Two aluminium rods of half a metre are let go level; each joint is driven by `k (target - angle) - c rate`,
-its targets rising smoothly within half a second. Proportional control without an integrator must give way to
-weight.
+Two aluminium rods of half a metre are released from the horizontal. Each joint is driven by
+`k (target - angle) - c rate`; its target rises smoothly within half a second. Without integral action a
+steady error remains under gravity.
 
-Expected: at rest the error of each angle times its gain is the moment of the weights beyond the joint,
-within 0.5 % (the links sag a little, which shortens the arms of the weights by less), and rates have died
-out.
+Expected: at the end the error of each angle times its gain is the moment of the weights beyond the joint,
+within 0.5 % (the deflection of the links shortens the lever arms by less), and the rates have decayed.
 Run it: `python examples/robot_arm.py` draws the angles to robot_arm.png.
 """
 

@@ -1,11 +1,11 @@
-"""A free satellite with two flexible panels turns itself by a wheel.
+"""A free satellite with two flexible panels rotates by means of a reaction wheel.
 
-Nothing holds it. A motor turns a wheel against the hub, first one way, then the other; the hub and its
-panels turn the other way, and the panels swing.
+No external force acts. A motor drives a wheel against the hub, first in one direction, then in the other; hub
+and panels rotate in the opposite direction, and the panels vibrate.
 
-Expected: whatever the motor does, momentum and angular momentum stay zero (1e-8 of the wheel's); and the hub
-turns by the angle of a rigid satellite, `J_w/(J_s + J_w)` of the wheel's against it, within 0.2 % once the
-panels are calm.
+Expected: momentum and angular momentum stay zero whatever the motor does (1e-8 of the wheel's). After the
+vibrations have decayed the hub has rotated by the angle of a rigid satellite, `J_w/(J_s + J_w)` of the
+wheel's relative angle, within 0.2 %.
 Run it: `python examples/satellite.py` draws hub and panel to satellite.png.
 """
 

@@ -1,12 +1,13 @@
-"""A reduced beam that knows its own error.
+"""A reduced beam that estimates its own error.
 
-A flat beam (L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m^2, 1.2 kg/m) is spun up about its root to 6 rad/s in 6 s,
-seen from its mean axes. The reduction starts with 5 modes and 5 modal derivatives and is asked for an error
-of 3e-6 m. It finds for itself, from the full-order residual at 50 instants, which motion it misses, enriches
-its basis and runs again. Only to judge it, a full run is made afterwards.
+A flat beam (L = 10 m, EA = 2.8e7 N, EI = 1.4e4 N m^2, 1.2 kg/m) is accelerated about its root to 6 rad/s in
+6 s, in a mean-axis frame. The reduction starts with 5 modes and 5 modal derivatives; the allowed error is
+3e-6 m. Self-correction computes from the full-order residual at 50 times which motion is missing, adds it to
+the basis and runs again. A full run is made afterwards, only to compare.
 
-Expected: 16 coordinates, under 1e-6 m, after two enrichments; the error falls a hundredfold or more in each
-(6e-2, 9e-5, 7e-7 m), and every estimate lies within 10 per cent of the true error.
+Expected: 18 coordinates, under 1e-6 m, after two enrichments. The error falls a hundredfold or more in each
+(6e-2, 4e-5, 2e-7 m). The first basis is too poor for an estimate (inf); the others are within 1 % of the
+true error.
 
 Draws self_correcting_beam.png, the error over the number of coordinates.
 Source of the beam: [Wu2019] section 6.1.
@@ -67,7 +68,7 @@ def solve() -> SelfCorrected:
 
 
 def true_errors(result: SelfCorrected) -> np.ndarray:
-    """Error of every round against the full run."""
+    """Error of every round relative to the full run."""
     full = FullBody(beam, MeanAxisFrame())
     reference = simulate(spun_up(full), RUN)
     return np.array(
@@ -87,9 +88,9 @@ if __name__ == "__main__":
     for size, estimate, error in zip(sizes, estimated, true, strict=True):
         print(f"{size:3d} coordinates: estimated error {estimate:.2e} m, true {error:.2e} m")
 
-    assert sizes.tolist() == [10, 13, 16]
+    assert sizes.tolist() == [10, 14, 18]
     assert true[-1] <= 1e-6
-    assert np.all(np.abs(estimated / true - 1) < 0.1)
+    assert np.all(np.abs(estimated[1:] / true[1:] - 1) < 0.01)
     assert np.all(true[1:] < 1e-2 * true[:-1])
 
     plot_error_over_parameter(

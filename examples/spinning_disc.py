@@ -1,11 +1,11 @@
-"""A spinning steel disc grows: its radius at speed, from a mesh of solids.
+"""Radial growth of a rotating steel disc, from a mesh of solids.
 
-A disc of 200 mm and 10 mm thickness turns at 600 rad/s about its axis, held where it does not matter: the
-mean of one of its faces.
+A disc of 200 mm diameter and 10 mm thickness rotates at 600 rad/s about its axis. Its support, the mean
+motion of one face, does not affect the stress.
 
 Expected: the rim moves outwards by `(1 - nu) rho omega^2 R^3 / (4 E)`, the plane stress solution of a disc
 without a bore, within 1 % (thickness and mesh).
-Run it: `python examples/spinning_disc.py` draws the disc, coloured by its growth, to spinning_disc.png.
+Run it: `python examples/spinning_disc.py` draws the radial displacement to spinning_disc.png.
 """
 
 from pathlib import Path

@@ -389,7 +389,7 @@ def test_a_recovery_matrix_that_misses_rigid_motion(beam):
 
 
 def test_a_damping_matrix_is_that_of_the_body(tmp_path, beam, labels):
-    """beta K as a file is Rayleigh's damping by beta, reduced and in full; drag is refused."""
+    """beta K as a file is Rayleigh's damping by beta, reduced and in full; drag is rejected."""
     beta = 0.01
     (tmp_path / "arm.bdf").write_text("\n".join(cards_of_grids(beam)))
     write_dmig(tmp_path / "arm.pch", labels, KAAX=beam.stiffness, MAAX=beam.mass, BAAX=beta * beam.stiffness)

@@ -150,7 +150,7 @@ def test_mass_properties_with_a_concentrated_mass_beside_its_node():
 
 
 def test_a_spring_between_two_bars_moves_them_as_two_masses():
-    """The nodes lie in one place; along the bars a soft spring, across them and in rotation they are one."""
+    """The nodes coincide; along the bars a soft spring, across them and in rotation they are one."""
     nodes = np.vstack([along_x(0.5, 4), along_x(0.5, 4, [0.5, 0, 0])])
     k = 1e3
     same = [{6 * 4 + c: 1.0, 6 * 5 + c: -1.0} for c in (1, 2, 3, 4, 5)]

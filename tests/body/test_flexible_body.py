@@ -175,7 +175,7 @@ def test_what_it_holds_is_read_only(body):
 
 
 def test_frequencies_are_those_of_the_modes_and_are_sought_once(body, monkeypatch):
-    """Held and in mean axes apart; more than were found are sought anew; a copy knows none."""
+    """Held and in mean axes apart; more than were found are sought again; a copy knows none."""
     held, mean = (frame.constraint(body) for frame in (NodalFixedFrame("root"), MeanAxisFrame()))
     expected = np.sqrt(body.lowest_modes(4, held).values)
     in_mean_axes = body.lowest_frequencies(4, mean)

@@ -1,4 +1,4 @@
-"""Matrices of another program: every format gives the same body; maps that do not fit are refused."""
+"""Matrices of another program: every format gives the same body; maps that do not fit are rejected."""
 
 from __future__ import annotations
 

@@ -172,7 +172,7 @@ ONE_MISTAKE = {
     "missing key": (
         ", density = 1474.9",
         "",
-        "shell.density: this key is missing; add it (mass per volume)",
+        "shell.density: this key is missing; add it (mass density, mass per volume)",
     ),
     "missing number": (
         ", number = 5",
@@ -193,12 +193,12 @@ ONE_MISTAKE = {
     "negative": (
         "duration = 10.0",
         "duration = -10.0",
-        "law.duration: should be greater than 0, got -10.0 (a time)",
+        "law.duration: should be greater than 0, got -10.0 (duration of the spin-up, a time)",
     ),
     "not finite": (
         "stiffness = 10.0",
         "stiffness = inf",
-        "should be a finite number, got inf (force per length)",
+        "should be a finite number, got inf (k, force per length)",
     ),
     "short vector": ("[0.0, 0.0, -9.81]", "[0.0, 0.0]", "gravity: 3 items are needed, got [0.0, 0.0]"),
     "long vector": (

@@ -1,4 +1,4 @@
-"""Section tables: what is refused as no section, and what lies between sections."""
+"""Section tables: what is rejected as no section, and what lies between sections."""
 
 import re
 
@@ -86,7 +86,7 @@ def test_digits_of_a_table_are_no_mistake():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"positions": np.zeros((3, 3))}, "sections 0 and 1 are at one place"),
+        ({"positions": np.zeros((3, 3))}, "sections 0 and 1 are at the same position"),
         ({"axes": np.tile(2 * np.eye(3), (3, 1, 1))}, "section 0: its axes are no rotation"),
         ({"axes": np.tile(np.diag([1, -1, 1.0]), (3, 1, 1))}, "section 0: its axes are no rotation"),
         ({"axes": np.tile(np.diag([1, -1, -1.0]), (3, 1, 1))}, "leads 180 degrees away from its axis z"),

@@ -1,4 +1,4 @@
-"""A table over time that cannot be used is refused in words."""
+"""A table over time that cannot be used is rejected in words."""
 
 from __future__ import annotations
 

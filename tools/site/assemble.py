@@ -1,4 +1,4 @@
-"""Assemble the pages of the site: docs, files of the repository that they link to, API by folder, gallery.
+"""Assemble the pages of the site: docs, files that they link to, case-file reference, API by folder, gallery.
 
     python tools/site/assemble.py build/site build/gallery
 
@@ -15,6 +15,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from case_reference import case_reference
 from gallery import write_pages
 
 ROOT = Path(__file__).parents[2]
@@ -29,6 +30,8 @@ def assemble(folder: Path, gallery: Path) -> None:
     tree.copied(ROOT / "README.md")
     for page in sorted((ROOT / "docs").rglob("*.md")):
         tree.copied(page)
+    (folder / "reference").mkdir()
+    (folder / "reference" / "case_file.md").write_text(case_reference(), "utf-8")
     _api(folder / "api")
     write_pages(gallery, folder / "gallery")
 

@@ -116,14 +116,15 @@ class Body(CheckedTable):
     modal: ModalPart | None = None
     explicit: ExplicitPart | None = None
     linear: bool = Field(False, description="true omits the nonlinear strains (for comparison)")
-    position: Vector = Field(ZERO, description="initial position of the mesh origin, global axes")
+    position: Vector = Field(ZERO, description="initial position of the mesh origin, global axes, a length")
     rotation: Vector = Field(ZERO, description="initial orientation as a rotation vector, global axes, rad")
     velocity: Vector | None = Field(
         None,
-        description="initial velocity of the mesh origin, global axes; default: that of joints and laws",
+        description="initial, of the mesh origin, global axes, a velocity; default: that of joints and laws",
     )
     centre_velocity: Vector | None = Field(
-        None, description="instead of velocity: initial velocity of the centre of mass, global axes"
+        None,
+        description="instead of velocity: initial, of the centre of mass, global axes, a velocity",
     )
     angular_velocity: Vector | None = Field(
         None,

@@ -86,7 +86,7 @@ class Homogeneous(ElasticKind):
 
     youngs_modulus: Positive = Field(description="Young's modulus, force per area")
     poissons_ratio: float = Field(gt=-1.0, lt=0.5, description="Poisson's ratio")
-    density: Positive = Field(description="mass per volume")
+    density: Positive = Field(description="mass density, mass per volume")
 
     def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
         """The mesh file with elements."""
@@ -239,8 +239,8 @@ class Superelement(ElasticKind):
 class Rigid(BodyKind):
     """A rigid body."""
 
-    mass: Positive = Field(description="a mass")
-    centre: Vector = Field(ZERO, description="centre of mass in body axes")
+    mass: Positive = Field(description="total mass, a mass")
+    centre: Vector = Field(ZERO, description="centre of mass in body axes, a length")
     inertia: Matrix = Field(
         description="inertia tensor about the centre of mass in body axes, 3 rows, mass times length squared"
     )

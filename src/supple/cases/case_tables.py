@@ -58,7 +58,7 @@ class CaseTables(CheckedTable):
     model_config = ConfigDict(json_schema_extra={"renamed": {"part": _PARTS_ARE_BODIES}})
 
     title: str = Field(description="one line for tables and pictures")
-    gravity: Vector = Field(ZERO, description="acceleration, global axes")
+    gravity: Vector = Field(ZERO, description="global axes, an acceleration")
     units: dict[str, str] = Field(
         default_factory=dict,
         description='such as { length = "mm", mass = "t", time = "s" }; numbers are not converted',

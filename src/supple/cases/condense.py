@@ -56,7 +56,7 @@ _INSTEAD_OF = ("frame", "reduction", "split", "linear")
 
 
 class ModeAccuracy(CheckedTable):
-    """The error that modes left out may make."""
+    """The allowed error of the truncated modes."""
 
     relative: float = Field(
         1e-3, gt=0, lt=1, description="largest RMS error of the stations' positions over the deflection"
@@ -69,23 +69,22 @@ class Condense(CheckedTable):
     model_config = BODY_AXIS
 
     root: str = Field(description="interface at the start of the load path; a joint may support it")
-    tip: str | None = Field(None, description="interface where it ends; of a body with elements")
+    tip: str | None = Field(None, description="interface at the end of the path; of a body with elements")
     stations: int | None = Field(
         None, ge=2, description="stations along the path, both ends included; of a body with elements"
     )
     paths: Annotated[tuple[NodeIndices, ...], Field(strict=False)] | None = Field(
         None,
-        description="grids from the root outwards, a list for each branch that begins at the grid it leaves; "
+        description="grids from the root outwards, a list for each branch, beginning at its branching grid; "
         "of a matrices body, condensed on these grids by another program",
     )
     root_mass: RootMass | None = Field(
-        None, description="of a first grid that the matrices lack, 6 rows of 6; default: none"
+        None, description="mass matrix of a first grid that the matrices lack; default: none"
     )
     modes: int | None = Field(
         None,
         ge=1,
-        description="lowest elastic modes, to which those are added that they need when the body bends far; "
-        "all if left out",
+        description="lowest elastic modes; the second-order modes of large bending are added; default: all",
     )
     accuracy: ModeAccuracy | None = Field(
         None, description="instead of modes: as many modes as this accuracy needs"
@@ -97,8 +96,8 @@ class Condense(CheckedTable):
     body_axis: Vector | None = Field(None, description="direction of a hinged or sliding root, in body axes")
     released: bool = Field(
         False,
-        description="true where joints hold the body to others, or at its tip: its modes are those on its "
-        "support, and rigid motion besides",
+        description="true if joints connect the body to others, or its tip: rigid motion is added to "
+        "the modes on its support",
     )
 
     def build(self, body: FlexibleBody, damping: Damping | None) -> IntrinsicBody:

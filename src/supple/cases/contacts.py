@@ -1,4 +1,4 @@
-"""What explicit parts touch: rigid planes, cylinders and spheres, or each other; what ties and holds them."""
+"""Contacts of explicit parts with rigid obstacles or with each other, ties and supports."""
 
 from __future__ import annotations
 
@@ -43,26 +43,28 @@ def _end(place: str) -> At:
 
 
 _MOVING: dict[str, Any] = {
-    "velocity": Key(Vector, "initial velocity; constant without mass"),
-    "mass": Key(Positive, "mass of an obstacle that is free to move; default: driven"),
+    "velocity": Key(Vector, "initial velocity, a velocity; constant without mass"),
+    "mass": Key(Positive, "mass of an obstacle that is free to move, a mass; default: driven"),
 }
-_RADIUS = Key(Positive, "a length")
+_RADIUS = Key(Positive, "radius, a length")
 Plane = table_of(
     RigidPlane,
     "plane",
-    point=Key(Vector, "on the plane, global axes"),
+    point=Key(Vector, "point on the plane, global axes, a length"),
     normal=Key(Vector, "normal, towards the side of the nodes"),
     **_MOVING,
 )
 Cylinder = table_of(
     RigidCylinder,
     "cylinder",
-    point=Key(Vector, "on the axis, global axes"),
-    axis=Key(Vector, "direction"),
+    point=Key(Vector, "point on the axis, global axes, a length"),
+    axis=Key(Vector, "direction, global axes"),
     radius=_RADIUS,
     **_MOVING,
 )
-Sphere = table_of(RigidSphere, "sphere", centre=Key(Vector, "global axes"), radius=_RADIUS, **_MOVING)
+Sphere = table_of(
+    RigidSphere, "sphere", centre=Key(Vector, "centre, global axes, a length"), radius=_RADIUS, **_MOVING
+)
 
 
 class ContactTable(CheckedTable):
@@ -73,12 +75,12 @@ class ContactTable(CheckedTable):
     surface: PlaceOf | None = Field(
         None, description="BODY.NODE_SET: instead of an obstacle, the outer faces of another part on this set"
     )
-    stiffness: Positive | None = Field(None, description="force per depth of a node; default: from fraction")
+    stiffness: Positive | None = Field(None, description="force per depth; default: from fraction")
     fraction: float = Field(
         0.2,
         gt=0.0,
         le=1.0,
-        description="of a node's stiffness at the step limit; shortens the step by sqrt(1 + fraction)",
+        description="stiffness over that of a node at its limit; shortens the step by sqrt(1 + fraction)",
     )
 
     def build(self) -> Contact | SurfaceContact:
@@ -95,7 +97,8 @@ NodalContinuity = table_of(
     EveryNode,
     "every-node",
     tolerance=Key(
-        Annotated[float, _OPENING], "of what opens farthest: what opens less follows from the rest"
+        Annotated[float, _OPENING],
+        "relative singular value below which a combination is dropped",
     ),
 )
 CollocatedTransfer = table_of(Collocated, "collocated")
@@ -105,8 +108,8 @@ MortarTransfer = table_of(Mortar, "mortar")
 class TieTable(CheckedTable):
     """Nodes that move with another part."""
 
-    nodes: PlaceOf = Field(description="BODY.NODE_SET; of a modal part where the other one is modal, too")
-    on: str = Field(description="the part they are tied to")
+    nodes: PlaceOf = Field(description="BODY.NODE_SET; of a modal part if the other one is modal, too")
+    on: str = Field(description="the part that the nodes are tied to")
     transfer: Annotated[Made, OneOf(CollocatedTransfer, MortarTransfer)] = Field(
         CollocatedTransfer(kind="collocated"), description="how nodes follow a modal part of another mesh"
     )
@@ -121,7 +124,7 @@ class TieTable(CheckedTable):
 
 
 class SupportTable(CheckedTable):
-    """Nodes of an explicit part that are held."""
+    """Nodes of an explicit part that are fixed."""
 
     nodes: PlaceOf = Field(description="BODY.NODE_SET of an explicit part")
     axes: str = Field("xyz", pattern="^[xyz]{1,3}$", description="fixed directions, global axes")

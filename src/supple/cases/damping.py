@@ -67,8 +67,8 @@ class LinearRayleighRatio(_RatioOfTwoModes):
 
 
 _OF_MASS_AND_STIFFNESS: dict[str, Any] = {
-    "alpha": Key(NonNegative, "per time"),
-    "beta": Key(NonNegative, "a time"),
+    "alpha": Key(NonNegative, "factor of the mass matrix, one per time"),
+    "beta": Key(NonNegative, "factor of the stiffness matrix, a time"),
     "held": Key(description=HELD),
 }
 

@@ -1,4 +1,4 @@
-"""The machine elements of a case: what acts between two interfaces besides springs and joints."""
+"""The machine elements of a case: forces between two interfaces besides springs and joints."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Squares = Annotated[tuple[Square, ...], Field(strict=False)]
 
 
 class Element(Made):
-    """What all elements share."""
+    """The keys of all elements."""
 
     name: str | None = Field(None, description="for sensors")
     first: End = Field(description="ground or BODY.INTERFACE")
@@ -37,25 +37,30 @@ def _in_time(kind: Any, description: str = "") -> Any:
     return part(machine.Scaled, vector=Key(kind, description, "value"), factor=factor)
 
 
-def _surface(x: str, y: str) -> Any:
-    places = {"x": Key(Numbers, f"{x}, ascending", x), "y": Key(Numbers, f"{y}, ascending", y)}
+def _surface(x: str, y: str, unit_of_x: str, unit_of_y: str, unit: str) -> Any:
+    places = {
+        "x": Key(Numbers, f"{x}, ascending, {unit_of_x}", x),
+        "y": Key(Numbers, f"{y}, ascending, {unit_of_y}", y),
+    }
     return part(
-        machine.Surface, **places, z=Key(Rows, f"a row for each of {x}, a column for each of {y}", "values")
+        machine.Surface,
+        **places,
+        z=Key(Rows, f"a row for each of {x}, a column for each of {y}; {unit}", "values"),
     )
 
 
-_PENALTY = part(machine.Penalty, exponent=Annotated[float, Field(ge=1.0)])
+_PENALTY = part(machine.Penalty, exponent=Key(Annotated[float, Field(ge=1.0)], "power of the penetration"))
 _CONTACT = {
     "penalty": _PENALTY,
     "friction": part(
         machine.Coulomb,
-        coefficient=Key(NonNegative, "coefficient", "friction", 0.0),
-        width=Key(Positive, "friction: sliding speed below which it is a damper", default=None),
+        coefficient=Key(NonNegative, "coefficient of friction", "friction", 0.0),
+        width=Key(Positive, "sliding speed below which it acts as a damper, a velocity", default=None),
     ),
 }
-_FOLLOWED = Key(LoadLaw, "angle in rad, or slide, against time", "law")
-_SLIDING = "moment, or force, of sliding"
-_WIDTH = Key(description="rate, or speed, below which it acts as a damper")
+_FOLLOWED = Key(LoadLaw, "prescribed angle or slide over time, rad or length", "law")
+_SLIDING = "friction in sliding, moment or force"
+_WIDTH = Key(description="rate or speed below which it acts as a damper, rad per time or velocity")
 
 ElementTable = Annotated[
     Element,
@@ -63,32 +68,59 @@ ElementTable = Annotated[
         _element(
             machine.Bushing,
             "bushing",
-            stiffness=Key(Six, "three of translation, three of rotation"),
-            damping=Six,
-            offset=Key(Vector, "undeformed, in its axes; default: as at the start", default=None),
+            stiffness=Key(Six, "three of translation, three of rotation; force per length, moment per rad"),
+            damping=Key(Six, "as stiffness; force per velocity, moment per angular velocity"),
+            offset=Key(
+                Vector,
+                "undeformed, in the axes of the bushing, a length; default: as at the start",
+                default=None,
+            ),
         ),
         _element(machine.AngleStop, "angle-stop", penalty=_PENALTY),
         _element(machine.SlideStop, "slide-stop", penalty=_PENALTY),
-        _element(machine.DistanceStop, "distance-stop", lower=NonNegative, penalty=_PENALTY),
+        _element(
+            machine.DistanceStop,
+            "distance-stop",
+            lower=Key(NonNegative, "lower limit of the distance, a length"),
+            penalty=_PENALTY,
+        ),
         _element(
             machine.RevoluteFriction, "hinge-friction", moment=_in_time(NonNegative, _SLIDING), width=_WIDTH
         ),
         _element(
             machine.PrismaticFriction, "slide-friction", force=_in_time(NonNegative, _SLIDING), width=_WIDTH
         ),
-        _element(machine.TorqueBetween, "torque-between", torque=_in_time(float)),
-        _element(machine.ForceBetween, "force-between", force=_in_time(float)),
-        _element(machine.TabledTorque, "tabled-torque", torque=_surface("angles", "rates")),
-        _element(machine.TabledForce, "tabled-force", force=_surface("slides", "speeds")),
-        _element(machine.AngleServo, "angle-servo", angle=_FOLLOWED, limit=Positive),
-        _element(machine.SlideServo, "slide-servo", slide=_FOLLOWED, limit=Positive),
+        _element(machine.TorqueBetween, "torque-between", torque=_in_time(float, "amplitude, a moment")),
+        _element(machine.ForceBetween, "force-between", force=_in_time(float, "amplitude, a force")),
+        _element(
+            machine.TabledTorque,
+            "tabled-torque",
+            torque=_surface("angles", "rates", "rad", "rad per time", "a moment"),
+        ),
+        _element(
+            machine.TabledForce,
+            "tabled-force",
+            force=_surface("slides", "speeds", "a length", "a velocity", "a force"),
+        ),
+        _element(
+            machine.AngleServo,
+            "angle-servo",
+            angle=_FOLLOWED,
+            limit=Key(Positive, "largest magnitude, a moment"),
+        ),
+        _element(
+            machine.SlideServo,
+            "slide-servo",
+            slide=_FOLLOWED,
+            limit=Key(Positive, "largest magnitude, a force"),
+        ),
         _element(
             machine.MotorCurve,
             "motor",
             torque=part(
                 machine.Curve,
-                x=Key(Numbers, "rad per time, ascending", "speeds"),
-                z=Key(Numbers, "at these; linear between, constant beyond", "torques"),
+                x=Key(Numbers, "angular velocities, ascending, rad per time", "speeds"),
+                z=Key(Numbers, "at these speeds; linear between, constant beyond, a moment", "torques"),
             ),
             command=Key(LoadLaw, "command over time; default 1", "law", ONE),
         ),
@@ -98,8 +130,10 @@ ElementTable = Annotated[
         _element(
             machine.JournalBearing,
             "bearing",
-            stiffness=Key(Squares, "[[[xx, xy], [yx, yy]], ..]: a matrix for each of the speeds"),
-            damping=Key(Squares, default=None),
+            stiffness=Key(
+                Squares, "[[[xx, xy], [yx, yy]], ..]: one for each of the speeds, force per length"
+            ),
+            damping=Key(Squares, "likewise, force per velocity; default: none", default=None),
         ),
         _element(machine.Unbalance, "unbalance"),
         _element(machine.SphereOnPlane, "sphere-on-plane", **_CONTACT),

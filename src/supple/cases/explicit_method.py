@@ -33,10 +33,10 @@ class Published(CheckedTable):
 
     kind: Literal["published"]
     links: Literal["exact", "predicted"] = Field(
-        "exact", description="predicted: of the open implementation, which brake a rotation"
+        "exact", description="predicted: as in the open implementation; they slow a rotation"
     )
     gyroscopic: Literal["lagged", "none"] = Field(
-        "lagged", description="gyroscopic force of the half step before"
+        "lagged", description="lagged: gyroscopic force of the previous half step"
     )
 
     def build(self) -> PublishedScheme:

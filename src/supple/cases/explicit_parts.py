@@ -35,15 +35,13 @@ class ModalPart(CheckedTable):
         "moments at its interfaces join them",
     )
     highest_hz: Positive | None = Field(
-        None, description="modes above it are omitted, so that they do not shorten the step"
+        None, description="frequency above which modes are omitted, Hz; they would shorten the step"
     )
-    spin_stiffness: bool = Field(
-        False, description="true adds the centrifugal stiffness of the body's free spin"
-    )
+    spin_stiffness: bool = Field(False, description="true adds the geometric stiffness of free rotation")
     yield_stress: Positive | None = Field(
         None,
-        description="force per area, beyond which the run warns; the lowest of the explicit parts of its "
-        "material if left out",
+        description="limit of a warning, force per area; default: the lowest of the explicit parts of its "
+        "material",
     )
 
     def build(self, body: FlexibleBody, damping: LinearRayleighDamping | None) -> ModalSubdomain:
@@ -61,8 +59,8 @@ class ModalPart(CheckedTable):
 class Viscosity(CheckedTable):
     """Of solids: spreads fronts over a few elements."""
 
-    linear: NonNegative = Field(0.06, description="of critical damping of the shortest waves")
-    quadratic: NonNegative = Field(1.2, description="elements that a shock is spread over, about")
+    linear: NonNegative = Field(0.06, description="damping ratio of the shortest waves")
+    quadratic: NonNegative = Field(1.2, description="number of elements over which a shock is spread")
 
     def build(self) -> BulkViscosity:
         """The viscosity."""
@@ -73,15 +71,16 @@ class ExplicitPart(CheckedTable):
     """Nonlinear finite elements."""
 
     law: MaterialLaw = Field(
-        default=StVenantKirchhoffLaw(kind="st-venant-kirchhoff"), description="how the material answers"
+        default=StVenantKirchhoffLaw(kind="st-venant-kirchhoff"), description="stress by strain"
     )
     hourglass: float = Field(
         0.01, ge=0.0, le=1.0, description="stiffness of hourglass modes of hexahedra over that of stretching"
     )
-    layers: int = Field(5, ge=2, description="Gauss points through the thickness of shells that yield")
+    layers: int = Field(5, ge=2, description="Gauss points through the thickness of shells with plasticity")
     deletion: Positive | None = Field(None, description="plastic strain at which an element is deleted")
     bulk_viscosity: Viscosity = Field(
-        Viscosity(linear=0.06, quadratic=1.2), description="pressure against the rate of volume; zeros: none"
+        Viscosity(linear=0.06, quadratic=1.2),
+        description="pressure by the volumetric strain rate; zeros: none",
     )
 
     def build(

@@ -27,7 +27,7 @@ class StartState(CheckedTable):
     """An instant of an earlier run, at which this one begins."""
 
     file: FileName = Field(description="result file of the earlier run")
-    time: float = Field(description="one of its output times, the start of this run")
+    time: float = Field(description="one of its output times, the start of this run, a time")
 
 
 def gone_on(state: StartState, case: Case, system: System) -> System:

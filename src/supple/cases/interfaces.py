@@ -15,7 +15,7 @@ from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NodeIndices, 
 
 
 class Interface(CheckedTable):
-    """A named place where joints, loads and springs take hold of a body."""
+    """A named place on a body for joints, loads and springs."""
 
     name: str = Field(min_length=1, description="used as BODY.NAME by joints, loads and output")
     nodes: str | None = Field(None, description="a node set of the mesh")
@@ -27,7 +27,7 @@ class Interface(CheckedTable):
     )
     kind: Literal["rigid", "averaging"] = Field("rigid", description="rigid (RBE2) or averaging (RBE3)")
     position: Vector | None = Field(
-        None, description="point in body axes; default for elastic bodies: the set's centroid"
+        None, description="point in body axes, a length; default for elastic bodies: the set's centroid"
     )
 
     def build(

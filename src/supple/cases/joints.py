@@ -49,9 +49,9 @@ _EXAMPLES = {
 class Friction(CheckedTable):
     """Coulomb friction under the force that the joint carries."""
 
-    coefficient: NonNegative
-    width: Positive = Field(description="rate, or speed, below which it acts as a damper")
-    radius: Positive | None = Field(None, description="revolute: of the pin")
+    coefficient: NonNegative = Field(description="coefficient of friction")
+    width: Positive = Field(description="below which it acts as a damper, rad per time or velocity")
+    radius: Positive | None = Field(None, description="revolute: radius of the pin, a length")
 
     def build(self, joint: machine.Joint) -> machine.JointFriction:
         """The friction in a joint."""
@@ -65,13 +65,13 @@ class Friction(CheckedTable):
 class Joint(CheckedTable):
     """A connection of two interfaces, or of one with the ground."""
 
-    kind: JointKind
+    kind: JointKind = Field(description="degrees of freedom that the joint constrains")
     name: str | None = Field(None, description="label in results; default: kind and ends")
     first: End = Field(description="ground or BODY.INTERFACE")
     second: InterfaceOf = Field(description="BODY.INTERFACE")
     axis: Vector | None = Field(None, description="direction at the start, global axes, of any length")
     second_axis: Vector | None = Field(None, description="universal: the other cross-pin axis, global axes")
-    law: Law | None = Field(None, description="prescribed joints: angle in rad, or distance, over time")
+    law: Law | None = Field(None, description="prescribed joints: angle or distance over time, rad or length")
     friction: Friction | None = Field(None, description="revolute and prismatic: under the joint's own force")
 
     @property

@@ -17,17 +17,32 @@ from supple.importers.time_table import read_time_table
 from supple.importers.toml import Mistakes, Positive, Raw, table, tables
 from supple.machine import TimeLaw
 
-Constant = table_of(machine.Constant, "constant", value=float)
-Ramp = table_of(machine.Ramp, "ramp", value=float, duration=Key(Positive, "a time"))
-Sine = table_of(machine.Sine, "sine", amplitude=float, frequency_hz=Key(Positive, "periods per time"))
+Constant = table_of(
+    machine.Constant, "constant", value=Key(float, "constant angle or slide of a joint, or factor of a load")
+)
+Ramp = table_of(
+    machine.Ramp,
+    "ramp",
+    value=Key(float, "angle or slide of a joint, or factor of a load, at the end"),
+    duration=Key(Positive, "duration of the ramp, a time"),
+)
+Sine = table_of(
+    machine.Sine,
+    "sine",
+    amplitude=Key(float, "largest angle or slide of a joint, or factor of a load"),
+    frequency_hz=Key(Positive, "frequency, periods per time"),
+)
 SpinUp = table_of(
     machine.SpinUp,
     "spin-up",
-    speed=Key(description="rate after the spin-up: rad or length, per time"),
-    rise_time=Key(Positive, "a time", "duration", ...),
+    speed=Key(description="rate after the spin-up, rad per time or length per time"),
+    rise_time=Key(Positive, "duration of the spin-up, a time", "duration", ...),
 )
 ConstantRate = table_of(
-    machine.ConstantRate, "constant-rate", rate=Key(float, "rad or length, per time"), start=float
+    machine.ConstantRate,
+    "constant-rate",
+    rate=Key(float, "constant rate, rad per time or length per time"),
+    start=Key(float, "value at t = 0, rad or length"),
 )
 ONE = Constant(kind="constant", value=1.0)
 

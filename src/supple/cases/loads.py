@@ -34,9 +34,9 @@ from supple.quantities import Place
 class Force(Made):
     """A force or torque in time."""
 
-    kind: Literal["force", "torque"]
+    kind: Literal["force", "torque"] = Field(description="force or torque")
     at: PlaceOf = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
-    vector: Vector = Field(description="force or moment, along global axes (of a follower: at the start)")
+    vector: Vector = Field(description="along global axes (of a follower: at the start), force or moment")
     follower: bool = Field(False, description="true rotates the load with its interface")
     law: LoadLaw = Field(ONE, description="factor on vector against time")
 
@@ -83,7 +83,7 @@ Pressure = table_of(
         through=lambda at, *_: at.partition(".")[0],
     ),
     faces=Key(str, name="at", through=_faces),
-    pressure=part(Scaled, vector=Key(float, "force per area", "pressure"), factor=_FACTOR),
+    pressure=part(Scaled, vector=Key(float, "positive inwards, force per area", "pressure"), factor=_FACTOR),
 )
 Base = table_of(
     BaseAcceleration,

@@ -42,10 +42,10 @@ class J2Law(CheckedTable):
     """A metal that yields and hardens: sigma_y = yield_stress + modulus eps_p, or + factor eps_p^exponent."""
 
     kind: Literal["j2"]
-    yield_stress: Positive = Field(description="initial, force per area")
+    yield_stress: Positive = Field(description="initial yield stress, force per area")
     modulus: NonNegative | None = Field(None, description="of linear hardening, force per area; default 0")
-    factor: NonNegative | None = Field(None, description="of power hardening, force per area")
-    exponent: float | None = Field(None, gt=0.0, le=1.0, description="of power hardening")
+    factor: NonNegative | None = Field(None, description="factor of power hardening, force per area")
+    exponent: float | None = Field(None, gt=0.0, le=1.0, description="exponent of power hardening")
 
     def build(self, elastic: Isotropic) -> Law:
         """The law with those constants."""

@@ -23,10 +23,10 @@ class FilmTable(
             RotorAngle,
             joint=Key(
                 str | None,
-                "name of a joint: frames are taken whenever it stands at angle: a rotor seems to stand",
+                "name of a joint: frames are taken whenever its rotation is at angle; a rotor appears fixed",
                 default=None,
             ),
-            angle=Key(float, "rad, about the z axis of the joint; zero at assembly"),
+            angle=Key(float, "angle about the z axis of the joint, rad; zero at assembly"),
         ),
     )
 ):
@@ -36,7 +36,7 @@ class FilmTable(
 
 
 class CameraTable(CheckedTable):
-    """The direction from which pictures and animation are seen."""
+    """The viewing direction of pictures and animation."""
 
     along: Vector = Field(description="direction of view, global")
     up: Vector = Field(description="upward direction in the picture, global")
@@ -47,7 +47,7 @@ class CameraTable(CheckedTable):
 
 
 class Output(CheckedTable):
-    """What is drawn besides the result file."""
+    """Pictures, animation and report, which are written besides the result file."""
 
     track: Annotated[tuple[PlaceOf, ...], Field(strict=False)] = Field(
         (), description="BODY.INTERFACE or BODY.NODE_SET whose motion is printed and drawn"
@@ -63,14 +63,14 @@ class Output(CheckedTable):
     )
     enlargement: Positive | None = Field(
         None,
-        description="of deflections in pictures and animation; if left out, 1 in the animation and as large "
-        "as it takes to be seen in pictures of single bodies",
+        description="factor on deflections; default: 1 in the animation, in pictures "
+        "of single bodies large enough to be visible",
     )
     report: bool = Field(True, description="write the report for a browser (HTML): motion, curves, tables")
     colour: Literal["deflection", "von-mises", "plastic-strain"] = Field(
         "deflection",
-        description="what colours animation and report; von-mises also draws contours of the largest stress; "
-        "plastic-strain is of bodies in explicit elements",
+        description="colours of animation and report; von-mises adds contours of the largest stress; "
+        "plastic-strain is for bodies in explicit elements",
     )
 
     @property

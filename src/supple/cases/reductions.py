@@ -44,8 +44,8 @@ Derivatives = Annotated[Made, OneOf(AllPairsCompressed, Picked, NoDerivatives)]
 
 _CONDENSED = Field(
     None,
-    description="false: plain tensors, as in published work, which lock where stiff motion is missing; "
-    "left out: condensed ones for a fixed size, plain ones where the rounds add what is missing",
+    description="false: plain tensors, as in published work, which lock if stiff motion is missing; default: "
+    "condensed for a fixed size, plain during self-correction",
 )
 
 
@@ -69,10 +69,10 @@ class Accuracy(CheckedTable):
         description="largest RMS error of the nodes over their largest displacement from the first interface",
     )
     absolute: Positive | None = Field(None, description="largest RMS error of the nodes, a length")
-    instants: int = Field(50, ge=1, description="output times at which a run's residual is evaluated")
-    directions: int = Field(4, ge=1, description="columns added a round")
-    largest_size: int = Field(60, ge=1, description="coordinates")
-    max_rounds: int = Field(8, ge=1, description="enrichments before giving up")
+    instants: int = Field(50, ge=1, description="output times at which the residual of a run is evaluated")
+    directions: int = Field(4, ge=1, description="columns added in a round")
+    largest_size: int = Field(60, ge=1, description="largest number of coordinates")
+    max_rounds: int = Field(8, ge=1, description="largest number of rounds")
     of: OfInterest | None = Field(
         None, description="the quantity whose error is limited; default: the positions of all nodes"
     )

@@ -31,7 +31,7 @@ class SensedCase(NamedTuple):
 
 
 class SensorTable(Made):
-    """What all sensors share."""
+    """The keys of all sensors."""
 
     name: str = Field(description="its columns are NAME.x, NAME.Fx, NAME.angle, ...")
 
@@ -57,7 +57,7 @@ class _Deflection(SensorTable):
 class TensorSensor(SensorTable):
     """Stress or strain at nodes of a body's elements; of a shell at its bottom, middle and top."""
 
-    kind: Literal["stress", "strain"]
+    kind: Literal["stress", "strain"] = Field(description="stress or strain")
     at: PlaceOf = Field(description="BODY.NODE_SET")
     component: _Component | None = Field(None, description="default von-mises; components are in body axes")
     measure: Literal["max", "mean", "nearest", _Component] = Field(
@@ -113,7 +113,7 @@ _AT = {
         through=lambda at, case: case.place(at),
     )
 }
-_JOINT = {"joint": Key(description="its name")}
+_JOINT = {"joint": Key(description="name of the joint")}
 _ELEMENT = {
     "element": Key(
         str, "name of a spring or an element", "spring", through=lambda name, case: case.springs[name]
@@ -131,9 +131,9 @@ def _model_of(body: str, case: SensedCase) -> FiniteElementModel:
 
 
 _BEAMS = {
-    "body": Key(str, "its name"),
+    "body": Key(str, "name of the body"),
     "model": Key(str, name="body", through=_model_of),
-    "end": Key(Literal[1, 2], "where the element begins, or ends", default=1),
+    "end": Key(Literal[1, 2], "1: first node of the element, 2: second node", default=1),
 }
 Sensor = Annotated[
     SensorTable,

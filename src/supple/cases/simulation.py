@@ -31,10 +31,10 @@ class Adaptive(
 class Simulation(CheckedTable):
     """Span of time and method."""
 
-    duration: Positive = Field(description="a time")
-    output_step: Positive = Field(description="time between stored states")
+    duration: Positive = Field(description="simulated time, a time")
+    output_step: Positive = Field(description="time between stored states, a time")
     step: Positive | None = Field(
-        None, description="fixed time step; default for explicit parts: the stable step"
+        None, description="fixed time step, a time; default for explicit parts: the stable step"
     )
     adaptive: Adaptive | None = None
     rho_inf: float = Field(

@@ -17,9 +17,9 @@ _NAMES = Annotated[tuple[str, ...], Field(strict=False)]
 class SpinTable(
     table_of(
         Spin,
-        rate=Key(float, "rad per unit of time"),
-        axis=Key(Vector, "global axes, of any length", default=...),
-        point=Key(Vector, "on the axis, global", default=ZERO),
+        rate=Key(float, "angular velocity, rad per time"),
+        axis=Key(Vector, "direction of the axis, global axes, not zero", default=...),
+        point=Key(Vector, "point on the axis, global axes, a length", default=ZERO),
         bodies=Key(_NAMES, "names of the rotating bodies; default: all"),
     )
 ):

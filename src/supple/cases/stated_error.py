@@ -44,7 +44,7 @@ class JointForceOf(CheckedTable):
     """Force of a joint."""
 
     kind: Literal["joint-force"]
-    joint: str = Field(description="its name")
+    joint: str = Field(description="name of the joint")
 
     def quantity(self, _: Callable[[str], Place], __: Elements) -> QuantityOfInterest:
         """The sensor."""
@@ -59,16 +59,16 @@ class StatedError(CheckedTable):
 
     basis: bool | None = Field(
         None,
-        description="bodies of a fixed size, by the error equation or a richer run; default false",
+        description="error of bases of a fixed size, by the error equation or a richer run; default false",
     )
     integration: bool | None = Field(
         None,
-        description="time step and Newton's tolerance, by two more runs; default true, but false where a "
+        description="error of time step and Newton's tolerance, by two more runs; default true, false if a "
         "body is not reduced",
     )
-    model: bool = Field(True, description="elements and ties that rotate against their frame")
+    model: bool = Field(True, description="error of elements and ties that rotate relative to their frame")
     of: Annotated[tuple[OfInterest, ...], Field(strict=False)] = Field(
-        (), description="quantities of interest besides"
+        (), description="further quantities of interest"
     )
 
 

@@ -1,4 +1,4 @@
-"""Ansys archives (.cdb, by CDWRITE): blocked nodes and elements, components as sets; by mapdl-archive."""
+"""Ansys archives (.cdb, written by CDWRITE): nodes, elements and components as sets, by mapdl-archive."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["read_ansys"]
 
 IntArray = NDArray[np.int64]
 
-# Numbers of element types, the cells that they are, and how many of their nodes count.
+# Numbers of element types, their cells, and the number of nodes that define the cell.
 _SHAPES = (
     ((5, 45, 65, 70, 164, 185), "hexahedron", 8),
     ((90, 95, 186, 226, 231), "hexahedron20", 20),
@@ -31,10 +31,10 @@ _SHAPES = (
     ((3, 4, 8, 180, 188), "line", 2),
     ((189,), "line3", 3),
 )
-# Contact, surface effects, followers, facets, masses: elements that add neither volume nor wall.
+# Contact, surface effect, follower, facet and mass elements: they have no volume and no wall.
 _PASSED_OVER = (14, 21, 151, 152, 153, 154, 155, 156, 169, 170, 171, 172, 173, 174, 175, 176, 177, 184, 200)
 _INFORMATION = 10
-# Bricks by repeated nodes: which of their nodes stay (corners, then middles), how many corners, which repeat.
+# Degenerate bricks: nodes that remain (corners, then middles), number of corners, repeated nodes.
 _DEGENERATE = (
     ("tetra", "tetra10", (0, 1, 2, 4, 8, 9, 11, 16, 17, 18), 4, ((2, 3), (4, 5), (5, 6), (6, 7))),
     ("pyramid", "pyramid13", (0, 1, 2, 3, 4, 8, 9, 10, 11, 16, 17, 18, 19), 5, ((4, 5), (5, 6), (6, 7))),
@@ -48,8 +48,8 @@ def read_ansys(
 ) -> Mesh:
     """Mesh of an Ansys archive (.cdb): its cells of the highest dimension.
 
-    Components of nodes and elements are sets, and so are the elements of each material: material_ID. Bricks
-    that are given as wedges, pyramids or tetrahedra, by repeated nodes, become these.
+    Components of nodes and elements become sets, and so do the elements of each material: material_ID. Bricks
+    with repeated nodes become wedges, pyramids or tetrahedra.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def read_ansys(
     ------
     ImportFormatError   mapdl-archive missing (install `supple[ansys]`); missing, cut or foreign file; element
                         types that are not read
-    MeshError           what the file describes is no usable mesh
+    MeshError           what the file describes is not a usable mesh
     """
     path = Path(path)
     try:
@@ -80,10 +80,10 @@ def read_ansys(
         routines = {int(each[0]): int(each[1]) for each in np.array(archive.ekey).reshape(-1, 2)}
         node_parts = {name: np.array(each, dtype=np.int64) for name, each in archive.node_components.items()}
         parts = {name: np.array(each, dtype=np.int64) for name, each in archive.element_components.items()}
-    except Exception as error:  # the library raises whatever it meets in a file that breaks the format
+    except Exception as error:  # the library raises any error on a damaged file
         raise ImportFormatError(
             f"{path}: not readable as an Ansys archive ({type(error).__name__}: {error}); is it "
-            "cut short? Write it anew"
+            "cut short? Write it again"
         ) from error
     blocks = _blocks(path, elements, routines, ids, parts)
     sets = {}
@@ -114,7 +114,7 @@ def _blocks(
         if not known.all():
             lost = int(np.flatnonzero(~known.all(axis=1))[0])
             raise ImportFormatError(
-                f"{path}: element {given[lost][1]} names a node that is not there; write it anew"
+                f"{path}: element {given[lost][1]} names a node that is not there; write it again"
             )
         ids, materials = (np.array([each[i] for each in given]) for i in (1, 2))
         sets: dict[str, Any] = {f"material_{m}": materials == m for m in np.unique(materials).tolist()}
@@ -144,7 +144,7 @@ def _shape(path: Path, routine: int, number: int, nodes: IntArray) -> tuple[str,
 
 
 def _brick(name: str, nodes: IntArray) -> tuple[str, IntArray]:
-    """A brick, or what it is by its repeated nodes."""
+    """A brick, or the cell that its repeated nodes make of it."""
     for linear, quadratic, order, corners, twice in _DEGENERATE:
         if all(nodes[i] == nodes[j] for i, j in twice):
             if len(nodes) > 8:

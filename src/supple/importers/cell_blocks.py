@@ -1,4 +1,4 @@
-"""Blocks of cells as formats have them, as cells of ours: what Gmsh, VTU, Exodus and Ansys files share."""
+"""Conversion of cell blocks of Gmsh, VTU, Exodus and Ansys files to the library's cells."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 _CELL_TYPES = {kind.meshio_name: kind for kind in CellType}
-# Nodes inside faces and cells, which our elements do not have.
+# Nodes inside faces and cells, which the library's elements do not have.
 _FEWER = {"hexahedron27": ("hexahedron20", 20), "wedge18": ("wedge15", 15), "pyramid14": ("pyramid13", 13)}
 _SURFACES = {"quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
 
@@ -32,7 +32,7 @@ _SURFACES = {"quad": 4, "triangle6": 6, "quad8": 8, "quad9": 9}
 class CellBlock:
     """Cells (n, k) of one type, as meshio names it and in its order of nodes, with their ids.
 
-    sets : {name: (n,) which of them are in it}
+    sets : {name: (n,) mask of the members}
     """
 
     type_name: str
@@ -52,11 +52,11 @@ def file_mesh(
 
     Raises
     ------
-    ImportFormatError   no cells; a type that is not read; nodes that are not there; crossed quadrilaterals
+    ImportFormatError   no cells; an unsupported type; missing nodes; crossed quadrilaterals
     """
     ours = [_cut(path, nodes, block) for block in blocks if len(block.cells)]
     if not ours:
-        raise ImportFormatError(f"{path}: no cells; write the mesh with them")
+        raise ImportFormatError(f"{path}: no cells; write the mesh with its cells")
     dimension = max(kind.dimension for kind, _ in ours)
     node_sets, cell_sets = dict(node_sets), {}
     cells: dict[CellType, list[IntArray]] = {}
@@ -92,7 +92,7 @@ def _cut(path: Path, nodes: FloatArray, block: CellBlock) -> tuple[CellType, Cel
     name, cells = block.type_name, block.cells
     if cells.min() < 0 or cells.max() >= len(nodes):
         raise ImportFormatError(
-            f"{path}: {name} cells name node {int(cells.max())} (from 0) of {len(nodes)}; write the file anew"
+            f"{path}: {name} cells name node {int(cells.max())} (from 0) of {len(nodes)}; write it again"
         )
     if name in _FEWER:
         name, kept = _FEWER[name]

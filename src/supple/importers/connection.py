@@ -1,4 +1,4 @@
-"""Connections: nodes that a mesh file ties to a reference point, where joints and loads will take hold."""
+"""Connections: nodes that a mesh file ties to a reference point, at which joints and loads can act."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CSV tables: named columns of numbers and words, checked for what is missing, unknown or no number."""
+"""CSV tables: named columns of numbers and words, checked for missing and unknown columns and for numbers."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class CsvTable:
         return self.columns[column]
 
     def numbers(self, column: str) -> FloatArray:
-        """A column of numbers; ImportFormatError names the line of what is none."""
+        """A column of numbers; ImportFormatError states the line of other entries."""
         values = np.empty(len(self.lines))
         for row, word in enumerate(self.columns[column]):
             try:
@@ -52,12 +52,12 @@ class CsvTable:
 def read_csv_table(
     path: str | Path | Traversable, *, required: Iterable[str], optional: Iterable[str] = ()
 ) -> CsvTable:
-    """Table of a CSV file; lines that are empty or start with '#' are passed over.
+    """Table of a CSV file; lines that are empty or start with '#' are ignored.
 
     Parameters
     ----------
     path : str, Path or package resource
-    required, optional : names of columns; others are refused, so that a misspelt one cannot pass unseen
+    required, optional : names of columns; others are errors, which finds misspelt names
     Returns
     -------
     CsvTable

@@ -1,6 +1,6 @@
-"""Deck: the finite-element model of another program as its file describes it, before it is a body.
+"""Deck: the finite-element model of another program as described in its file.
 
-Readers fill it, whatever the format; `supple.body.deck_body` makes mesh, elements and body of it. Lengths,
+Readers of all formats produce it; `supple.body.deck_body` builds mesh, elements and body from it. Lengths,
 forces and masses are in the units of the file; positions, directions and freedoms in its basic (global) axes.
 """
 
@@ -39,7 +39,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class IsotropicMaterial:
-    """E, Pa; nu; density, kg/m^3, 0 where the file gives none; G where it differs from E / (2 (1 + nu))."""
+    """E, Pa; nu; density, kg/m^3, 0 without one; G if it differs from E / (2 (1 + nu))."""
 
     youngs_modulus: float
     poissons_ratio: float
@@ -57,17 +57,17 @@ class AnisotropicMaterial:
 
 @dataclass(frozen=True, eq=False)
 class SolidProperty:
-    """What solid cells are made of; the material's axes are those of `DeckElements.directions`, or basic."""
+    """Material of solid cells, in the axes `DeckElements.directions` or in basic axes."""
 
     material: IsotropicMaterial | AnisotropicMaterial
 
 
 @dataclass(frozen=True)
 class ShellProperty:
-    """A homogeneous isotropic wall; offset: of its middle from the nodes, along the normal of the cell.
+    """A homogeneous isotropic wall; offset: distance of its middle from the nodes along the cell normal.
 
     added_mass : non-structural, kg/m^2
-    shear_factor : k of the transverse shear stiffness k G t; 0 where it is rigid
+    shear_factor : k of the transverse shear stiffness k G t; 0 if rigid
     """
 
     material: IsotropicMaterial
@@ -79,13 +79,13 @@ class ShellProperty:
 
 @dataclass(frozen=True, eq=False)
 class WallProperty:
-    """A wall by its stiffness: [N; M] = [A B; B D] [eps; kappa] about the surface of the nodes.
+    """A wall given by its stiffness: [N; M] = [A B; B D] [eps; kappa] about the surface of the nodes.
 
     membrane, coupling, bending : (3, 3) A, N/m; B, N; D, N m; order xx, yy, xy
-    shear : (2, 2) transverse shear stiffness, order xz, yz, N/m; None where it is rigid
+    shear : (2, 2) transverse shear stiffness, order xz, yz, N/m; None if rigid
     mass_per_area, rotary_inertia_per_area : kg/m^2, kg, the latter about the surface of the nodes
     thickness : m, for pictures and stresses
-    mass_moment_per_area : first moment of the mass along the normal, kg/m; 0 where its middle carries nodes
+    mass_moment_per_area : first moment of the mass along the normal, kg/m; 0 if the nodes are in the middle
     """
 
     membrane: FloatArray
@@ -100,14 +100,14 @@ class WallProperty:
 
 @dataclass(frozen=True)
 class BeamValues:
-    """A beam's section at one place, about its shear centre; y lies in plane 1, z in plane 2.
+    """The section of a beam at one position, about its shear centre; y lies in plane 1, z in plane 2.
 
     I1, I2, I12 : second moments for bending in planes 1 and 2 about the neutral axis, and their product
-    K1, K2 : shear factors of the planes, 0 where shear is rigid
+    K1, K2 : shear factors of the planes, 0 if rigid in shear
     mass_per_length : with non-structural mass, kg/m
     neutral, mass_centre : (y, z) of the neutral axis and of the mass from the shear centre, m
     rotary : (Ixx, Iyy, Izz) per length about the mass centre, kg m; None: density times second moments
-    geometry : outline and points of stress recovery, from the shear centre; None where the file gives none
+    geometry : outline and points of stress recovery, from the shear centre; None without them
     """
 
     area: float
@@ -126,7 +126,7 @@ class BeamValues:
 
 @dataclass(frozen=True)
 class BeamProperty:
-    """A beam of one material; a tapered one has values at its second end, linear between."""
+    """A beam of one material; a tapered one also has values at its second end, linear in between."""
 
     material: IsotropicMaterial
     first: BeamValues
@@ -135,7 +135,7 @@ class BeamProperty:
 
 @dataclass(frozen=True)
 class RodProperty:
-    """A bar that carries tension and torsion alone; mass_per_length with non-structural mass, kg/m.
+    """A bar with stiffness in tension and torsion only; mass_per_length with non-structural mass, kg/m.
 
     torsion_arm : c of its shear stress c M_x / J, m
     """
@@ -152,20 +152,20 @@ Property = SolidProperty | ShellProperty | WallProperty | BeamProperty | RodProp
 
 @dataclass(frozen=True, eq=False)
 class DeckElements:
-    """Elements of one type and property as cells of ours.
+    """Elements of one type and property as the library's cells.
 
-    name : what the file calls the type (CQUAD4, C3D20R)
-    kind : of the cells; a quadrilateral is two triangles, a quadratic line two lines
+    name : the type in the file (CQUAD4, C3D20R)
+    kind : cell type; a quadrilateral becomes two triangles, a quadratic line two lines
     nodes : (C, k) node numbers, in the order of `kind`
-    ids, lines : (C,) the element behind each cell, and its line in the file
+    ids, lines : (C,) the element of each cell, and its line in the file
     property : key of `Deck.properties`
     directions : (C, 3) beams: a vector in plane 1; shells: the material's x axis before its projection.
-                 (C, 3, 3) solids: the material's axes as columns. None where nothing depends on them
+                 (C, 3, 3) solids: the material's axes as columns. None if nothing depends on them
     offsets : (C, 2, 3) of the ends of beams from their nodes
-    released : (C, 12) freedoms of beam ends, in the beam's axes, that carry no force
+    released : (C, 12) released freedoms of beam ends, in the beam's axes
     reduced : whether HEXA20 cells have reduced integration
     incompatible : whether HEXA8 cells have incompatible motions
-    mass_share : (C,) the share of the area of shells that has mass; None where all has
+    mass_share : (C,) fraction of the area of shells that has mass; None if all
     """
 
     name: str
@@ -196,13 +196,13 @@ class NodalMatrix:
 
 @dataclass(frozen=True, eq=False)
 class ScalarTerms:
-    """Sums of freedoms, one a row:  s = sum_j factor_j u_j,  u_j the freedom 6 * node + component.
+    """Linear combinations of freedoms, one a row:  s = sum_j factor_j u_j,  j = 6 * node + component.
 
-    As springs, dampers, masses with the energy  1/2 k s^2,  or as constraints s = 0.
+    They are springs, dampers or masses with the energy  1/2 k s^2,  or constraints s = 0.
 
     rows : (T,) the row of each term;  freedoms : (T,);  factors : (T,);  lines : (rows,) in the file
-    values : (rows,) k; of a constraint empty
-    dependent : (rows,) of a constraint the freedom that the file eliminates, or -1
+    values : (rows,) k; empty for constraints
+    dependent : (rows,) the freedom that the file eliminates in a constraint, or -1
     """
 
     rows: IntArray
@@ -215,9 +215,9 @@ class ScalarTerms:
 
 @dataclass(frozen=True, eq=False)
 class RigidTie:
-    """Nodes that move rigidly with a reference node in all their freedoms (RBE2, RBAR, *RIGID BODY).
+    """Nodes tied rigidly to a reference node in all freedoms (RBE2, RBAR, *RIGID BODY).
 
-    name : rbe2_ID; the node set and the interface that joints may take hold of
+    name : rbe2_ID, also of its node set and of an interface
     """
 
     name: str
@@ -230,7 +230,7 @@ class RigidTie:
 class WeightedMean:
     """A reference node that follows the weighted mean motion of others (RBE3, distributing coupling).
 
-    components : (6,) of the reference node that follow; a free one is left to whatever else holds it
+    components : (6,) components of the reference node that follow the mean; the others are free
     """
 
     name: str
@@ -243,7 +243,7 @@ class WeightedMean:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Cards of one name that would change the body and are not read: how many, the first, what it means."""
+    """Cards of one name that would change the body but are not read: number, first line, meaning."""
 
     card: str
     count: int
@@ -253,20 +253,20 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Deck:
-    """A finite-element model as a file describes it.
+    """A finite-element model as described in a file.
 
     nodes, node_ids : (N, 3), (N,) all nodes of the file, also those that no element uses
     node_sets : {name: (k,) numbers};  element_sets : {name: (k,) element ids}
     masses, stiffnesses, dampings : matrices between freedoms
     springs, dashpots, inertias : terms with values k, c, m;  constraints : terms without
-    held : constraints of the deck's own supports, which a free body leaves to joints
-    read, passed_over : {card: how many}; the latter without effect on a body
-    left_out : what would change the body
-    notes : what a reader did that its user should know, one sentence each
-    superelements : {name: deck} of parts that are bodies of their own
-    scalar_points : (S,) ids of points that are one freedom and have no place; point j counts as node N + j,
-                    of which terms and matrices name component 0
-    lumped_mass : whether the program lumps the mass of elements at their nodes
+    held : constraints of the deck's own supports, which a free body does not have
+    read, passed_over : {card: number}; the latter have no effect on a body
+    left_out : cards that would change the body
+    notes : assumptions of the reader, one sentence each
+    superelements : {name: deck} of parts that can be separate bodies
+    scalar_points : (S,) ids of points with one freedom and no position; point j has the node number N + j and
+                    the component 0 in terms and matrices
+    lumped_mass : whether the other program lumps the mass of elements
     """
 
     path: Path
@@ -299,7 +299,7 @@ class Deck:
         matrix: Callable[[NodalMatrix], NodalMatrix | None],
         terms: Callable[[ScalarTerms], ScalarTerms],
     ) -> Deck:
-        """The deck with each of its matrices and terms changed; without those of None and of no rows."""
+        """The deck with changed matrices and terms; None and empty ones are removed."""
         matrices = {
             name: tuple(new for old in getattr(self, name) if (new := matrix(old)) is not None)
             for name in ("masses", "stiffnesses", "dampings")

@@ -18,7 +18,7 @@ DECK_SUFFIXES = tuple(READERS)
 
 
 def read_deck(path: str | Path) -> Deck:
-    """The finite-element model that a file describes; ImportFormatError lists the kinds of file there are."""
+    """The finite-element model in a file; ImportFormatError lists the supported suffixes."""
     suffix = Path(path).suffix.lower()
     if suffix not in READERS:
         raise ImportFormatError(f"{path}: not a deck file; give one that ends in {', '.join(DECK_SUFFIXES)}")

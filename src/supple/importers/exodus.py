@@ -27,7 +27,7 @@ __all__ = ["EXODUS_SUFFIXES", "read_exodus"]
 IntArray = NDArray[np.int64]
 
 EXODUS_SUFFIXES = (".exo", ".e", ".ex2", ".g")
-"""Names of Exodus files end so."""
+"""Suffixes of Exodus files."""
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _NAMES = {
@@ -42,7 +42,7 @@ _SIZES = {
     "wedge": {6: "wedge", 15: "wedge15", 18: "wedge18"},
     "hexahedron": {8: "hexahedron", 20: "hexahedron20", 27: "hexahedron27"},
 }  # fmt: skip
-# Middle nodes: Exodus has those of the bottom, of the upright edges, of the top.
+# Order of middle nodes in Exodus: bottom, upright edges, top.
 _ORDERS = {
     "hexahedron": (*range(12), *range(16, 20), *range(12, 16)),
     "wedge": (*range(9), *range(12, 15), *range(9, 12)),
@@ -64,7 +64,8 @@ def read_exodus(
 ) -> Mesh:
     """Mesh of an Exodus file: its cells of the highest dimension, its blocks as cell sets.
 
-    Node sets and side sets are node sets; those without a name are called nodeset_ID, sideset_ID, block_ID.
+    Node sets and side sets become node sets. Without names they and the blocks are called
+    nodeset_ID, sideset_ID, block_ID.
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ def read_exodus(
     Raises
     ------
     ImportFormatError   missing, cut or foreign file; element types that are not read; sets beyond the mesh
-    MeshError           what the file describes is no usable mesh
+    MeshError           what the file describes is not a usable mesh
     """
     path = Path(path)
     try:
@@ -82,7 +83,7 @@ def read_exodus(
     except (KeyError, IndexError, OSError, TypeError, ValueError, OverflowError, AttributeError) as error:
         raise ImportFormatError(
             f"{path}: not readable as Exodus ({type(error).__name__}: {error}); is it cut short? Write it "
-            "anew"
+            "again"
         ) from error
 
 
@@ -98,7 +99,7 @@ def _parts(path: Path) -> Mapping[str, tuple[Any, str]]:
             }
     if content[:3] != b"CDF":
         raise ImportFormatError(f"{path}: neither netCDF nor HDF5; is this an Exodus file?")
-    # Of bytes in memory no more are read than there are, whatever a damaged file claims.
+    # Reading from memory limits arrays to the size of the file, whatever a damaged header claims.
     with scipy.io.netcdf_file(io.BytesIO(content), "r", mmap=False) as file:
         return {
             name: (np.array(each.data), _text(getattr(each, "elem_type", b"")))
@@ -148,7 +149,7 @@ def _file_mesh(path: Path, parts: Mapping[str, tuple[Any, str]]) -> Any:
         sets[label] = _on_sides(shapes, np.asarray(parts[name][0], dtype=np.int64) - 1, sides)
     for label, members in sets.items():
         if members.size and not 0 <= members.min() <= members.max() < len(nodes):
-            raise ImportFormatError(f"{path}: set '{label}' names a node that the file lacks; write it anew")
+            raise ImportFormatError(f"{path}: set '{label}' names a node that the file lacks; write it again")
     node_ids = _values(parts, "node_num_map", np.arange(1, len(nodes) + 1))
     return file_mesh(path, nodes, blocks, {k: v for k, v in sets.items() if v.size}, node_ids)
 
@@ -177,7 +178,7 @@ def _values(parts: Mapping[str, tuple[Any, str]], name: str, else_: IntArray) ->
 
 
 def _names(parts: Mapping[str, tuple[Any, str]], kind: str, word: str, n: int) -> list[str]:
-    """Names of blocks or sets, made of their ids where the file has none."""
+    """Names of blocks or sets, from their ids if the file has no names."""
     ids = np.asarray(parts[f"{kind}_prop1"][0]).tolist() if f"{kind}_prop1" in parts else range(1, n + 1)
     given = [""] * n
     if f"{kind}_names" in parts:
@@ -189,7 +190,7 @@ def _names(parts: Mapping[str, tuple[Any, str]], kind: str, word: str, n: int) -
 
 
 def _on_sides(shapes: list[tuple[str | None, IntArray]], elements: IntArray, sides: IntArray) -> IntArray:
-    """Nodes of sides of elements, those between corners as well."""
+    """Nodes of sides of elements, including middle nodes."""
     found, first = [np.empty(0, dtype=np.int64)], 0
     for shape, cells in shapes:
         own = (elements >= first) & (elements < first + len(cells))

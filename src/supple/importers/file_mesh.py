@@ -1,4 +1,4 @@
-"""File mesh: what a file holds, before the mesh checks; and the step from there to a Mesh."""
+"""File mesh: the contents of a mesh file before the checks of a Mesh, and the conversion to a Mesh."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ IntArray = NDArray[np.int64]
 
 
 class UnusedNodes(Enum):
-    """What a reader does about nodes that no cell uses (reference points, construction points)."""
+    """Treatment of nodes that no cell uses (reference points, construction points)."""
 
     REFUSE = auto()
-    """Raise MeshError, as the mesh check does: nothing is dropped unasked."""
+    """Raise MeshError, as the mesh check does."""
     DROP = auto()
-    """Leave them out, also from the node sets; a set of such nodes only is left out, too."""
+    """Drop them, also from the node sets; a set of such nodes only is dropped, too."""
 
 
 @dataclass(frozen=True)
 class CellOrigin:
-    """Where a cell comes from: an element of that id at a line of a file."""
+    """Origin of a cell: element id and line of a file."""
 
     path: Path
     line: int
@@ -39,11 +39,11 @@ class CellOrigin:
 
 @dataclass(frozen=True)
 class FileMesh:
-    """Nodes, cells and sets as a file has them, numbered from 0 in its order.
+    """Nodes, cells and sets of a file, numbered from 0 in its order.
 
-    node_ids : (N,) what the file calls its nodes; None where it does not
-    cell_ids : {CellType: (E,)} what it calls its elements; two cells of one element share its id
-    cell_origins : where formats have lines, for each cell of a type which element it is
+    node_ids : (N,) ids in the file; None without ids
+    cell_ids : {CellType: (E,)} element ids in the file; cells of one element share its id
+    cell_origins : the element of each cell of a type, for formats with lines
     """
 
     path: Path
@@ -108,7 +108,7 @@ class FileMesh:
         )
 
     def without_unused(self, among: NDArray[np.bool_]) -> FileMesh:
-        """Without those nodes (N,) `among` which no cell uses."""
+        """The file mesh without those of the nodes `among` (N,) that no cell uses."""
         return self._used(~among)
 
     def _used(self, kept: NDArray[np.bool_] | None = None) -> FileMesh:

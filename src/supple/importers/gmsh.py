@@ -31,7 +31,7 @@ def read_gmsh(
     """Mesh of a Gmsh file: its cells of the highest dimension, and its physical groups as sets.
 
     Every physical group becomes a node set; those of the highest dimension are cell sets, too. A group
-    without a name is called after its dimension and tag, as in 'surface 7'. Quadrilaterals and surfaces of
+    without a name is named by its dimension and tag, as in 'surface 7'. Quadrilaterals and surfaces of
     second order become triangles over all their nodes; nodes inside faces and cells of second order (of
     hexahedra with 27 nodes, say) are left out. A cell that the file repeats, once for each of its groups
     (format 2), is read once.
@@ -47,7 +47,7 @@ def read_gmsh(
     Raises
     ------
     ImportFormatError   missing, cut or unreadable file, unknown cell type, cells naming missing nodes
-    MeshError           what the file describes is no usable mesh
+    MeshError           what the file describes is not a usable mesh
     """
     path = Path(path)
     text = _whole_text(path)
@@ -71,12 +71,12 @@ def read_gmsh(
 
 
 def _whole_text(path: Path) -> str:
-    """The file, bytes taken as characters; ImportFormatError when it is missing or cut short."""
+    """The bytes of the file as characters; ImportFormatError if it is missing or cut short."""
     text = file_content(path).removeprefix(codecs.BOM_UTF8).decode("latin-1")
     for section in ("MeshFormat", "Nodes", "Elements"):
         start = text.find(f"${section}")
         if start < 0:
-            raise ImportFormatError(f"{path}: no ${section} section; is this a Gmsh mesh, and whole?")
+            raise ImportFormatError(f"{path}: no ${section} section; is this a Gmsh mesh, and complete?")
         if f"$End{section}" not in text:
             raise ImportFormatError(
                 f"{path}, line {_line(text, start)}: ${section} has no $End{section}; the file is cut short"
@@ -92,7 +92,7 @@ def _physical_names(path: Path, text: str) -> dict[tuple[int, int], str]:
         return names
     for found in re.finditer(r'^\s*([0-3])\s+([0-9]{1,18})\s+"(.*)"', section[1], flags=re.MULTILINE):
         name = found[3].encode("latin-1").decode("utf-8", errors="replace")
-        # A set has one name: of two groups the first would vanish.
+        # Sets are found by name: the second group of a name would replace the first.
         if name in names.values():
             raise ImportFormatError(
                 f"{path}, line {_line(text, section.start(1) + found.start(3))}: a second physical group is "
@@ -115,7 +115,7 @@ def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> li
         if lost.size:
             raise ImportFormatError(
                 f"{path}: {elements.type_name} cell {lost[0]} (of its block, from 0) names a node that the "
-                "file does not define; save the mesh from Gmsh anew"
+                "file does not define; save the mesh from Gmsh again"
             )
         groups = {
             names.get((elements.dimension, tag), f"{_ENTITIES[elements.dimension]} {tag}"): inside
@@ -129,7 +129,7 @@ def _blocks(path: Path, read: GmshFile, names: dict[tuple[int, int], str]) -> li
 
 
 def _each_once(type_name: str, parts: Sequence[CellBlock]) -> CellBlock:
-    """Cells of one type, each where it first appears, in the sets of all its appearances."""
+    """Cells of one type without repetitions, in the sets of all their repetitions."""
     cells = np.vstack([part.cells for part in parts])
     _, first, same = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_inverse=True)
     in_order = np.argsort(first)

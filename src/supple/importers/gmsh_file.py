@@ -1,6 +1,6 @@
-"""The Gmsh format (.msh; 2 and 4.1, in text 4.0 as well) before any meaning: nodes, elements, groups.
+"""Syntax of the Gmsh format (.msh; 2 and 4.1, in text also 4.0): nodes, elements, groups.
 
-Every count that a file states is held against what is left of it before anything is made of that size.
+Every stated count is compared with the remaining size of the file before an array of that size is made.
 Source: the Gmsh reference manual, chapter on file formats.
 """
 
@@ -32,14 +32,14 @@ _TYPES = {
     30: ("tetra35", 3, 35), 31: ("tetra56", 3, 56), 36: ("quad16", 2, 16), 37: ("quad25", 2, 25),
     92: ("hexahedron64", 3, 64), 93: ("hexahedron125", 3, 125),
 }  # fmt: skip
-# Places of a cell's nodes in Gmsh's order of the middle ones.
+# Order of a cell's middle nodes in Gmsh.
 _ORDER = {
     "tetra10": (0, 1, 2, 3, 4, 5, 6, 7, 9, 8),
     "pyramid13": (0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12),
     "wedge15": (0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11),
     "hexahedron20": (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15),
 }
-# Cells with nodes inside faces or themselves, as the cells without these.
+# Cells with nodes inside faces or volumes, and the cells without these nodes.
 _WITHOUT_INNER = {
     "quad9": ("quad8", 8), "pyramid14": ("pyramid13", 13), "wedge18": ("wedge15", 15),
     "hexahedron27": ("hexahedron20", 20),
@@ -50,9 +50,9 @@ _WITHOUT_INNER = {
 class GmshElements:
     """Elements of one type.
 
-    type_name : as a `CellType` names its shape;  dimension : 0 to 3
+    type_name : name of the shape as in `CellType`;  dimension : 0 to 3
     ids : (E,) element tags;  nodes : (E, k) node tags
-    groups : {physical tag: (E,) which of them are in that group}
+    groups : {physical tag: (E,) mask of the members}
     dropped : (E, j) tags of the nodes inside faces and cells, which are not read
     """
 
@@ -66,7 +66,7 @@ class GmshElements:
 
 @dataclass(frozen=True)
 class GmshFile:
-    """What a file holds: tags (N,) and positions (N, 3) of its nodes, and its elements in blocks."""
+    """Contents of a file: tags (N,) and positions (N, 3) of its nodes, and its elements in blocks."""
 
     tags: IntArray
     positions: FloatArray
@@ -74,11 +74,11 @@ class GmshFile:
 
 
 def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
-    """The nodes and elements of a file whose sections are known to be there.
+    """The nodes and elements of a file with all sections.
 
     Raises
     ------
-    ImportFormatError   another format; counts that the file does not fill; words for numbers; a tag twice
+    ImportFormatError   another format; counts that do not fit; words instead of numbers; repeated tags
     """
     version, numbers = _format(path, content)
     if version == "2":
@@ -93,7 +93,7 @@ def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
         blocks = tuple(_elements_of_4(numbers("Elements"), groups, old=old))
     second = first_repeated(tags)
     if second is not None:
-        raise _unreadable(path, f"node {tags[second]} stands twice in $Nodes")
+        raise _unreadable(path, f"node {tags[second]} occurs twice in $Nodes")
     dropped, used = (
         np.concatenate([np.zeros(0, dtype=np.int64), *(getattr(block, part).ravel() for block in blocks)])
         for part in ("dropped", "nodes")
@@ -104,7 +104,7 @@ def read_gmsh_file(path: Path, content: bytes) -> GmshFile:
 
 def _unreadable(path: Path, why: str) -> ImportFormatError:
     return ImportFormatError(
-        f"{path}: not readable as a Gmsh mesh ({why}); save it from Gmsh anew, as format 2.2 or 4.1, "
+        f"{path}: not readable as a Gmsh mesh ({why}); save it from Gmsh again, as format 2.2 or 4.1, "
         "whole, and "
         "with either all entities in physical groups or none"
     )
@@ -298,7 +298,7 @@ def _groups_of_tags(physical: IntArray) -> dict[int, NDArray[np.bool_]]:
 def _nodes_of_4(section: _Section) -> tuple[IntArray, FloatArray]:
     n_blocks, n, _, _ = section.integers(4, wide=True).tolist()
     tags, positions = [], []
-    for _ in range(n_blocks):  # each takes some of the file, so this ends with it
+    for _ in range(n_blocks):  # each reads a part of the file, so the loop ends
         _, _, parametric = section.integers(3).tolist()
         if parametric:
             raise section.error("parametric nodes; save the mesh without them")
@@ -335,10 +335,10 @@ def _groups_of_4(section: _Section, *, old: bool) -> dict[tuple[int, int], list[
     for dimension, count in enumerate(section.integers(4, wide=True).tolist()):
         for _ in range(count):
             tag = section.integer()
-            section.reals(6 if dimension or old else 3)  # its box or place
+            section.reals(6 if dimension or old else 3)  # its bounding box or position
             found[dimension, tag] = np.abs(section.integers(section.integer(wide=True))).tolist()
             if dimension:
-                section.integers(section.integer(wide=True))  # what bounds it
+                section.integers(section.integer(wide=True))  # its boundary
     return found
 
 
@@ -349,7 +349,7 @@ def _elements_of_4(
     read = 0
     for _ in range(n_blocks):
         dimension, entity, number = section.integers(3).tolist()
-        if old:  # which writes the entity first
+        if old:  # format 4.0 writes the entity first
             dimension, entity = entity, dimension
         count, k = section.integer(wide=True), _type(section, number)[2]
         rows = section.integers(count * (1 + k), wide=True).reshape(-1, 1 + k)

@@ -1,4 +1,4 @@
-"""The files that a file of cards or keywords is read with: itself and those it includes."""
+"""A file of cards or keywords and the files that it includes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _INCLUDE = re.compile(
 
 
 def files_read_with(path: Path) -> tuple[Path, ...]:
-    """A file and, of those kinds that include others, all it includes that are there, each once."""
+    """A file and all existing files that it includes, each once."""
     found: dict[Path, None] = {}
     left = [path]
     while left:

@@ -1,4 +1,4 @@
-"""Inclusion of one input file by another, held to a number and a size that no model reaches."""
+"""Inclusion of input files by others, with limits of number and size far above those of models."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ MOST_INCLUDED_CHARACTERS = 2**30
 
 
 def included_file(name: str, *folders: Path) -> Path:
-    """The file that a name means: in the first folder that has it, whatever the case of its letters.
+    """The file of a name in the first folder that has it, regardless of upper and lower case.
 
-    Backslashes separate folders, too; a prefix `PLACE:` of more than one letter is a logical name, which
-    only the computer of its author knows, and is left out. Where no folder has it: its path in the first.
+    Backslashes also separate folders. A prefix `PLACE:` of more than one letter is a logical name of the
+    author's computer and is dropped. If no folder has the file, its path in the first folder is returned.
     """
     words = name.replace("\\", "/")
     place, colon, rest = words.partition(":")
@@ -35,7 +35,7 @@ def included_file(name: str, *folders: Path) -> Path:
 
 
 def _any_case(folder: Path, words: str) -> Path | None:
-    """The one file of that name but for the case of its letters; None where there is none, or several."""
+    """The only file of that name regardless of case; None without one, or with several."""
     at = folder
     for part in Path(words).parts:
         if part in ("..", ".") or (at / part).exists():
@@ -60,7 +60,7 @@ class Inclusions:
         self._characters = 0
 
     def lines(self, path: Path) -> list[str]:
-        """Lines of the file that everything begins with."""
+        """Lines of the main file."""
         return file_lines(path, self._remedy)
 
     def included(self, path: Path, number: int, target: Path, depth: int) -> list[str]:

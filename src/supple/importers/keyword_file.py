@@ -1,4 +1,4 @@
-"""Keyword files: the grammar that Abaqus and CalculiX input shares, before any meaning."""
+"""Syntax of Abaqus and CalculiX keyword files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from supple.importers.plain_number import is_plain, plain_integer, plain_number
 class KeywordBlock:
     """One keyword, its options, and the data lines below it; `line` counts in the `KeywordFile`.
 
-    Names of options stand without blanks, as both programs compare them (`REF NODE` and `REFNODE` are one).
+    Names of options have no blanks, as both programs compare them (`REF NODE` and `REFNODE` are one).
     """
 
     name: str
@@ -47,7 +47,7 @@ class KeywordFile:
 
 @dataclass(frozen=True)
 class IntegerRows:
-    """Integers of a block's data, and for each the line and whether it is the first there."""
+    """Integers of a block's data, each with its line and whether it is the first of the line."""
 
     values: NDArray[np.int64]
     lines: NDArray[np.int64]
@@ -93,7 +93,7 @@ def read_keyword_file(path: Path) -> KeywordFile:
 
 
 def fields(text: str) -> list[str]:
-    """Comma-separated fields of a data line; a comma at its end only announces another line."""
+    """Comma-separated fields of a data line; a comma at its end announces another line."""
     return [field.strip() for field in text.rstrip(", \t").split(",")]
 
 
@@ -113,7 +113,7 @@ def numbered_points(file: KeywordFile, block: KeywordBlock) -> NumberedPoints:
     rows = [fields(text) for _, text in block.data]
     lines = np.array([i for i, _ in block.data], dtype=np.int64)
     for i, row in zip(lines, rows, strict=True):
-        # Coordinates that are not given are 0, and a normal may follow; in the last line of all, a cut.
+        # Missing coordinates are 0, and a normal may follow; the last line of the file may be cut.
         if len(row) > 7 or (len(row) < 4 and i == len(file.lines) - 1):
             raise file.error(i, f"{len(row)} fields; a node is id, x, y, z (is the file cut short?)")
         row[:] = [*(word or "0" for word in row), "0", "0", "0"][:4]
@@ -153,7 +153,7 @@ def _is_number(word: str, *, whole: bool) -> bool:
 
 
 def _meaning(path: Path, lines: list[str], inclusions: Inclusions, depth: int) -> list[tuple[Path, int, str]]:
-    """Lines of a file that mean something, with those of included files in place."""
+    """Lines of a file without comments, with included files inserted."""
     found = []
     for number, line in enumerate(lines, start=1):
         text = line.strip()

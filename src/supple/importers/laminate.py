@@ -1,4 +1,4 @@
-"""Classical laminate: the stiffness and mass of a wall of plies, as decks describe one."""
+"""Classical laminate theory: stiffness and mass of a wall of plies."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 @dataclass(frozen=True, eq=False)
 class Ply:
-    """A layer; its stiffness is in its own axes, turned by `angle` from those of the wall.
+    """A layer; its stiffness is in its own axes, rotated by `angle` from those of the wall.
 
     plane_stress : (3, 3) Pa, order xx, yy, xy (engineering shear)
-    shear : (2, 2) transverse shear stiffness, order xz, yz, Pa; None where it is rigid
+    shear : (2, 2) transverse shear stiffness, order xz, yz, Pa; None if rigid
     density : kg/m^3;  thickness : m;  angle : rad, about the normal
     """
 
@@ -39,10 +39,10 @@ class Ply:
         # Strains of the wall to strains of the ply.
         T = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
         turned = T.T @ self.plane_stress @ T
-        return 0.5 * (turned + turned.T)  # also where sums over plies cancel
+        return 0.5 * (turned + turned.T)  # symmetric also if sums over plies cancel
 
     def turned_shear_compliance(self) -> FloatArray:
-        """Transverse shear compliance (2, 2) in the axes of the wall; zero where shear is rigid."""
+        """Transverse shear compliance (2, 2) in the axes of the wall; zero if rigid in shear."""
         if self.shear is None:
             return np.zeros((2, 2))
         c, s = np.cos(self.angle), np.sin(self.angle)
@@ -62,7 +62,7 @@ def orthotropic_ply(
     thickness: float,
     angle: float = 0.0,
 ) -> Ply:
-    """Ply of engineering constants, Pa; a transverse shear modulus of 0 counts as rigid.
+    """Ply from engineering constants, Pa; a transverse shear modulus of 0 counts as rigid.
 
         Q11 = E1 / (1 - nu12 nu21),  Q12 = nu12 E2 / (1 - nu12 nu21),  Q22 = E2 / (1 - nu12 nu21),  Q66 = G12
 
@@ -75,16 +75,16 @@ def orthotropic_ply(
 
 
 def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: float = 0.0) -> WallProperty:
-    """Wall of plies from the bottom up.
+    """Wall of plies, listed from the bottom up.
 
         A, B, D = sum over plies of int Q (1, z, z^2) dz
 
-    The transverse shear stiffness is that of equilibrium: where moments vary along the wall, M_x,x = Q_x
-    and M_y,y = Q_y, in-plane stresses vary with them, and shear stresses balance these from the bottom up,
+    The transverse shear stiffness follows from equilibrium: moments that vary along the wall, M_x,x = Q_x
+    and M_y,y = Q_y, cause in-plane stresses that vary, and shear stresses balance these from the bottom up,
 
         tau(z) = F(z) [Q_x, Q_y],   H^-1 = int F^T S F dz,   S the shear compliance of the plies;
 
-    5/6 G t of a homogeneous wall. It does not depend on where the surface of the nodes lies.
+    5/6 G t for a homogeneous wall. It does not depend on the surface of the nodes.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
     """
     thicknesses = np.array([ply.thickness for ply in plies])
     total = float(thicknesses.sum())
-    # About the middle first, where the shear is worked out.
+    # About the middle first, for the shear stiffness.
     faces = np.concatenate([[0.0], np.cumsum(thicknesses)]) - total / 2
     Q = np.stack([ply.turned_stiffness() for ply in plies])
     densities = np.array([ply.density for ply in plies]) + added_mass / total
@@ -109,7 +109,7 @@ def laminate(plies: Sequence[Ply], *, bottom: float | None = None, added_mass: f
 def moved_wall(wall: WallProperty, offset: float) -> WallProperty:
     """The same wall, moved by `offset` along the normal from the surface of the nodes, m.
 
-    A' = A,   B' = B + z A,   D' = D + 2 z B + z^2 A,   and so with the moments of the mass.
+    A' = A,   B' = B + z A,   D' = D + 2 z B + z^2 A,   likewise for the moments of the mass.
     """
     A, B, D, z = wall.membrane, wall.coupling, wall.bending, offset
     mass, moment = wall.mass_per_area, wall.mass_moment_per_area
@@ -130,7 +130,7 @@ def _shear_stiffness(
     B: FloatArray,
     D: FloatArray,
 ) -> FloatArray | None:
-    """H (2, 2); None where all plies are rigid in shear."""
+    """H (2, 2); None if all plies are rigid in shear."""
     if all(ply.shear is None for ply in plies):
         return None
     # Strain and curvature (6,) of a unit growth of M_x and of M_y along the wall.

@@ -1,4 +1,4 @@
-"""One deck of several whose common nodes are one: superelements assembled."""
+"""Assembly of several decks into one by their common nodes (superelements)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 @dataclass(frozen=True, eq=False)
 class CommonNodes:
-    """Nodes (k,) of two decks, by their names, that are the same."""
+    """Common nodes (k,) of two decks, which are given by name."""
 
     first: str
     second: str
@@ -31,10 +31,10 @@ class CommonNodes:
 
 
 def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> Deck:
-    """One deck of all, with each of them in `superelements` and its elements and nodes in sets of its name.
+    """One deck of all decks, each also in `superelements`, with its elements and nodes in sets of its name.
 
-    Sets, properties and ties are called NAME.SET, those of the first deck as they were. Common nodes have the
-    place and the id that they have in the first deck which has them; an id that is taken becomes a free one.
+    Sets, properties and ties are renamed to NAME.SET, except those of the first deck. Common nodes have the
+    position and id of the first deck with this node; an id that is in use is replaced by a free one.
     """
     numbers, first = _numbers(decks, common)
     ids = np.concatenate([deck.node_ids for deck in decks.values()])[first]
@@ -66,7 +66,7 @@ def merged_decks(decks: Mapping[str, Deck], common: Sequence[CommonNodes]) -> De
 def _numbers(
     decks: Mapping[str, Deck], common: Sequence[CommonNodes]
 ) -> tuple[dict[str, IntArray], IntArray]:
-    """Number in the whole of the nodes of each deck; of each node of the whole the first that it was."""
+    """Node numbers of each deck in the assembly, and for each node of the assembly its first origin."""
     start = dict(zip(decks, np.cumsum([0, *(len(each.nodes) for each in decks.values())]), strict=False))
     total = sum(len(each.nodes) for each in decks.values())
     none = np.empty(0, dtype=np.int64)
@@ -83,7 +83,7 @@ def _numbers(
 
 
 def _without_repeats(ids: IntArray, taken: IntArray) -> IntArray:
-    """The ids, those that repeat an earlier one or are taken as free ones above all."""
+    """The ids; those that repeat an earlier one or are in use become free ones above all others."""
     _, first = np.unique(ids, return_index=True)
     free = np.ones(len(ids), dtype=bool)
     free[first] = False
@@ -93,7 +93,7 @@ def _without_repeats(ids: IntArray, taken: IntArray) -> IntArray:
 
 
 def _renumbered(deck: Deck, number: IntArray, before: str, taken: IntArray) -> Deck:
-    """The deck in the numbers of the whole; element ids that are taken become free ones."""
+    """The deck in the node numbers of the assembly; element ids in use become free ones."""
     named = {name: f"{before}{name}" for name in deck.properties}
 
     def freedoms(given: IntArray) -> IntArray:
@@ -137,7 +137,7 @@ def _renumbered(deck: Deck, number: IntArray, before: str, taken: IntArray) -> D
 
 
 def _together(parts: Sequence[Deck]) -> Deck:
-    """The sums of decks that count in the same numbers; nodes are those of the first."""
+    """The union of decks with the same node numbers; nodes are those of the first."""
     lists = ("elements", "masses", "stiffnesses", "dampings", "springs", "dashpots", "inertias")
     joined = {
         name: tuple(each for part in parts for each in getattr(part, name))

@@ -1,4 +1,4 @@
-"""Mesh files: the reader for a file, chosen by its suffix."""
+"""Mesh files: the reader is selected by the suffix."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ READERS = {
 }
 
 MESH_SUFFIXES = tuple(READERS)
-"""Files that `read_mesh` reads."""
+"""Suffixes of the files that `read_mesh` reads."""
 
 
 @checked_arguments
@@ -41,8 +41,8 @@ def read_mesh(
 
     Raises
     ------
-    ImportFormatError   a suffix that no reader knows; whatever the reader finds wrong
-    MeshError           what the file describes is no usable mesh
+    ImportFormatError   a suffix without a reader; errors of the reader
+    MeshError           what the file describes is not a usable mesh
     """
     reader = READERS.get(Path(path).suffix.lower())
     if reader is None:

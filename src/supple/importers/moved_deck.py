@@ -1,4 +1,4 @@
-"""A deck moved, turned or mirrored: every position, direction, freedom and section with it."""
+"""A deck moved, rotated or mirrored, with all positions, directions, freedoms and sections."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ __all__ = ["mirrored_order", "moved_deck"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Of a component that the motion of axes leaves empty.
+# Size below which a transformed component is zero.
 _NONE = 1e-14
 
 
 def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
     """The deck with x -> Q x + shift.
 
-    u -> Q u, and rotations, which are axial vectors, theta -> det(Q) Q theta. A mirrored cell lists its nodes
-    the other way round, so that its normal is the mirrored normal; the second axis of a wall and of a beam
-    is then the opposite of the mirrored one, and the terms of their stiffness that are odd in it change sign.
+    u -> Q u, and rotations, which are axial vectors, theta -> det(Q) Q theta. The node order of a mirrored
+    cell is reversed, so that its normal is the mirrored normal. The second axis of a wall and of a beam is
+    then opposite to the mirrored one, and terms of their stiffness that are odd in it change sign.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
     lost = [mean for mean in deck.means if not turn.keeps(mean.components)]
     left = [
         LeftOut(
-            mean.name, 1, mean.line, "some of its components follow in axes that are turned with its part"
+            mean.name, 1, mean.line, "some of its components follow in axes that are rotated with its part"
         )
         for mean in lost
     ]
@@ -65,7 +65,7 @@ def moved_deck(deck: Deck, Q: FloatArray, shift: FloatArray) -> Deck:
 
 @dataclass(frozen=True, eq=False)
 class _Turn:
-    """Turned or mirrored axes. n_freedoms: those of nodes; beyond are scalar points, which have no axes."""
+    """Rotated or mirrored axes. n_freedoms: of nodes; scalar points follow, which have no axes."""
 
     Q: FloatArray
     n_freedoms: int
@@ -82,7 +82,7 @@ class _Turn:
         return np.block([[self.Q, np.zeros((3, 3))], [np.zeros((3, 3)), axial]])
 
     def expansion(self, freedoms: IntArray) -> sparse.csr_array:
-        """Rows (k, n) of freedoms by the new ones: u_j = sum_i whole_ij u'_i."""
+        """Rows (k, n) of freedoms in the new ones: u_j = sum_i whole_ij u'_i."""
         n = int(max(self.n_freedoms, freedoms.max(initial=-1) + 1))
         placed = freedoms < self.n_freedoms
         factors = np.where(placed[:, None], self.whole.T[freedoms % 6], np.eye(6)[freedoms % 6])
@@ -107,7 +107,7 @@ class _Turn:
         )
 
     def dependent(self, given: IntArray) -> IntArray:
-        """The freedom that each row eliminates, where it is one in the new axes, too; or -1."""
+        """The freedom that each row eliminates if it is also one in the new axes; else -1."""
         own = np.maximum(given, 0)
         factors = np.abs(self.whole.T[own % 6])
         new = 6 * (own // 6) + factors.argmax(axis=1)
@@ -134,7 +134,7 @@ class _Turn:
         )
 
     def property(self, given: Property) -> Property:
-        """A property; of mirrored axes the terms odd in the second axis change sign."""
+        """A property; for mirrored axes terms that are odd in the second axis change sign."""
         if not self.mirrors:
             return given
         if isinstance(given, WallProperty):
@@ -149,7 +149,7 @@ class _Turn:
         return given
 
     def keeps(self, components: tuple[bool, ...]) -> bool:
-        """Whether components of a node are components in the new axes."""
+        """Whether components of a node are also components in the new axes."""
         halves = (components[:3], components[3:])
         return all(len(set(half)) == 1 for half in halves) or bool(
             (np.abs(self.Q).max(axis=0) > 1 - _NONE).all()
@@ -165,7 +165,7 @@ class _Turn:
 
 @cache
 def mirrored_order(kind: CellType) -> IntArray:
-    """The order of the nodes of a mirrored cell: its reference cell with x and y exchanged."""
+    """The node order of a mirrored cell: that of the reference cell with x and y exchanged."""
     if kind.dimension < 3:
         return np.array([0, 1] if kind.dimension == 1 else [0, 2, 1])
     points = reference_nodes(kind)

@@ -1,4 +1,4 @@
-"""Node table: the labelled nodes of a mesh file, without its elements, for matrices exported beside it."""
+"""Node table: the labelled nodes of a mesh file without its elements, for matrices of the same model."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class NodeTable:
-    """Nodes with their ids, places and sets.
+    """Nodes with their ids, positions and sets.
 
     source      : the file, for messages
     ids         : (N,) labels
     positions   : (N, 3)
-    axes        : (N, 3, 3) directions of the freedoms as columns; None where all are the global axes
+    axes        : (N, 3, 3) directions of the freedoms as columns; None if all are the global axes
     node_sets   : {name: (k,) node numbers from 0}
     connections : rigid and averaging elements
     retained    : (n, 2) node id and component (1 to 6, 0 of scalar points) of an analysis set (ASET, QSET),

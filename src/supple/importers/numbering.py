@@ -1,4 +1,4 @@
-"""Numbering: from the ids of a file, in any order and with gaps, to numbers that count from 0."""
+"""Conversion of ids, in any order and with gaps, to numbers from 0."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ IntArray = NDArray[np.int64]
 
 
 def numbers_of(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-    """Where each wanted id stands in `ids`, and whether it is there at all."""
+    """Position of each wanted id in `ids`, and whether it exists."""
     if not len(ids):
         return np.zeros(np.shape(wanted), dtype=np.int64), np.zeros(np.shape(wanted), dtype=bool)
     order = np.argsort(ids)
@@ -20,7 +20,7 @@ def numbers_of(ids: IntArray, wanted: IntArray) -> tuple[IntArray, NDArray[np.bo
 
 
 def first_repeated(ids: IntArray) -> int | None:
-    """The first place whose id stood earlier already; None when all differ."""
+    """The first position of a repeated id; None if all differ."""
     order = np.argsort(ids, kind="stable")
     again = np.flatnonzero(ids[order][1:] == ids[order][:-1])
     return int(order[1:][again].min()) if again.size else None

@@ -1,6 +1,6 @@
-"""Plain numbers: what a file may write for one, in the digits 0 to 9.
+"""Numbers of files in the digits 0 to 9.
 
-Python also takes 1_000, the digits of every script, nan and infinity, and whole numbers of any length.
+Python also accepts 1_000, digits of other scripts, nan and infinity, and integers of any length.
 """
 
 from __future__ import annotations
@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 
 LARGEST_INTEGER = 2**63 - 1
-"""Of 64 bits: what arrays of ids hold."""
+"""Limit of 64-bit integers, the type of id arrays."""
 
 _LONGEST_INTEGER = 20
-"""Digits and sign; Python spends quadratic time on longer ones before they can be compared."""
+"""Largest number of characters; conversion of longer ones takes quadratic time."""
 
 
 def is_plain(text: str) -> bool:
-    """Whether a text has none of the characters that only Python takes for a part of a number."""
+    """Whether a text has no characters that only Python accepts in numbers."""
     return text.isascii() and "_" not in text
 
 
@@ -27,7 +27,7 @@ def is_plain_digits(word: str) -> bool:
 
 
 def plain_integer(word: str) -> int:
-    """The whole number; ValueError for anything else, also beyond 64 bits."""
+    """The integer; ValueError for anything else, also beyond 64 bits."""
     if not is_plain(word) or len(word.strip()) > _LONGEST_INTEGER:
         raise ValueError(f"'{word[:40]}' is not a whole number of 64 bits")
     number = int(word)
@@ -37,7 +37,7 @@ def plain_integer(word: str) -> int:
 
 
 def plain_number(word: str) -> float:
-    """The number, finite; ValueError for anything else."""
+    """The finite number; ValueError for anything else."""
     if not is_plain(word) or not math.isfinite(number := float(word)):
         raise ValueError(f"'{word[:40]}' is not a number")
     return number

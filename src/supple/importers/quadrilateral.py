@@ -1,12 +1,12 @@
-"""Quadrilaterals of a file, which the mesh does not know, as triangles."""
+"""Quadrilaterals of a file, as triangles, since the mesh has no quadrilaterals."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-CROSSED = "its sides cross, so its nodes do not go round it; list them in their order around it"
-"""What is wrong with a crossed quadrilateral, for messages."""
+CROSSED = "its sides cross; list its nodes in their order around it"
+"""The error message for a crossed quadrilateral."""
 
 _ALONG_02, _ALONG_13 = [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]
 
@@ -14,7 +14,7 @@ _ALONG_02, _ALONG_13 = [[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]
 def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
     """Two triangles (2 Q, 3) for each quadrilateral (Q, 4), cut along the shorter diagonal inside it.
 
-    Triangles 2 q and 2 q + 1 come from quadrilateral q and turn the same way.
+    Triangles 2 q and 2 q + 1 come from quadrilateral q and have the same orientation.
     """
     corners = nodes[quads]
     diagonal_02 = np.linalg.norm(corners[:, 2] - corners[:, 0], axis=1)
@@ -27,8 +27,8 @@ def split_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -
 def split_quadratic_surfaces(nodes: NDArray[np.float64], surfaces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Triangles over all nodes of six-node triangles (4 each) or eight-node quadrilaterals (6 each).
 
-    Corners come first, then the middles of the edges from each corner to the next. Each corner is cut off;
-    the quadrilateral between four middles is cut along its shorter diagonal.
+    Corners come first, then the middle nodes of the edges in order. Each corner is a triangle; the
+    quadrilateral between four middle nodes is split along its shorter diagonal.
     """
     n = surfaces.shape[1] // 2
     corners = [(i, n + i, n + (i - 1) % n) for i in range(n)]
@@ -39,7 +39,7 @@ def split_quadratic_surfaces(nodes: NDArray[np.float64], surfaces: NDArray[np.in
 
 
 def crossed_quadrilaterals(nodes: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Numbers (k,) of the quadrilaterals that neither diagonal cuts into triangles that turn the same way."""
+    """Numbers (k,) of the quadrilaterals that no diagonal cuts into triangles of the same orientation."""
     corners = nodes[quads]
     return np.flatnonzero(~_turn_alike(corners, _ALONG_02) & ~_turn_alike(corners, _ALONG_13))
 

@@ -1,4 +1,4 @@
-"""A deck on some of its nodes: one of its parts, or one instance of an assembly."""
+"""Restriction of a deck to some of its nodes, for one part or one instance of an assembly."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ Tie = TypeVar("Tie", RigidTie, WeightedMean)
 
 
 def restricted_deck(deck: Deck, own: NDArray[np.bool_]) -> Deck:
-    """What of a deck lies on some of its nodes (N,) alone; properties and element sets stay as they are.
+    """The deck on a subset of its nodes (N,); properties and element sets are unchanged.
 
-    Cells, matrices, rows and ties with other nodes are not in it; of node sets, the members that are own.
+    Cells, matrices, rows and ties with other nodes are removed, and so are other nodes of node sets.
     """
     if own.all():
         return deck
@@ -81,7 +81,7 @@ def kept_terms(given: ScalarTerms, own: NDArray[np.bool_]) -> ScalarTerms:
 
 
 def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> ScalarTerms:
-    """Rows all of whose freedoms are own."""
+    """Rows with freedoms of the subset only."""
     rows = np.ones(len(given.lines), dtype=bool)
     rows[given.rows[~own[given.freedoms // 6]]] = False
     kept = kept_terms(given, rows)
@@ -92,7 +92,7 @@ def _terms(given: ScalarTerms, own: NDArray[np.bool_], number: IntArray) -> Scal
 
 
 def used_nodes(deck: Deck) -> NDArray[np.bool_]:
-    """Whether anything uses a node (N,): cells, matrices, rows, ties; others only give a place."""
+    """Whether cells, matrices, rows or ties use a node (N,)."""
     terms = (*deck.springs, *deck.dashpots, *deck.inertias, *deck.constraints, *deck.held)
     matrices = (*deck.masses, *deck.stiffnesses, *deck.dampings)
     named = [

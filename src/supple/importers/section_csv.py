@@ -1,4 +1,4 @@
-"""Section tables in CSV: one line a section."""
+"""Section tables in CSV, one line for each section."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ PAIRS = [f"{i + 1}{j + 1}" for i, j in zip(*UPPER, strict=True)]
 def read_section_csv(path: str | Path) -> SectionTable:
     """Section table of a file with a line for each section, from the root to the tip.
 
-    Columns, in any order: x, y, z, the place in the body's axes; axis_x, axis_y, axis_z, the direction of the
-    section's x axis there (its part along the curve is taken off, its length does not count); k11, k12 .. k66
-    and m11, m12 .. m66, the upper triangles of stiffness and inertia by the axes, the order and the signs of
-    `SectionTable`. Columns off the diagonal that are not there are zero. z of a section leads along the
-    curve: at an inner section along the parabola through its neighbours.
+    Columns, in any order: x, y, z, the position in body axes; axis_x, axis_y, axis_z, the direction of the
+    section's x axis (its component along the curve is removed; any length); k11, k12 .. k66 and m11, m12 ..
+    m66, the upper triangles of stiffness and inertia with the axes, order and signs of `SectionTable`.
+    Missing off-diagonal columns are zero. The z axis of a section is tangent to the curve: at an inner
+    section to the parabola through its neighbours.
 
     Raises
     ------
-    ImportFormatError   missing file or columns, words for numbers, fewer than two sections
-    ModelError          sections that `SectionTable` refuses
+    ImportFormatError   missing file or columns, words instead of numbers, fewer than two sections
+    ModelError          sections that `SectionTable` rejects
     """
     diagonal = [f"{of}{i}{i}" for of in "km" for i in range(1, 7)]
     known = [f"{of}{pair}" for of in "km" for pair in PAIRS]
@@ -53,7 +53,7 @@ def read_section_csv(path: str | Path) -> SectionTable:
     check_sections(where, stiffness, inertia)
     lengths = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     if not (lengths > 0).all():
-        raise ModelError(f"{where[int(np.argmin(lengths)) + 1]}: at the place of the section before it")
+        raise ModelError(f"{where[int(np.argmin(lengths)) + 1]}: at the position of the section before it")
     z = np.gradient(positions, np.append(0.0, lengths.cumsum()), axis=0, edge_order=2 if n > 2 else 1)
     z /= np.linalg.norm(z, axis=1)[:, None]
     x = towards - np.einsum("ni,ni->n", towards, z)[:, None] * z
@@ -61,7 +61,7 @@ def read_section_csv(path: str | Path) -> SectionTable:
     flat = size <= 1e-6 * np.linalg.norm(towards, axis=1)
     if flat.any():
         raise ModelError(
-            f"{where[int(np.argmax(flat))]}: its axis_x, axis_y, axis_z lead along the curve; "
+            f"{where[int(np.argmax(flat))]}: its axis_x, axis_y, axis_z are along the curve; "
             "give a direction across it"
         )
     x /= size[:, None]

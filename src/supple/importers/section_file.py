@@ -1,4 +1,4 @@
-"""Section tables of any format, by the suffix of the file."""
+"""Section tables: the reader is selected by the suffix."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Section tables: place, 6 x 6 stiffness and 6 x 6 inertia along the curve of a beam."""
+"""Section tables: position, 6 x 6 stiffness and 6 x 6 inertia along the curve of a beam."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ __all__ = ["SectionTable", "check_sections", "section_matrix", "twisted_axes"]
 FloatArray = NDArray[np.float64]
 
 ASYMMETRY = 1e-6
-"""Of the root of the product of the two diagonal entries: digits of a printed table."""
+"""Tolerance of symmetry, relative to the geometric mean of the diagonal entries."""
 SMALLEST_STIFFNESS = 1e-9
-"""Smallest principal value of a stiffness whose diagonal is scaled to 1: less is no definite matrix."""
+"""Smallest eigenvalue of a positive definite stiffness with its diagonal scaled to 1."""
 NO_SECTION = 1e-3
-"""Of the mass, or of the mass times the radius of gyration: what an inertia has that matter has not."""
+"""Tolerance of an inertia, relative to the mass, or to the mass times the radius of gyration."""
 LEAST_COSINE = 0.5
-"""Between the curve and the normal of a section."""
+"""Largest angle between the curve and the normal of a section."""
 
 UPPER = np.triu_indices(6)
 """Row and column of the 21 numbers of a symmetric matrix: the upper triangle, row by row."""
@@ -42,9 +42,9 @@ class SectionTable:
         (F, M) = K (gamma, kappa),   gamma = u' + t x theta,   kappa = theta'
         (p, l) = M (v, omega),       M = [m 1, -m c~; m c~, J],   c = (c_x, c_y, 0)
 
-    per unit length. So a centre of tension at (x, y) makes K_34 = EA y and K_35 = -EA x, and a centre of mass
-    M_34 = m y and M_35 = -m x. Between sections, places and matrices are linear in the length along the
-    chords, and the axes turn at a constant rate.
+    per unit length. A centre of tension at (x, y) gives K_34 = EA y and K_35 = -EA x, a centre of mass
+    M_34 = m y and M_35 = -m x. Between sections, positions and matrices are linear in the length along
+    the chords, and the axes rotate at a constant rate.
 
     positions : (n, 3)      in the body's axes
     axes : (n, 3, 3)        their columns are the unit vectors x, y, z of a section in the body's axes
@@ -53,8 +53,8 @@ class SectionTable:
 
     Raises
     ------
-    ModelError      arrays of the wrong shape, sections at one place, axes that are no rotation or do not look
-                    along the curve; whatever `check_sections` refuses
+    ModelError      arrays of the wrong shape, coincident sections, axes that are not a rotation or not
+                    along the curve; errors of `check_sections`
     """
 
     positions: FloatArray
@@ -113,12 +113,12 @@ def section_matrix(upper: ArrayLike) -> FloatArray:
 
 
 def twisted_axes(tangents: ArrayLike, twist: ArrayLike) -> FloatArray:
-    """Axes (n, 3, 3) of sections across a curve that leads along z, turned by a twist about -z, rad.
+    """Axes (n, 3, 3) of sections normal to a curve along z, rotated by a twist about -z, rad.
 
-    Untwisted, x of the section has no part along y of the body. So blades are given in windIO and BeamDyn:
-    z from the root to the tip, x to the suction side, y to the trailing edge, twist positive at the root.
+    Without twist, x of the section has no component along y of the body. This is the convention of windIO and
+    BeamDyn: z from root to tip, x to the suction side, y to the trailing edge, twist positive at the root.
 
-    tangents : (n, 3)       of the curve, of any length; with a part along x or z
+    tangents : (n, 3)       of the curve, of any length; with a component along x or z
     """
     z = np.asarray(tangents, dtype=float)
     z = z / np.linalg.norm(z, axis=1)[:, None]
@@ -129,9 +129,9 @@ def twisted_axes(tangents: ArrayLike, twist: ArrayLike) -> FloatArray:
 
 
 def check_sections(where: Sequence[str], stiffness: FloatArray, inertia: FloatArray) -> None:
-    """ModelError where a stiffness is not positive definite or an inertia none of a mass in a plane.
+    """ModelError for a stiffness that is not positive definite or an inertia not of a plane mass.
 
-    where : what a message calls each section, such as its line in a file
+    where : label of each section in messages, such as its line in a file
     """
     for name, matrices in (("stiffness", stiffness), ("inertia", inertia)):
         diagonal = np.einsum("nii->ni", matrices)
@@ -175,7 +175,7 @@ def _check_inertia(where: Sequence[str], inertia: FloatArray) -> None:
         ),
         (
             np.abs(inertia[:, 3:, :3] / mass[:, None, None] - c).max(axis=(1, 2)) > NO_SECTION * size,
-            "its first moments are none of a mass in its plane (26 = m x = -35, 34 = m y = -16, others zero)",
+            "its first moments are not of a mass in its plane (26 = m x = -35, 34 = m y = -16, others zero)",
         ),
         (
             np.linalg.eigvalsh(about_centre)[:, 0] < -NO_SECTION * mass * size**2,
@@ -199,7 +199,7 @@ def _check_curve(where: Sequence[str], positions: FloatArray, axes: FloatArray) 
     lengths = np.linalg.norm(chords, axis=1)
     if not (lengths > 0).all():
         k = int(np.argmin(lengths))
-        raise ModelError(f"sections {k} and {k + 1} are at one place; leave one of them out")
+        raise ModelError(f"sections {k} and {k + 1} are at the same position; leave one of them out")
     off = np.abs(axes.swapaxes(1, 2) @ axes - np.eye(3)).max(axis=(1, 2)) > ASYMMETRY
     off |= np.linalg.det(axes) < 0
     if off.any():
@@ -214,6 +214,6 @@ def _check_curve(where: Sequence[str], positions: FloatArray, axes: FloatArray) 
     if cosine.min() < LEAST_COSINE:
         k = int(np.argmin(cosine))
         raise ModelError(
-            f"{where[k]}: the curve to the next section leads {np.degrees(np.arccos(cosine[k])):.0f} degrees "
+            f"{where[k]}: the curve to the next section is at {np.degrees(np.arccos(cosine[k])):.0f} degrees "
             "away from its axis z; z leads along the curve, from the root to the tip"
         )

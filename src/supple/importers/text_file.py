@@ -1,4 +1,4 @@
-"""Text files: their characters and lines, whatever system wrote them."""
+"""Text files: characters and lines, independent of encoding and line ends."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MARKS = (
 
 
 def file_content(path: Path | Traversable) -> bytes:
-    """All bytes of a file; ImportFormatError where there is none, or it cannot be read."""
+    """All bytes of a file; ImportFormatError if it is missing or unreadable."""
     if not is_file(path):
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     try:
@@ -31,18 +31,18 @@ def file_content(path: Path | Traversable) -> bytes:
 
 
 def is_file(path: Path | Traversable) -> bool:
-    """Whether a file is there and can be found; also False of a name that no file can have."""
+    """Whether a file exists; also False for an impossible name."""
     try:
         return path.is_file()
-    except (OSError, ValueError):  # too long a name, a folder that may not be searched
+    except (OSError, ValueError):  # a name that is too long, a folder without permission
         return False
 
 
 def file_text(path: Path | Traversable, remedy: str = "export it as text") -> str:
     """The characters of a text file: in the encoding of its byte-order mark, else in UTF-8, else in Latin-1.
 
-    Numbers and keywords read alike in the last two; names with accents may be of either.
-    ImportFormatError for a file that is missing, unreadable or binary; `remedy` is that of the last.
+    Numbers and keywords are the same in the last two; accented names may use either.
+    ImportFormatError for a file that is missing, unreadable or binary; `remedy` is for the last.
     """
     content = file_content(path)
     for mark, encoding in _MARKS:
@@ -51,7 +51,7 @@ def file_text(path: Path | Traversable, remedy: str = "export it as text") -> st
                 return content[len(mark) :].decode(encoding)
             except UnicodeDecodeError as error:
                 raise ImportFormatError(
-                    f"{path}: its byte-order mark says {encoding.upper()}, but its bytes are none "
+                    f"{path}: its byte-order mark is that of {encoding.upper()}, but its bytes are not "
                     f"({error.reason}); save it as UTF-8"
                 ) from error
     if b"\0" in content:

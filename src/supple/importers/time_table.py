@@ -17,7 +17,7 @@ def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64
 
     Raises
     ------
-    ImportFormatError   a file that does not hold two columns of finite numbers with times that increase
+    ImportFormatError   a file other than two columns of finite numbers with increasing times
     """
     rows = _rows(path)
     if rows.shape[0] < 2 or rows.shape[1] != 2:
@@ -36,7 +36,7 @@ def read_time_table(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64
 
 
 def _rows(path: Path) -> NDArray[np.float64]:
-    """All rows (k, m) of numbers; m is 0 of a file without any."""
+    """All rows (k, m) of numbers; m is 0 for an empty file."""
     rows: list[list[float]] = []
     for number, line in enumerate(file_lines(path, "export the table as CSV"), start=1):
         text = line.partition("#")[0]

@@ -27,7 +27,7 @@ __all__ = ["read_vtu"]
 
 IntArray = NDArray[np.int64]
 
-# Numbers of VTK's cell types, as meshio names them, with their nodes. Vertices are no cells.
+# Numbers of VTK's cell types with meshio's names and their number of nodes. Vertices are no cells.
 _TYPES = {
     3: ("line", 2), 5: ("triangle", 3), 9: ("quad", 4), 10: ("tetra", 4), 12: ("hexahedron", 8),
     13: ("wedge", 6), 14: ("pyramid", 5), 21: ("line3", 3), 22: ("triangle6", 6), 23: ("quad8", 8),
@@ -40,15 +40,15 @@ _KINDS = {
     "UInt8": "u1", "UInt16": "u2", "UInt32": "u4", "UInt64": "u8",
 }  # fmt: skip
 _MOST_SETS = 1000
-# As many times its size zlib can pack.
+# Largest compression ratio of zlib.
 _BEST_PACKED = 1032
-# VTK's wedge has its first triangle's normal outwards, ours inwards: the two triangles change places.
+# The normal of the first triangle of a wedge is outwards in VTK, inwards here: the triangles are exchanged.
 _TURNED_WEDGE = (3, 4, 5, 0, 1, 2, 9, 10, 11, 6, 7, 8, 12, 13, 14)
 
 
 @dataclass(frozen=True)
 class _File:
-    """What stands outside the arrays: how bytes are ordered and packed, and those appended."""
+    """Byte order, compression and appended data of a file."""
 
     path: Path
     order: str
@@ -59,7 +59,7 @@ class _File:
 
     def error(self, message: str) -> ImportFormatError:
         """The error for a file that is not readable as VTU."""
-        return ImportFormatError(f"{self.path}: not readable as VTU: {message}; write it anew")
+        return ImportFormatError(f"{self.path}: not readable as VTU: {message}; write it again")
 
 
 @checked_arguments
@@ -68,7 +68,7 @@ def read_vtu(
 ) -> Mesh:
     """Mesh of a VTU file: its cells of the highest dimension; several pieces are one mesh.
 
-    Whole numbers on cells are sets NAME_VALUE (also of nodes); numbers 0 and 1 on points a node set NAME.
+    Integers on cells define sets NAME_VALUE (also of nodes); values 0 and 1 on points a node set NAME.
 
     Parameters
     ----------
@@ -76,8 +76,8 @@ def read_vtu(
     unused_nodes : UnusedNodes    REFUSE or DROP nodes that no cell uses
     Raises
     ------
-    ImportFormatError   missing, cut or unreadable file; other packing than zlib; a cell type that is not read
-    MeshError           what the file describes is no usable mesh
+    ImportFormatError   missing, cut or unreadable file; compression other than zlib; an unsupported cell type
+    MeshError           what the file describes is not a usable mesh
     """
     path = Path(path)
     file, root = _opened(path)
@@ -88,7 +88,7 @@ def read_vtu(
             raise file.error(f"{x.size} coordinates of points, which are not three each")
         x = x.reshape(-1, 3)
         if not np.isfinite(x).all():
-            raise file.error("a point with a coordinate that is no number")
+            raise file.error("a point with a coordinate that is not a number")
         found = _blocks(file, piece, start, first_id)
         points.append(x)
         blocks += found
@@ -115,12 +115,12 @@ def _opened(path: Path) -> tuple[_File, ElementTree.Element]:
         raw = content[start.end() : end]
         content = content[: start.end() - 1] + content[max(end, 0) :]
     if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
-        raise ImportFormatError(f"{path}: not readable as VTU: it declares entities; write it anew")
+        raise ImportFormatError(f"{path}: not readable as VTU: it declares entities; write it again")
     try:
         root = ElementTree.fromstring(content)
     except ElementTree.ParseError as error:
         raise ImportFormatError(
-            f"{path}: not readable as VTU: no well-formed XML ({error}); is it cut short? Write it anew"
+            f"{path}: not readable as VTU: no well-formed XML ({error}); is it cut short? Write it again"
         ) from error
     if root.tag != "VTKFile" or root.get("type") != "UnstructuredGrid":
         raise ImportFormatError(
@@ -129,7 +129,9 @@ def _opened(path: Path) -> tuple[_File, ElementTree.Element]:
         )
     packing = root.get("compressor", "")
     if packing not in ("", "vtkZLibDataCompressor"):
-        raise ImportFormatError(f"{path}: packed by {packing}; write it plain, or packed by zlib")
+        raise ImportFormatError(
+            f"{path}: compressed by {packing}; write it uncompressed, or compressed by zlib"
+        )
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
     header = np.dtype(f"{order}{_KINDS.get(root.get('header_type', 'UInt32'), 'u4')}")
     return _File(path, order, header, bool(packing), raw, is_raw), root
@@ -158,13 +160,13 @@ def _array(file: _File, element: ElementTree.Element | None, what: str) -> NDArr
 
 
 def _unpacked(file: _File, data: bytes, base64_at: int | None) -> bytes:
-    """Bytes of an array behind its header; base64_at: where its characters begin, None of raw bytes."""
+    """Bytes of an array after its header; base64_at: start of its characters, None for raw bytes."""
     n = file.header.itemsize
 
     def read(start: int, count: int) -> bytes:
         if base64_at is None:
             found = data[start : start + count]
-        else:  # the header and the data are encoded each for itself
+        else:  # header and data are encoded separately
             characters = data[base64_at + start : base64_at + start + -(-count // 3) * 4]
             found = base64.b64decode(characters, validate=True)[:count]
         if len(found) < count:
@@ -225,7 +227,7 @@ def _blocks(file: _File, piece: ElementTree.Element, start: int, first_id: int) 
 
 
 def _integers(file: _File, piece: ElementTree.Element, where: str, n: int) -> dict[str, IntArray]:
-    """Arrays of one whole number per cell or point, by name."""
+    """Arrays of one integer per cell or point, by name."""
     found = {}
     for each in piece.iterfind(f"{where}/DataArray"):
         if each.get("NumberOfComponents", "1") not in ("1", "") or "Int" not in each.get("type", ""):
@@ -237,7 +239,7 @@ def _integers(file: _File, piece: ElementTree.Element, where: str, n: int) -> di
 
 
 def _turned(nodes: NDArray[np.float64], blocks: list[CellBlock]) -> list[CellBlock]:
-    """Wedges whose bottom and top change places where the axis runs from top to bottom."""
+    """Wedges with bottom and top exchanged if the axis runs from top to bottom."""
     result = []
     for block in blocks:
         cells = block.cells

@@ -25,10 +25,10 @@ LARGEST_OFF = np.radians(5.0)
 
 @dataclass(frozen=True)
 class RotorAngle:
-    """Frames are taken whenever a joint stands at one angle: a rotor seems to stand still.
+    """Frames are taken whenever a joint is at one angle: a rotor appears at rest.
 
-    joint : its name
-    angle : rad, about its z axis; zero where the machine is put together
+    joint : name of the joint
+    angle : rad, about its z axis; zero at assembly
     """
 
     joint: str
@@ -43,10 +43,10 @@ class Film:
     """A time window of a run, and the rate and speed at which it is shown.
 
     frames_per_second : at most 50; a GIF plays 100 / k of them, k whole
-    speed : time of the run that a second of the film shows (1 is real time, of seconds); 60 frames over the
-        window if left out
-    start : of the time window; that of the run if left out
-    end : of the time window; that of the run if left out
+    speed : time of the run that one second of the animation shows, a time; default: 60 frames over the
+        window
+    start : start of the time window, a time; default: that of the run
+    end : end of the time window, a time; default: that of the run
     at : RotorAngle
 
     Raises ModelError for more than 50 frames a second, a window that ends before it starts, or a speed

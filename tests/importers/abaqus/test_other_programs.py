@@ -21,7 +21,7 @@ STEEL = "*MATERIAL, NAME=STEEL\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n6000\n"
 
 
 def test_numbers_behind_the_last_node_are_a_note(deck, tmp_path):
-    """CalculiX does not read them; a mesh alone, without notes, refuses them."""
+    """CalculiX does not read them; a mesh alone, without notes, rejects them."""
     text = TETRAHEDRON + "*ELEMENT, TYPE=C3D4, ELSET=E\n7, 1, 2, 3, 4, 9, 8,\n"
     read = deck(text + STEEL + "*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n")
     np.testing.assert_array_equal(read.elements[0].nodes, [[0, 1, 2, 3]])
@@ -32,7 +32,7 @@ def test_numbers_behind_the_last_node_are_a_note(deck, tmp_path):
 
 
 def test_a_restart_names_the_file_that_is_needed(deck):
-    with pytest.raises(ImportFormatError, match="line 1: it goes on with another analysis"):
+    with pytest.raises(ImportFormatError, match="line 1: it continues with another analysis"):
         deck("*RESTART, READ, STEP=1\n*STEP\n*STATIC\n*END STEP\n")
 
 

@@ -107,7 +107,7 @@ def test_abaqus_files_that_break_the_rules(files, text, message):
         ),
         ("1 1 1.0\n2 2\n", "5.1\n5.2\n", r"arm\.sti, line 2: '2 2' is not row, column, value"),
         ("1 1 1.0\n2 2 1.0\n", "5.1\nfive\n", r"arm\.dof, line 2: 'five' is not NODE\.COMPONENT"),
-        ("1 1 1.0\n2 2 1.0\n", "5.1\n5.1\n", r"arm\.sti: node 5 ux stands twice in the map"),
+        ("1 1 1.0\n2 2 1.0\n", "5.1\n5.1\n", r"arm\.sti: node 5 ux occurs twice in the map"),
     ],
 )
 def test_calculix_files_that_break_the_rules(files, entries, freedoms, message):

@@ -1,4 +1,4 @@
-"""Labelled matrices: one triangle stands for both; maps and entries that break the rules are refused."""
+"""Labelled matrices: one triangle stands for both; maps and entries that break the rules are rejected."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def test_one_way_stands_for_both(chosen):
             r"file: the matrix has shape \(2, 2\), but its map names 3 freedoms; export both",
         ),
         (np.eye(3), [[7, 1], [7, -1], [3, 6]], "component -1 of node 7; only 1 to 6 are motions of a node"),
-        (np.eye(3), [[7, 1], [3, 6], [7, 1]], "node 7 ux stands twice in the map"),
-        (np.diag([1, np.nan, 1]), LABELS, "an entry in the row of node 7 uy is not finite; export it anew"),
+        (np.eye(3), [[7, 1], [3, 6], [7, 1]], "node 7 ux occurs twice in the map"),
+        (np.diag([1, np.nan, 1]), LABELS, "an entry in the row of node 7 uy is not finite; export it again"),
         (
             SYMMETRIC + 0.1 * np.eye(3)[[2, 2, 0]].T * [1, 0, 0],
             LABELS,

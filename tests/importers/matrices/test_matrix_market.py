@@ -1,4 +1,4 @@
-"""Matrix Market: matrices come back as written; what is no stiffness or mass is refused."""
+"""Matrix Market: matrices come back as written; what is no stiffness or mass is rejected."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ HEADER = "%%MatrixMarket matrix coordinate real general\n"
         (HEADER + "2 2 2\n1 1 1.0\n", "not readable as Matrix Market"),
         (HEADER + "2 2 1\n3 1 1.0\n", "not readable as Matrix Market"),
         (HEADER + "2 2 1\n1 1 nan\n", "infinite or not a number"),
-        (HEADER + "2 2 3\n1 1 1.0\n2 2 1.0\n1 1 1.0\n", "an entry is given twice; write the matrix anew"),
+        (HEADER + "2 2 3\n1 1 1.0\n2 2 1.0\n1 1 1.0\n", "an entry is given twice; write the matrix again"),
         (HEADER.replace("real", "complex") + "1 1 1\n1 1 1.0 2.0\n", "complex entries"),
     ],
 )

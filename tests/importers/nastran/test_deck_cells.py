@@ -118,7 +118,7 @@ def test_solids_of_either_sense_are_turned_outwards(deck, name, corners, sides):
     for own in (points, points * [1, 1, -1]):
         read = deck(grids(own) + text)
         (found,) = read.elements
-        Mesh(read.nodes, {found.kind: found.nodes})  # which refuses inverted cells
+        Mesh(read.nodes, {found.kind: found.nodes})  # which rejects inverted cells
         ends, n = np.array(found.kind.edges), found.kind.n_corners
         middles = read.nodes[found.nodes[0, n:]]
         np.testing.assert_allclose(middles, read.nodes[found.nodes[0, ends]].mean(axis=1), atol=1e-6)
@@ -321,7 +321,7 @@ def test_orthotropic_plies_by_laminate_theory(deck):
     assert made.membrane[0, 0] == pytest.approx(made.membrane[1, 1]) == pytest.approx(0.2 * (Q11 + Q22))
     assert made.bending[0, 0] / made.bending[1, 1] == pytest.approx((7 * Q11 + Q22) / (Q11 + 7 * Q22))
     assert made.mass_per_area == pytest.approx(0.64)
-    # Turned by 90 degrees, x and y change places.
+    # Rotated by 90 degrees, x and y change places.
     turned = wall(deck, text.replace("0.,,8,.1,90.", "90.,,8,.1,0."))
     np.testing.assert_allclose(turned.bending[::-1, ::-1][1:, 1:], made.bending[:2, :2])
 

@@ -1,4 +1,4 @@
-"""Whole decks: what is counted, passed over and left out; supports, matrices, parts, parameters."""
+"""Whole decks: what is counted, ignored and left out; supports, matrices, parts, parameters."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_reading_is_not_refusing(deck):
     assert read.passed_over == {"FORCE": 2, "CAERO1": 1, "EIGRL": 1}
     assert read.left_out[0].card == "CGAP"
     assert (read.left_out[0].count, read.left_out[0].line) == (2, 12)
-    assert read.left_out[1] == LeftOut("NEWCARD", 1, 14, "a card that is not known here")
+    assert read.left_out[1] == LeftOut("NEWCARD", 1, 14, "a card that is not supported")
     np.testing.assert_array_equal(read.node_ids, [10, 20, 30, 40])
 
 

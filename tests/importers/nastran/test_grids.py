@@ -108,7 +108,7 @@ def test_on_the_axis_directions_are_those_of_the_rectangular_system(kind):
     [
         ("MAT1,5\n", r"grids\.bdf: no GRID card"),
         ("GRID,1\nGRID,1,,1.\n", r"line 2: GRID: grid 1 is defined a second time and differs from.*line 1"),
-        ("GRDSET,,3\nGRDSET,,3\nGRID,1\n", r"line 2: GRDSET: stands a second time"),
+        ("GRDSET,,3\nGRDSET,,3\nGRID,1\n", r"line 2: GRDSET: occurs a second time"),
         ("GRID,1,9\n", r"line 1: GRID: names coordinate system 9.*add its CORD card"),
         ("GRID,1,,0.,0.,0.,9\n", r"line 1: GRID: names coordinate system 9"),
         (

@@ -221,7 +221,7 @@ def test_mistakes_in_beamdyn_are_named(files, name, old, new, message):
             "inertia_matrix: {grid: [0, 0",
             "two numbers, ascending",
         ),
-        ("first.yaml", "values: [[8", "values: [[x8", "holds entries that are no numbers"),
+        ("first.yaml", "values: [[8", "values: [[x8", "holds entries that are not numbers"),
         (
             "first.yaml",
             "values: [[800000",

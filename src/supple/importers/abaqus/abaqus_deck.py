@@ -1,4 +1,4 @@
-"""Decks of Abaqus and CalculiX: all that an input file says about a body."""
+"""Decks of Abaqus and CalculiX: the body described by an input file."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def read_abaqus_deck(path: str | Path) -> Deck:
     """The body that an Abaqus or CalculiX input file describes; what is not read is listed in `left_out`.
 
     Reads nodes, elements, sets, surfaces, instances, materials, sections, masses, springs, dashpots,
-    constraints and supports. Steps and what has no effect on an elastic body are passed over.
+    constraints and supports. Steps and what has no effect on an elastic body are ignored.
 
     Raises
     ------
-    ImportFormatError   a file that is missing, cut short or no input file; words where numbers belong
+    ImportFormatError   a file that is missing, cut short or not an input file; words instead of numbers
     """
     file = read_keyword_file(Path(path))
     model = read_model(file)
@@ -79,7 +79,7 @@ def read_abaqus_deck(path: str | Path) -> Deck:
 
 
 def _account_for_the_rest(model: AbaqusModel) -> None:
-    """Counts keywords that nothing has read: passed over, left out, or unknown and so left out."""
+    """Count keywords that were not read: ignored, left out, or unknown and so left out."""
     report = model.report
     for placed in model.blocks:
         block = placed.block
@@ -92,7 +92,7 @@ def _account_for_the_rest(model: AbaqusModel) -> None:
         elif block.key in PASSED_OVER:
             report.passed_over[block.name] += 1
         else:
-            report.leave_out_block(block, "this keyword is not known")
+            report.leave_out_block(block, "this keyword is not supported")
     stiff = any(block.type.family in CELL_FAMILIES for block in model.elements)
     for block in model.elements:
         if block.type.family is Family.PLANE:

@@ -1,4 +1,4 @@
-"""Parts, instances and steps: which keyword belongs to which scope of names."""
+"""Parts, instances and steps: the scope of names of each keyword."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Scope:
-    """Names and ids of one instance; of the model, where there are no parts. x -> rotation x + shift."""
+    """Scope of names and ids of one instance, or of a model without parts. x -> rotation x + shift."""
 
     name: str = ""
     rotation: FloatArray = field(default_factory=lambda: np.eye(3))
@@ -35,13 +35,13 @@ class ScopedBlock:
 
 
 def scoped_blocks(file: KeywordFile, report: Report) -> tuple[tuple[Scope, ...], tuple[ScopedBlock, ...]]:
-    """The keywords of a file in its order, those of a part once for each of its instances.
+    """The keywords of a file in order, those of a part once for each of its instances.
 
-    A file of parts without instances has one instance of each.
+    Parts of a file without instances have one instance each.
 
     Raises
     ------
-    ImportFormatError   an instance of an unknown part; a placement that is not numbers
+    ImportFormatError   an instance of an unknown part; a placement that is not numeric
     """
     parts, rest = _parts(file)
     scopes, found = [Scope()], list[ScopedBlock]()
@@ -96,7 +96,7 @@ def _parts(file: KeywordFile) -> tuple[dict[str, tuple[str, list[KeywordBlock]]]
 
 
 def _instance(file: KeywordFile, block: KeywordBlock) -> Scope:
-    """Moved by the first data line, then turned about the axis through two points of the second."""
+    """Translation by the first data line, then rotation about the axis through two points of the second."""
     rows = [numbers(file, line, fields(text)) for line, text in block.data]
     name = block.options.get("NAME", "")
     shift = np.array([*(rows[0] if rows else []), 0.0, 0.0, 0.0][:3])
@@ -104,7 +104,7 @@ def _instance(file: KeywordFile, block: KeywordBlock) -> Scope:
         return Scope(name, np.eye(3), shift)
     if len(rows[1]) != 7 or rows[1][:3] == rows[1][3:6]:
         raise file.error(
-            block.data[1][0], "an instance turns about two points (6 numbers), by an angle in degrees"
+            block.data[1][0], "an instance rotates about two points (6 numbers), by an angle in degrees"
         )
     start, end, angle = np.array(rows[1][:3]), np.array(rows[1][3:6]), rows[1][6]
     axis = (end - start) / np.linalg.norm(end - start)

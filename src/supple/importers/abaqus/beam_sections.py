@@ -1,4 +1,4 @@
-"""Sections of beams: *BEAM SECTION of a shape and material, *BEAM GENERAL SECTION of either or of numbers."""
+"""Sections of beams: *BEAM SECTION by shape and material, *BEAM GENERAL SECTION by shape or by numbers."""
 
 from __future__ import annotations
 
@@ -63,15 +63,15 @@ class SectionOfBeams:
     ) -> tuple[FloatArray, FloatArray | None]:
         """First axes (C, 3) of cells with ends (C, 2, 3), and offsets (C, 2, 3) of their shear centres.
 
-        axis_nodes : (C, 3) places that the first axes point at, from the first end; None: along n1
+        axis_nodes : (C, 3) positions towards which the first axes point from the first end; None: along n1
         """
         along = ends[:, 1] - ends[:, 0]
-        # A beam without length keeps a zero tangent, and the mesh refuses it.
+        # A beam without length has a zero tangent; the mesh rejects it.
         tangent = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
         n1 = np.broadcast_to(self.n1, along.shape) if axis_nodes is None else axis_nodes - ends[:, 0]
         n1 = n1 - np.einsum("ci,ci->c", n1, tangent)[:, None] * tangent
         length = np.linalg.norm(n1, axis=1)
-        # Along its own axis n1 gives no direction: take one across.
+        # If n1 is along the beam it gives no direction: take a lateral one.
         aside = np.eye(3)[np.argmin(np.abs(tangent), axis=1)]
         aside = aside - np.einsum("ci,ci->c", aside, tangent)[:, None] * tangent
         n1 = np.where((length > 1e-6 * np.linalg.norm(self.n1))[:, None], n1, aside)
@@ -86,11 +86,11 @@ class SectionOfBeams:
 def read_beam_section(
     model: AbaqusModel, placed: ScopedBlock, material: Callable[[str], DeckMaterial | None]
 ) -> SectionOfBeams | None:
-    """A section of beams; None where its shape or material is not read.
+    """A section of beams; None if its shape or material is not read.
 
     Raises
     ------
-    ImportFormatError   no dimensions; words for numbers
+    ImportFormatError   no dimensions; words instead of numbers
     """
     file, block = model.file, placed.block
     kind = block.options.get("SECTION", "GENERAL" if block.key == "BEAMGENERALSECTION" else "").upper()
@@ -119,14 +119,14 @@ def read_beam_section(
     n1 = np.array([*rows[1], 0.0, 0.0, 0.0][:3]) if has_axis else np.array([0.0, 0.0, -1.0])
     if not np.linalg.norm(n1) > 0:
         n1 = np.array([0.0, 0.0, -1.0])
-    # CalculiX: the nodes lie a share of the thickness away from the axis.
+    # CalculiX: offset of the nodes from the axis as a fraction of the thickness.
     shares = numbers(file, block.line, [block.options.get(f"OFFSET{i}", "0") for i in (1, 2)])
     shift = (-shares[0] * shape.size[0], -shares[1] * shape.size[1])
     return SectionOfBeams(made_of, shape, model.scopes[placed.scope].rotation @ n1, shift)
 
 
 def _by_numbers(values: list[float]) -> BeamShape | None:
-    """A, I11, I12, I22, J of *BEAM GENERAL SECTION; I11 bends about the first axis, so across the second."""
+    """A, I11, I12, I22, J of *BEAM GENERAL SECTION; I11 is for bending about the first axis."""
     area, I11, I12, I22, J = [*values, *5 * [0.0]][:5]
     return BeamShape(area, I22, I11, I12, J, 1.0) if min(area, I11, I22, J) > 0 else None
 

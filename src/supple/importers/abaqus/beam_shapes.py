@@ -1,6 +1,6 @@
 """Sections of beams by their shape: areas, second moments, torsion, shear factors and centres.
 
-y lies along the first axis of the section (n1), z along the second (n2); places are from the beam's node.
+y is along the first axis of the section (n1), z along the second (n2); positions are relative to the node.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ __all__ = ["BeamShape", "beam_shape"]
 
 FloatArray = NDArray[np.float64]
 _Rectangle = tuple[float, float, float, float, float]
-"""From y, to y, from z, to z, and the sign with which it counts."""
+"""From y, to y, from z, to z, and the sign of the area."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class BeamShape:
     """area; Iyy, Izz, Iyz = int y^2, z^2, y z dA about the centroid; J; the shear factor of both planes.
 
     centroid, shear_centre : (y, z) from the node;  size : (y, z) extents
-    geometry : from the node; None of a section by numbers
+    geometry : from the node; None for a section by numbers
     """
 
     area: float
@@ -45,7 +45,7 @@ _THIN_PIPE, _BOX, _I, _L = 0.53, 0.44, 0.44, 1.0
 
 
 def beam_shape(kind: str, dimensions: list[float]) -> BeamShape | None:
-    """The shape SECTION=kind of these dimensions; None where it is not read, or they make no section.
+    """The shape SECTION=kind of these dimensions; None if unsupported or inconsistent.
 
     Kinds: RECT, CIRC, PIPE, THICK PIPE, BOX, I, T, L, TRAPEZOID.
     """
@@ -56,14 +56,14 @@ def beam_shape(kind: str, dimensions: list[float]) -> BeamShape | None:
         return None
     try:
         made = maker(*[*dimensions, *n * [0.0]][:n])
-    except (OverflowError, ZeroDivisionError):  # no dimensions of a section
+    except (OverflowError, ZeroDivisionError):  # inconsistent dimensions
         return None
     positive = min(made.area, made.Iyy, made.Izz, made.J) > 0
     return made if positive and np.isfinite([made.area, made.Iyy, made.Izz, made.J]).all() else None
 
 
 def _rectangle(a: float, b: float) -> BeamShape:
-    b = b or a  # CalculiX takes a square where one side is given
+    b = b or a  # CalculiX: a square if one side is given
     shape = BeamShape(a * b, a**3 * b / 12, a * b**3 / 12, 0.0, _torsion(a, b), _SOLID_RECTANGLE, size=(a, b))
     return replace(shape, geometry=rectangular_section(a, b)) if min(a, b) > 0 else shape
 
@@ -111,7 +111,7 @@ def _box(a: float, b: float, t1: float, t2: float, t3: float, t4: float) -> Beam
     """Walls at +y, +z, -y, -z; torsion by Bredt's formula along the middle lines, and of the walls alone.
 
     J = 4 A^2 / sum(s / t) + sum(s t^3) / 3  (Megson, Aircraft Structures, sections 18.1 and 18.2): the second
-    term is what carries a profile that is almost open.
+    term matters for a profile that is almost open.
     """
     t2, t3, t4 = t2 or t1, t3 or t1, t4 or t1
     inner_y, inner_z = (t3 - a / 2, a / 2 - t1), (t4 - b / 2, b / 2 - t2)
@@ -169,7 +169,7 @@ def _l_section(a: float, b: float, t1: float, t2: float) -> BeamShape:
 
 
 def _open(parts: list[_Rectangle], J: float) -> SectionGeometry | None:
-    """Geometry of an open thin-walled section; None where its walls make none."""
+    """Geometry of an open thin-walled section; None if its walls are inconsistent."""
     walls = [
         Wall((y0 + y1) / 2, (z0 + z1) / 2, y1 - y0, z1 - z0, min(y1 - y0, z1 - z0) / J)
         for y0, y1, z0, z1, _ in parts

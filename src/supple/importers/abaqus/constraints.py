@@ -28,7 +28,7 @@ _MPC_NODES = {"TIE": 2, "PIN": 2, "BEAM": 2, "LINK": 2, "LINEAR": 3, "SLIDER": 3
 
 @dataclass(eq=False)
 class Constraints:
-    """Rows of freedoms, rigid ties and weighted means as they are found."""
+    """Rows of freedoms, rigid ties and weighted means, under construction."""
 
     rows: Rows
     rigid: list[RigidTie] = field(default_factory=list)
@@ -36,13 +36,13 @@ class Constraints:
 
 
 def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> Constraints:
-    """What ties nodes to each other, apart from *TIE.
+    """All ties between nodes except *TIE.
 
-    A node of a rigid body or coupling without rotations follows in its translations.
+    A node without rotations follows a rigid body or coupling in its translations.
 
     Raises
     ------
-    ImportFormatError   equations that are cut short; reference nodes that are missing; words for numbers
+    ImportFormatError   incomplete equations; missing reference nodes; words instead of numbers
     """
     found = Constraints(Rows(freedoms.lines))
     solid_only = _nodes_of_solids_alone(model)
@@ -70,7 +70,7 @@ def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> 
 
 
 def _nodes_of_solids_alone(model: AbaqusModel) -> NDArray[np.bool_]:
-    """(N,) whether only solids and trusses, which turn no node, use a node."""
+    """(N,) whether only solids and trusses use a node, so that it has no rotations."""
     turns = np.zeros(len(model.positions), dtype=bool)
     used = np.zeros(len(model.positions), dtype=bool)
     for block in model.elements:
@@ -144,7 +144,7 @@ def _mpcs(
         words = fields(text)
         kind = words[0].upper()
         i += 1
-        # CalculiX goes on with a line of more nodes behind a comma, beginning with a 0 or at once.
+        # CalculiX continues after a comma with a line of more nodes, with or without a leading 0.
         while (
             i < len(data) and data[i - 1][1].rstrip().endswith(",") and is_plain_digits(fields(data[i][1])[0])
         ):
@@ -165,7 +165,7 @@ def _mpcs(
 
 
 def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
-    """Nodes of n sets one by one, or all of the first with the only ones of the others."""
+    """Nodes of n sets in pairs, or all of the first set with single nodes of the others."""
     count = len(nodes[0]) if nodes else 0
     if not n or len(nodes) != n or any(len(each) not in (1, count) or not len(each) for each in nodes[1:]):
         return None
@@ -178,7 +178,7 @@ def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
 def _add_rigid(
     found: Constraints, name: str, reference: int, nodes: IntArray, line: int, freedoms: Freedoms
 ) -> None:
-    """One tie of that name; further nodes of the same reference and name join it."""
+    """Add to the tie of that name and reference node."""
     nodes = np.unique(nodes)
     nodes = nodes[nodes != reference]
     for i, other in enumerate(found.rigid):
@@ -191,7 +191,7 @@ def _add_rigid(
 
 
 def _reference(model: AbaqusModel, placed: ScopedBlock) -> int | None:
-    """The node of REF NODE; None where it is not there."""
+    """The node of REF NODE; None if it is missing."""
     word = placed.block.options.get("REFNODE", "")
     nodes = model.nodes_of(placed.scope, word, placed.block.line, f"*{placed.block.name}, REF NODE")
     if len(nodes) != 1:
@@ -221,7 +221,7 @@ def _rigid_body(
         for node in model.nodes_of(scope, block.options["ROTNODE"], block.line, what).tolist():
             freedoms.rotation_nodes[node] = reference
     if not tied and not pinned:
-        model.report.leave_out_block(block, "its analytical surface moves with nothing")
+        model.report.leave_out_block(block, "its analytical surface is not tied to anything")
         return
     nodes = np.concatenate([np.empty(0, dtype=np.int64), *tied])
     _add_rigid(found, f"rigid_body_{ids.nodes[reference]}", reference, nodes, block.line, freedoms)
@@ -264,7 +264,9 @@ def _coupling(
     nodes, weights = nodes[near], weights[near]
     if kind.block.key == "DISTRIBUTING":
         if kind.block.options.get("WEIGHTINGMETHOD", "UNIFORM").upper() != "UNIFORM":
-            model.report.note(f"coupling '{name}' has weights of the surface alone, whatever the distance")
+            model.report.note(
+                f"coupling '{name}' uses the weights of the surface only, without those by distance"
+            )
         follow = tuple(component in components or component > 3 for component in _ALL)
         found.means.append(
             WeightedMean(name, reference, nodes, weights, int(freedoms.lines[block.line]), follow)
@@ -276,7 +278,7 @@ def _coupling(
 
 
 def _range_of_components(model: AbaqusModel, placed: ScopedBlock) -> tuple[int, ...]:
-    """Freedoms of the lines `first, last`; all where there is none."""
+    """Freedoms of the lines `first, last`; all without lines."""
     found: set[int] = set()
     for line, text in placed.block.data:
         words = [word for word in fields(text) if word]
@@ -297,7 +299,7 @@ def _kinematic(
     found: Constraints,
     solid_only: NDArray[np.bool_],
 ) -> None:
-    """All freedoms, or all that the nodes have: a rigid tie; some of them: rows."""
+    """A rigid tie for all freedoms of the nodes, rows for some of them."""
     if set(components) == set(_ALL) or (set(components) >= {1, 2, 3} and solid_only[nodes].all()):
         _add_rigid(found, name, reference, nodes, line, freedoms)
         return
@@ -335,7 +337,7 @@ def _kinematic_coupling(
         chosen = tuple(range(limits[0], min(limits[-1], 6) + 1)) if limits else _ALL
         by_components.setdefault(chosen, []).append(nodes)
     name = f"coupling_{ids.nodes[reference]}"
-    # Lines of single freedoms for the same nodes make one coupling.
+    # Lines of single freedoms for the same nodes are one coupling.
     if len(by_components) > 1:
         groups = [np.unique(np.concatenate(nodes)) for nodes in by_components.values()]
         if all(np.array_equal(group, groups[0]) for group in groups):
@@ -386,7 +388,7 @@ def _distributing_coupling(
 
 
 def _tributary(model: AbaqusModel, surface: Surface) -> FloatArray:
-    """Share of the surface's area at each of its nodes; 1 for a surface of nodes."""
+    """Area of the surface at each of its nodes; 1 for a surface of nodes."""
     weights = np.zeros(len(model.positions))
     for faces in surface.faces:
         n = faces.shape[1]

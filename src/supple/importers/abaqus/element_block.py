@@ -1,4 +1,4 @@
-"""Elements of one keyword, and the numbers of what has ids within scopes."""
+"""Elements of one keyword, and numbers for ids within scopes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ IntArray = NDArray[np.int64]
 class ElementBlock:
     """Elements of one *ELEMENT: ids, node numbers (E, n), lines; `first`: the number of its first element.
 
-    axis_nodes : (E,) of beams, a node towards which their first axis points; None where it is not given
+    axis_nodes : (E,) for beams, a node towards which their first axis points; None if not given
     """
 
     type: ElementType
@@ -32,20 +32,20 @@ class ElementBlock:
 
     @property
     def numbers(self) -> IntArray:
-        """Numbers of its elements, counted through the whole file."""
+        """Numbers of its elements in the whole file."""
         return self.first + np.arange(len(self.ids))
 
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """Numbers of what has ids within scopes."""
+    """Numbers of items with ids within scopes."""
 
     scopes: IntArray
     ids: IntArray
     _sorted: dict[int, tuple[IntArray, IntArray]] = field(default_factory=dict)
 
     def numbers(self, scope: int, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-        """Numbers of ids in a scope, and whether they are there."""
+        """Numbers of ids in a scope, and whether they exist."""
         # Files look up line by line: ids are sorted once.
         if scope not in self._sorted:
             mine = self.of(scope)

@@ -1,4 +1,4 @@
-"""Element types of Abaqus and CalculiX: what they are, their nodes, faces, and the cells made of them."""
+"""Element types of Abaqus and CalculiX: family, nodes, faces and cells."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Family(Enum):
-    """What an element does in a body."""
+    """Role of an element in a body."""
 
     SOLID = auto()
     SHELL = auto()
@@ -41,7 +41,7 @@ class Family(Enum):
     MASS = auto()
     ROTARY_INERTIA = auto()
     PLANE = auto()
-    """Two-dimensional: carries sets beside solids and shells."""
+    """Two-dimensional: only defines sets beside solids and shells."""
     CARRIER = auto()
     """Without stiffness and mass of its own: surface and rigid elements, reference nodes of couplings."""
     UNKNOWN = auto()
@@ -53,7 +53,7 @@ CELL_FAMILIES = (Family.SOLID, Family.SHELL, Family.MEMBRANE, Family.BEAM, Famil
 
 @dataclass(frozen=True)
 class ElementType:
-    """n_nodes : on a data line; 0 where the type is unknown, so that they are not read"""
+    """n_nodes : on a data line; 0 for unknown types, which are not read"""
 
     name: str
     family: Family
@@ -67,7 +67,7 @@ class ElementType:
 
 _BY_ORDER = {"1": 2, "2": 3, "3": 2}
 _WORDS = {"MASS": 1, "ROTARYI": 1, "DCOUP3D": 1, "65": 6, "A": 2}
-# Pattern of names, family, nodes by what the pattern finds (itself a number of nodes where it is not there).
+# Pattern of names, family, and number of nodes by the match (which is the number itself if not listed).
 _PATTERNS: tuple[tuple[str, Family, dict[str, int]], ...] = (
     (r"C3D(4|5|6|8|10|13|15|20|27)[A-Z]*", Family.SOLID, {}),
     (r"SC([68])R?T?", Family.SOLID, {}),
@@ -100,7 +100,7 @@ _FACES = {
 
 
 def element_type(name: str) -> ElementType:
-    """The type of that name (in upper case), whatever its integration; UNKNOWN where none is known."""
+    """The type of that name (in upper case), for any integration rule; UNKNOWN if unsupported."""
     for pattern, family, n_nodes in _PATTERNS:
         match = re.fullmatch(pattern, name)
         if match:
@@ -112,10 +112,10 @@ def element_type(name: str) -> ElementType:
 def cells_of(
     kind: ElementType, nodes: IntArray, positions: FloatArray
 ) -> Iterator[tuple[CellType, IntArray, IntArray]]:
-    """Cells (C, k) of elements (E, n) by their kind, and (C,) the element behind each.
+    """Cells (C, k) of elements (E, n) by their kind, and (C,) the element of each.
 
-    Surfaces become triangles, a quadratic beam two lines. Cells that a repeated node makes flat are left out;
-    hexahedra become wedges, pyramids and tetrahedra by it.
+    Surfaces become triangles, a quadratic beam two lines. With repeated nodes hexahedra become wedges,
+    pyramids and tetrahedra; cells without volume are left out.
     """
     if kind.family is Family.SOLID and kind.n_nodes == 8:
         ordered = np.sort(nodes, axis=1)
@@ -134,7 +134,7 @@ def cells_of(
 
 
 def _collapsed_hexahedron(row: IntArray, positions: FloatArray) -> tuple[CellType, IntArray] | None:
-    """The cell that a hexahedron with repeated nodes is; None where it has no volume."""
+    """The cell of a hexahedron with repeated nodes; None without volume."""
     distinct = list(dict.fromkeys(row.tolist()))
     faces = [list(dict.fromkeys(row[list(face)].tolist())) for face in _FACES[8]]
     if len(distinct) == 6:
@@ -183,7 +183,7 @@ def _cells_of_one_kind(
 
 
 def face_nodes(kind: ElementType, label: str) -> tuple[int, ...]:
-    """Places of the nodes of a face: corners, then mid-edge nodes; empty where there is no such face.
+    """Node positions within the element of a face: corners, then mid-edge nodes; empty without such a face.
 
     label : S1 .. S6 of solids; SPOS, SNEG, S1, S2 of shells, whose edges are E1 .. in Abaqus and S3 .. in
             CalculiX; edges S1 .. of two-dimensional elements
@@ -217,7 +217,7 @@ def _solid_face(kind: ElementType, corners: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def free_faces(kind: ElementType) -> tuple[tuple[int, ...], ...]:
-    """Places of the nodes of all faces, of which those that two elements share are no surface."""
+    """Node positions within the element of all faces; faces of two elements are internal."""
     n = len(_FACES[_solid_corners(kind)]) if kind.family is Family.SOLID else 1
     labels = [f"S{i + 1}" for i in range(n)] if kind.family is Family.SOLID else [""]
     return tuple(face_nodes(kind, label) for label in labels)

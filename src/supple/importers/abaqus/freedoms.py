@@ -1,4 +1,4 @@
-"""Freedoms of nodes as a file names them, turned by *TRANSFORM; sums of freedoms for springs and ties."""
+"""Freedoms of nodes in the axes of *TRANSFORM; linear combinations of freedoms for springs and ties."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Terms = list[tuple[int, float]]
 
 
 class Rows:
-    """Sums of freedoms as they are found, one a row."""
+    """Linear combinations of freedoms, one a row, under construction."""
 
     def __init__(self, lines: IntArray) -> None:
         self._lines = lines
@@ -32,7 +32,7 @@ class Rows:
         self._dependent: list[int] = []
 
     def add(self, terms: Terms, line: int, *, value: float = 0.0, dependent: int = -1) -> None:
-        """One row; terms of the same freedom add up."""
+        """Add a row; terms of the same freedom are summed."""
         total: dict[int, float] = {}
         for freedom, factor in terms:
             total[freedom] = total.get(freedom, 0.0) + factor
@@ -50,7 +50,7 @@ class Rows:
         return len(self._line)
 
     def terms(self, *, with_values: bool) -> tuple[ScalarTerms, ...]:
-        """The rows, as springs (with values) or constraints; none where there is no row."""
+        """The rows, as springs (with values) or constraints; no object without rows."""
         if not self._line:
             return ()
         return (
@@ -68,7 +68,7 @@ class Rows:
 class Freedoms:
     """Terms of the freedoms 1 to 6 of nodes, in the axes that *TRANSFORM gives them.
 
-    rotation_nodes : {node: reference} of CalculiX: translations of the one are rotations of the other
+    rotation_nodes : {node: reference} of CalculiX: translations of the node are rotations of the reference
     """
 
     def __init__(self, model: AbaqusModel) -> None:
@@ -96,7 +96,7 @@ class Freedoms:
                 axes = cylindrical_axes(a + scope.shift, b + scope.shift, model.positions[nodes])
             else:
                 model.report.leave_out(
-                    f"*TRANSFORM, TYPE={kind}", block.line, "supports and constraints there are not turned"
+                    f"*TRANSFORM, TYPE={kind}", block.line, "supports and constraints there are not rotated"
                 )
                 continue
             self._axes.update(zip(nodes.tolist(), axes, strict=True))
@@ -120,7 +120,7 @@ class Freedoms:
 
 
 def along(first: int, second: int, direction: Iterable[float]) -> Terms:
-    """The stretch (u_second - u_first) . direction of two nodes."""
+    """The elongation (u_second - u_first) . direction between two nodes."""
     terms: Terms = []
     for i, component in enumerate(direction):
         terms += [(6 * second + i, float(component)), (6 * first + i, -float(component))]

@@ -61,9 +61,9 @@ def copied_elements(
     earlier: Sequence[ElementBlock],
     listed: IntArray,
 ) -> list[ElementBlock]:
-    """Elements of *ELCOPY: those of a set, with shifted ids and nodes; REFLECT turns their nodes round.
+    """Elements of *ELCOPY: those of a set, with shifted ids and nodes; REFLECT reverses their node order.
 
-    listed : ids that *ELSETs name of the old set, beside those of elements that name it themselves
+    listed : ids of the old set by *ELSET, besides those by the elements themselves
     """
     block = placed.block
     name, by, nodes_by = block.options.get("OLDSET", "").upper(), 0, 0
@@ -108,7 +108,7 @@ def copied_elements(
 
 
 def _reflected(kind: ElementType) -> IntArray:
-    """The order of the nodes of a reflected element: its first node stays, the others turn round."""
+    """The order of the nodes of a reflected element: its first node stays, the others are reversed."""
     n = kind.n_nodes
     if kind.family is Family.SOLID:
         order = mirrored_order(CellType[CELLS[n]])

@@ -1,4 +1,4 @@
-"""Instances of an assembly as decks of their own, for machines that take one each."""
+"""Instances of an assembly as separate decks, for machines with a body for each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["decks_of_instances"]
 
 
 def decks_of_instances(deck: Deck, model: AbaqusModel) -> Deck:
-    """The deck with one deck of each instance in `superelements`, where there are several."""
+    """The deck with a deck for each instance in `superelements` if there are several."""
     names = [scope.name for scope in model.scopes[1:]]
     if len(names) < 2:
         return deck
@@ -28,9 +28,9 @@ def decks_of_instances(deck: Deck, model: AbaqusModel) -> Deck:
 
 
 def _part(deck: Deck, name: str, mine: NDArray[np.bool_]) -> Deck:
-    """What lies on some nodes alone, with reference nodes of ties to these; its own sets without its name.
+    """The deck on the nodes of one instance and reference nodes of their ties, with local set names.
 
-    Constraints, springs and ties to other instances are not in it, as joints take their place.
+    Constraints, springs and ties to other instances are not in it; joints replace them.
     """
     own = mine.copy()
     ties = (*deck.rigid, *deck.means)
@@ -47,8 +47,8 @@ def _part(deck: Deck, name: str, mine: NDArray[np.bool_]) -> Deck:
         count = np.bincount(terms.rows[inside], minlength=rows)
         crossing += int(np.count_nonzero((count > 0) & (count < np.bincount(terms.rows, minlength=rows))))
     note = (
-        f"{crossing} constraints or springs join instance '{name}' to others; between bodies, joints "
-        "take their place"
+        f"{crossing} constraints or springs join instance '{name}' to others; between bodies, use joints "
+        "instead"
     )
     return replace(
         made,

@@ -1,4 +1,4 @@
-"""Keywords of Abaqus and CalculiX by what a reader of bodies does about them; names without blanks."""
+"""Keywords of Abaqus and CalculiX by their treatment; names without blanks."""
 
 from __future__ import annotations
 
@@ -31,28 +31,28 @@ PASSED_OVER = frozenset((
     "TENSILEFAILURE", "TIMEPOINTS", "UNITS", "USEROUTPUTVARIABLES", "VALUESATINFINITY", "VIEWFACTOR",
     "VISCO", "VISCOELASTIC", "VISCOUS",
 ))  # fmt: skip
-"""No effect on the mass, stiffness and connections of an elastic body."""
+"""Keywords without effect on mass, stiffness and connections of an elastic body."""
 
 LEFT_OUT = {
     "BEAMADDEDINERTIA": "mass of beams is missing",
     "BEAMSECTIONOFFSET": "beams stand on their nodes",
-    "CONNECTORSECTION": "what a connector joins is free",
+    "CONNECTORSECTION": "parts joined by a connector are free",
     "CYCLICSYMMETRYMODEL": "the body is one sector, and its two cuts are free",
-    "COHESIVESECTION": "what the cohesive layer joins is free",
+    "COHESIVESECTION": "parts joined by the cohesive layer are free",
     "DISTRIBUTION": "values of single elements or nodes are not read",
     "ELASTICFOUNDATION": "stiffness to the ground is missing; make it forces of the machine",
     "EMBEDDEDELEMENT": "embedded elements are not tied to their host",
-    "FASTENER": "what it joins is free",
+    "FASTENER": "parts joined by it are free",
     "FOUNDATION": "stiffness to the ground is missing; make it forces of the machine",
-    "GAP": "a gap that closes joins nothing here",
-    "GASKETSECTION": "what the gasket joins is free",
+    "GAP": "a closed gap does not connect parts",
+    "GASKETSECTION": "parts joined by the gasket are free",
     "HOURGLASSSTIFFNESS": "elements have full integration instead",
-    "IMPERFECTION": "nodes stand where the mesh has them",
-    "JOINT": "what it joins is free",
+    "IMPERFECTION": "nodes are at the positions of the mesh",
+    "JOINT": "parts joined by it are free",
     "MATRIXASSEMBLE": "import the matrices instead",
     "MATRIXINPUT": "import the matrices instead",
-    "NMAP": "nodes stand where they were before",
-    "MODELCHANGE": "elements that it removes are there",
+    "NMAP": "nodes are at their previous positions",
+    "MODELCHANGE": "elements that it removes are present",
     "NODALENERGYRATE": "a value of the material is missing",
     "NODALTHICKNESS": "of beams and plane elements: they have the section of their elements",
     "NONSTRUCTURALMASS": "mass is missing",
@@ -65,4 +65,4 @@ LEFT_OUT = {
     "USERELEMENT": "its elements are missing; import their matrices",
     "USERSECTION": "its elements are missing; import their matrices",
 }
-"""What would change the body, and what the body is without it."""
+"""Keywords that would change the body, and the consequence of omitting them."""

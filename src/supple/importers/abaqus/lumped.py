@@ -28,7 +28,7 @@ def read_masses(
 
     Raises
     ------
-    ImportFormatError   values that are missing or negative; words for numbers
+    ImportFormatError   values that are missing or negative; words instead of numbers
     """
     rows = Rows(freedoms.lines)
     matrices: list[NodalMatrix] = []
@@ -36,7 +36,7 @@ def read_masses(
         values = _values(model, placed)
         m = values[:3] if placed.block.options.get("TYPE", "").upper().startswith("ANISO") else 3 * values[:1]
         if len(m) < 3 or min(m) < 0:
-            raise model.file.error(placed.block.line, "*MASS is one number, not negative; correct it")
+            raise model.file.error(placed.block.line, "*MASS needs one number, not negative; correct it")
         for block, places in _elements(model, placed, Family.MASS):
             for node in block.nodes[places, 0].tolist():
                 for i in range(3):
@@ -48,14 +48,16 @@ def read_masses(
         if np.linalg.eigvalsh(given)[0] < -1e-9 * np.abs(given).max():
             raise model.file.error(
                 placed.block.line,
-                "*ROTARY INERTIA: I11, I22, I33, I12, I13, I23 are no inertia; correct them",
+                "*ROTARY INERTIA: I11, I22, I33, I12, I13, I23 are not an inertia tensor; correct them",
             )
         axes = model.scopes[placed.scope].rotation
         name = placed.block.options.get("ORIENTATION", "").upper()
         if name:
             orientation = orientations.get((placed.scope, name)) or orientations.get((0, name))
             if orientation is None or orientation.distributed:
-                model.report.leave_out_block(placed.block, f"its axes '{name}' are the global ones")
+                model.report.leave_out_block(
+                    placed.block, f"its axes '{name}' are not read; global axes are used"
+                )
             else:
                 axes = orientation.axes(np.zeros((1, 3)), np.array([-1]))[0]
         turned = axes @ given @ axes.T
@@ -69,18 +71,18 @@ def read_masses(
 def read_springs(
     model: AbaqusModel, freedoms: Freedoms, family: Family, keyword: str
 ) -> tuple[ScalarTerms, ...]:
-    """*SPRING or *DASHPOT along the line of two nodes (A), between a freedom of each (2), to the ground (1).
+    """*SPRING or *DASHPOT along the line between two nodes (A), between freedoms (2), to the ground (1).
 
     Raises
     ------
-    ImportFormatError   values or freedoms that are missing; words for numbers
+    ImportFormatError   values or freedoms that are missing; words instead of numbers
     """
     rows = Rows(freedoms.lines)
     for placed in model.named(keyword):
         block = placed.block
         values = [numbers(model.file, line, fields(text)) for line, text in block.data]
         if "ORIENTATION" in block.options:
-            model.report.leave_out_block(block, "its direction is that of the global axes")
+            model.report.leave_out_block(block, "its direction is not read; global axes are used")
         for elements, places in _elements(model, placed, family):
             of_line = elements.type.name.endswith("A")
             wanted = 1 if of_line else 2
@@ -118,11 +120,11 @@ def read_springs(
 
 
 def _slope(model: AbaqusModel, placed: ScopedBlock, rows: list[list[float]]) -> float:
-    """The value, or of a table of force over displacement the slope about zero."""
+    """The value, or the slope at zero of a table of force over displacement."""
     if "NONLINEAR" not in placed.block.options:
         return rows[0][0]
     table = np.array([[*row, 0.0][:2] for row in rows])
-    model.report.note(f"a nonlinear *{placed.block.name} is read with its slope about zero")
+    model.report.note(f"a nonlinear *{placed.block.name} is linearised at zero")
     order = np.argsort(table[:, 1])
     force, stretch = table[order].T
     if len(table) < 2 or not stretch[-1] > stretch[0]:

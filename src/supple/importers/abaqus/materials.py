@@ -25,13 +25,13 @@ _INELASTIC = (
     "VISCOELASTIC",
     "DAMAGEINITIATION",
 )
-# Places of Abaqus' axes 11 22 33 12 13 23 among ours, xx yy zz yz xz xy.
+# Index of Abaqus' components 11 22 33 12 13 23 in xx yy zz yz xz xy.
 _OURS = np.array([0, 1, 2, 5, 4, 3])
 
 
 @dataclass
 class _Material:
-    """What the keywords below one *MATERIAL say, until all are read."""
+    """Data of one *MATERIAL under construction."""
 
     name: str
     elastic: KeywordBlock | None = None
@@ -39,11 +39,11 @@ class _Material:
 
 
 def read_materials(model: AbaqusModel) -> dict[str, DeckMaterial]:
-    """Materials by name in upper case; one without elasticity that is known is not among them.
+    """Materials by name in upper case; materials without supported elasticity are omitted.
 
     Raises
     ------
-    ImportFormatError   words for numbers; fewer constants than a kind of material has
+    ImportFormatError   words instead of numbers; fewer constants than a kind of material has
     """
     found: list[_Material] = []
     for placed in model.blocks:
@@ -88,7 +88,7 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
     n = next((n for word, n in _CONSTANTS.items() if kind.startswith(word)), None)
     if n is None:
         model.report.leave_out(
-            f"*ELASTIC, TYPE={kind}", block.line, f"material '{material.name}' is not of a kind that is read"
+            f"*ELASTIC, TYPE={kind}", block.line, f"material '{material.name}' is of an unsupported kind"
         )
         return None
     if kind.startswith("LAM") and len(values) in (4, 5):
@@ -97,7 +97,7 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
         raise model.file.error(
             block.line, f"*ELASTIC, TYPE={kind} has {n} constants, not {len(values)}; is the file cut short?"
         )
-    # Rows of further temperatures follow; of each the temperature stands behind the constants.
+    # Rows of further temperatures follow; each ends with its temperature.
     if len(block.data) > -(-n // 8):
         model.report.note(f"material '{material.name}' depends on temperature; its first row is used")
     v = values[:n]
@@ -105,7 +105,7 @@ def _elastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> De
         return _isotropic(model, block, material, *v)
     stiffness = np.zeros((6, 6))
     if kind.startswith("LAM"):
-        # The moduli through the thickness do not enter a plane state of stress.
+        # Plane stress does not depend on the moduli through the thickness.
         E1, E2, nu12, G12, G13, G23 = v
         v = [E1, E2, E2, nu12, 0.0, 0.0, G12, G13, G23]
     if kind.startswith(("LAM", "ENG")):
@@ -144,12 +144,12 @@ def _deformation_plasticity(
 
 
 def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
-    """Isotropic with the moduli at no strain:  mu = 2 (C10 + C01),  K = 2 / D1."""
+    """Isotropic with the moduli at zero strain:  mu = 2 (C10 + C01),  K = 2 / D1."""
     rows = _rows(model, block)
     options = block.options.keys()
     named = "NEOHOOKE" in options or "YEOH" in options or "MOONEY-RIVLIN" in options
     if not rows or not named or "TESTDATAINPUT" in options:
-        model.report.leave_out_block(block, f"material '{material.name}' is not of a kind that is read")
+        model.report.leave_out_block(block, f"material '{material.name}' is of an unsupported kind")
         return None
     values = [*rows[0], *8 * [0.0]]
     if "NEOHOOKE" in options:
@@ -160,7 +160,7 @@ def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) 
         mu, d1 = 2 * (values[0] + values[1]), values[2]
     if not mu > 0:
         return _without_stiffness(model, block, material)
-    bulk = 2 / d1 if d1 > 0 else 20 * mu  # incompressible ones as CalculiX takes them
+    bulk = 2 / d1 if d1 > 0 else 20 * mu  # incompressible materials as in CalculiX
     model.report.note(f"material '{material.name}' is hyperelastic: its moduli at zero strain are used")
     E, nu = 9 * bulk * mu / (3 * bulk + mu), (3 * bulk - 2 * mu) / (2 * (3 * bulk + mu))
     return _isotropic(model, block, material, E, nu)
@@ -168,7 +168,7 @@ def _hyperelastic(model: AbaqusModel, block: KeywordBlock, material: _Material) 
 
 def _user(model: AbaqusModel, block: KeywordBlock, material: _Material) -> DeckMaterial | None:
     rows = _rows(model, block)
-    # CalculiX has this law for all to try.
+    # CalculiX ships this law as an example.
     if material.name.upper().startswith("LIN_ISO_EL") and rows and len(rows[0]) > 1:
         return _isotropic(model, block, material, *rows[0][:2])
     model.report.leave_out_block(block, f"the law of material '{material.name}' is user code")

@@ -1,4 +1,4 @@
-"""The mesh alone of an Abaqus or CalculiX input file, and its nodes alone."""
+"""The mesh of an Abaqus or CalculiX input file, or its nodes only."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["read_abaqus"]
 
 IntArray = NDArray[np.int64]
 
-# What ties nodes, adds mass or moves the wall away from its nodes: a mesh cannot hold it, a deck does.
+# Ties, masses and wall offsets: part of a deck, not of a mesh.
 _BEYOND_A_MESH = (
     "COUPLING", "CYCLICSYMMETRYMODEL", "DISTRIBUTINGCOUPLING", "EMBEDDEDELEMENT", "EQUATION", "FASTENER",
     "IMPERFECTION", "KINEMATICCOUPLING", "MODELCHANGE", "MPC", "NONSTRUCTURALMASS", "PRE-TENSIONSECTION",
@@ -28,7 +28,7 @@ _BEYOND_A_MESH = (
 )  # fmt: skip
 _SHELL_OPTIONS_BEYOND_A_MESH = ("COMPOSITE", "NODALTHICKNESS", "OFFSET")
 _MESHED = (Family.SOLID, Family.SHELL, Family.MEMBRANE)
-_KNOWN = "S3, S4, S6, S8, M3D3, .., C3D4, C3D5, C3D6, C3D8, C3D10, C3D13, C3D15, C3D20, C3D27 and their kin"
+_KNOWN = "S3, S4, S6, S8, M3D3, .., C3D4, C3D5, C3D6, C3D8, C3D10, C3D13, C3D15, C3D20, C3D27 and variants"
 _CARRIERS = (Family.PLANE, Family.CARRIER)
 
 
@@ -36,9 +36,9 @@ _CARRIERS = (Family.PLANE, Family.CARRIER)
 def read_abaqus(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
-    """Mesh of an Abaqus or CalculiX input file; its materials, sections, supports and steps are passed over.
+    """Mesh of an Abaqus or CalculiX input file; its materials, sections, supports and steps are ignored.
 
-    Reads what `read_abaqus_deck` reads of nodes, solid, shell and membrane elements, sets and instances. A
+    Reads nodes, solid, shell and membrane elements, sets and instances as `read_abaqus_deck` does. A
     four-node shell becomes two triangles, a quadratic one triangles over all its nodes. Set names are
     compared regardless of case and keep their first spelling.
 
@@ -54,7 +54,7 @@ def read_abaqus(
     ------
     ImportFormatError   missing or cut file, unknown element type, missing or repeated ids, unknown members;
                         constraints, masses and shell offsets, which a mesh does not have
-    MeshError           what the file describes is no usable mesh
+    MeshError           what the file describes is not a usable mesh
     """
     path = Path(path)
     file = read_keyword_file(path)
@@ -106,7 +106,7 @@ def read_abaqus_nodes(path: str | Path) -> NodeTable:
     for block in file.blocks:
         if block.key == "TRANSFORM":
             raise file.error(
-                block.line, "*TRANSFORM turns the freedoms of its nodes; export the matrices without it"
+                block.line, "*TRANSFORM rotates the freedoms of its nodes; export the matrices without it"
             )
     model = read_model(file, elements=False, strict=True)
     return NodeTable(
@@ -125,7 +125,7 @@ def _refuse_what_is_beyond_a_mesh(file: KeywordFile) -> None:
         if block.key == "ELEMENT" and kind.family not in (*_MESHED, *_CARRIERS):
             raise file.error(
                 block.line,
-                f"elements of type {kind.name} are no part of a mesh of surfaces and solids; read the file "
+                f"elements of type {kind.name} are not part of a mesh of surfaces and solids; read the file "
                 "with its properties (abaqus = {}), or remove them",
             )
         if block.key in _BEYOND_A_MESH:
@@ -138,6 +138,6 @@ def _refuse_what_is_beyond_a_mesh(file: KeywordFile) -> None:
             if block.key == "SHELLSECTION" and option in block.options:
                 raise file.error(
                     block.line,
-                    f"*SHELL SECTION, {option} is not read; mesh the middle surface of an even wall, or "
+                    f"*SHELL SECTION, {option} is not read; mesh the middle surface of a uniform wall, or "
                     "import the matrices",
                 )

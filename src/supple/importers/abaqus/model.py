@@ -1,4 +1,4 @@
-"""Nodes, elements, sets and surfaces of an Abaqus or CalculiX file, numbered through all its instances."""
+"""Nodes, elements, sets and surfaces of an Abaqus or CalculiX file, numbered over all its instances."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class Surface:
 
 @dataclass(eq=False)
 class AbaqusModel:
-    """What a file defines; sets and surfaces by scope and name in upper case.
+    """Definitions of a file; sets and surfaces by scope and name in upper case.
 
-    Of an id that two scopes use, `Labels` of each scope find the right number.
+    If two scopes use the same id, `Labels` of each scope give the right number.
     """
 
     file: KeywordFile
@@ -57,31 +57,31 @@ class AbaqusModel:
     surfaces: dict[tuple[int, str], Surface] = field(default_factory=dict)
 
     def named(self, *keys: str) -> Iterator[ScopedBlock]:
-        """Keywords of these names outside steps, counted as read."""
+        """Keywords of these names outside steps; they count as read."""
         for placed in self.blocks:
             if placed.block.key in keys and not placed.step:
                 self.report.read[placed.block.name] += 1
                 yield placed
 
     def nodes_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
-        """Numbers of the nodes that a word means: an id, a set, or either of an instance, as in A.12, A.SET.
+        """Numbers of the nodes of a word: an id, a set, or either in an instance, as in A.12, A.SET.
 
-        A word that means nothing is a doubt, and gives no node.
+        An unknown word is recorded as a doubt and gives no node.
         """
         return self._members(scope, word, line, what, "node", self.nodes, self.node_sets)
 
     def elements_of(self, scope: int, word: str, line: int, what: str) -> IntArray:
-        """Numbers of the elements that a word means, as of nodes."""
+        """Numbers of the elements of a word, as for nodes."""
         return self._members(scope, word, line, what, "element", self.element_labels, self.element_sets)
 
     def surface(self, scope: int, name: str) -> Surface | None:
-        """The surface of that name; None where there is none."""
+        """The surface of that name; None without one."""
         return next(
             (self.surfaces[key] for key in self._meanings(scope, name.upper()) if key in self.surfaces), None
         )
 
     def positions_of_elements(self, numbers: IntArray) -> Iterator[tuple[ElementBlock, IntArray]]:
-        """The blocks that hold these elements, and the places of the elements in each."""
+        """The blocks of these elements, and the positions of the elements in each."""
         for block in self.elements:
             places = numbers[(numbers >= block.first) & (numbers < block.first + len(block.ids))]
             if places.size:
@@ -93,7 +93,7 @@ class AbaqusModel:
         return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
 
     def _meanings(self, scope: int, name: str) -> Iterator[tuple[int, str]]:
-        """Keys that a name may stand for, first its own scope, then an instance's, then the model's."""
+        """Possible keys of a name: in its own scope, then an instance's, then the model's."""
         yield scope, name
         instance, dot, rest = name.partition(".")
         for number, other in enumerate(self.scopes):
@@ -140,12 +140,12 @@ class AbaqusModel:
 def read_model(file: KeywordFile, *, elements: bool = True, strict: bool = False) -> AbaqusModel:
     """Nodes, elements, sets and surfaces of a file.
 
-    elements : False: nodes and their sets alone, for matrices that take the place of elements
-    strict : raise doubts (`Report`)
+    elements : False: nodes and their sets only, for matrices that replace the elements
+    strict : doubts are errors (`Report`)
 
     Raises
     ------
-    ImportFormatError   no nodes or elements; repeated ids; elements of unknown nodes; words for numbers
+    ImportFormatError   no nodes or elements; repeated ids; unknown nodes; words instead of numbers
     """
     report = Report(file, strict=strict)
     scopes, blocks = scoped_blocks(file, report)
@@ -155,9 +155,9 @@ def read_model(file: KeywordFile, *, elements: bool = True, strict: bool = False
             each.block for each in blocks if each.block.key == "RESTART" and "READ" in each.block.options
         ]
         if restart:
-            message = "it goes on with another analysis (*RESTART, READ); give the file of that one"
+            message = "it continues with another analysis (*RESTART, READ); give the file of that one"
             raise file.error(restart[0].line, message)
-        raise ImportFormatError(f"{file.path}: no nodes below a *NODE; is this a mesh file, and whole?")
+        raise ImportFormatError(f"{file.path}: no nodes below a *NODE; is this a mesh file, and complete?")
     kept = _last_definitions(report, "node", Labels(found.scopes, found.ids), found.lines)
     nodes = Labels(found.scopes[kept], found.ids[kept])
     model = AbaqusModel(file, report, scopes, blocks, nodes, found.positions[kept])
@@ -187,7 +187,8 @@ def _read_elements(model: AbaqusModel) -> None:
         block = placed.block
         if {"INPUT", "FILE", "OFFSET"} & block.options.keys():
             raise file.error(
-                block.line, f"*{block.name} of that kind is not supported; write out what it makes"
+                block.line,
+                f"*{block.name} of that kind is not supported; write the data explicitly",
             )
         kind = element_type(block.options.get("TYPE", "").upper())
         if block.key == "ELGEN":
@@ -215,12 +216,12 @@ def _read_elements(model: AbaqusModel) -> None:
         model.elements = tuple(_numbered(found, kept))
     elif not model.report.left_out:
         raise ImportFormatError(
-            f"{file.path}: no elements below an *ELEMENT; is this a mesh file, and whole?"
+            f"{file.path}: no elements below an *ELEMENT; is this a mesh file, and complete?"
         )
 
 
 def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
-    """Ids that the *ELSETs above a *ELCOPY list of its old set, before elements are numbered."""
+    """Ids of the old set of *ELCOPY in the *ELSETs above it, before elements are numbered."""
     name = copied.block.options.get("OLDSET", "").upper()
     found = [np.empty(0, dtype=np.int64)]
     for placed in model.blocks:
@@ -235,7 +236,7 @@ def _listed_elements(model: AbaqusModel, copied: ScopedBlock) -> IntArray:
 
 
 def _numbered(blocks: list[ElementBlock], kept: NDArray[np.bool_]) -> Iterator[ElementBlock]:
-    """The elements that are kept, counted through."""
+    """The remaining elements, renumbered."""
     start = first = 0
     for block in blocks:
         mine = kept[start : start + len(block.ids)]
@@ -256,7 +257,7 @@ def _written_elements(model: AbaqusModel, placed: ScopedBlock, kind: ElementType
     file, block, name = model.file, placed.block, kind.name
     read = integers(file, block)
     n = kind.n_nodes
-    # A beam may name one node more, towards which its first axis points.
+    # A beam may have one more node, towards which its first axis points.
     per_line = np.flatnonzero(np.append(read.first, True))
     if kind.family is Family.BEAM and (np.diff(per_line) == n + 2).all():
         n += 1
@@ -291,8 +292,8 @@ def _rows_of_elements(
 ) -> tuple[IntArray, IntArray]:
     """Values of elements of `width` numbers each, and the line on which each begins.
 
-    An element begins on a line of its own; numbers behind its last node there are a doubt, as CalculiX does
-    not read them.
+    An element begins on a new line; numbers after its last node are a doubt, since CalculiX does not read
+    them.
     """
     values, lines = read.values, read.lines
     starts = np.arange(0, len(values), width)
@@ -311,7 +312,7 @@ def _rows_of_elements(
             if beyond:
                 model.report.doubt(
                     int(lines[start]),
-                    f"an element of type {name} is an id and {width - 1} nodes; {beyond} more numbers behind "
+                    f"an element of type {name} is an id and {width - 1} nodes; {beyond} more numbers "
                     "are not read; correct its type, or take them out",
                 )
             kept.append(start)
@@ -322,7 +323,7 @@ def _rows_of_elements(
 
 
 def _last_definitions(report: Report, what: str, labels: Labels, lines: IntArray) -> NDArray[np.bool_]:
-    """Which definitions hold: of those of one id the last one, as both programs have it; a doubt."""
+    """Mask of the valid definitions: the last one of each id, as in both programs; repetitions are doubts."""
     order = np.lexsort([labels.ids, labels.scopes])
     same = np.diff(labels.ids[order]) == 0
     same &= np.diff(labels.scopes[order]) == 0
@@ -384,7 +385,7 @@ def _read_set(model: AbaqusModel, placed: ScopedBlock, *, with_elements: bool) -
 
 
 def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
-    """The scope of an INSTANCE that a set names; in a file without instances, as for CalculiX, a doubt."""
+    """The scope of the INSTANCE of a set; in a file without instances, as for CalculiX, a doubt."""
     name, known = placed.block.options.get("INSTANCE"), [each.name.upper() for each in model.scopes]
     if name is None or name.upper() in known:
         return placed.scope if name is None else known.index(name.upper())
@@ -398,7 +399,7 @@ def _scope_of_members(model: AbaqusModel, placed: ScopedBlock) -> int:
 def _generated_members(
     model: AbaqusModel, line: int, words: list[str], labels: Labels, scope: int, what: str, *, of_nodes: bool
 ) -> IntArray:
-    """Those there are of first, last, step; one that is not there is a doubt."""
+    """The existing ids of first, last, step; a missing one is a doubt."""
     file = model.file
     if len(words) not in (2, 3) or not all(map(is_plain_digits, words)):
         raise file.error(line, f"GENERATE takes first, last, step; got '{', '.join(words)}'")
@@ -411,7 +412,7 @@ def _generated_members(
     ids = labels.ids[mine]
     inside = mine[(ids >= first) & (ids <= last) & ((ids - first) % step == 0)]
     inside = inside[np.argsort(labels.ids[inside], kind="stable")]
-    # Among one id more than there are, one is unknown, however long the range.
+    # Of one id more than exist at least one is unknown, so the range can be cut there.
     wanted = first + step * np.arange(min((last - first) // step, len(ids)) + 1, dtype=np.int64)
     unknown = wanted[~np.isin(wanted, ids)]
     if unknown.size:
@@ -451,7 +452,7 @@ def _read_surface(model: AbaqusModel, placed: ScopedBlock) -> None:
 
 
 def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArray]:
-    """Faces (F, k) of some elements by their label; those that no two of them share where there is none."""
+    """Faces (F, k) of some elements by their label; without a label, the outer faces."""
     nodes, kind = elements.nodes[places], elements.type
     whole_line = kind.family in (Family.BEAM, Family.ROD)
     if label or whole_line:

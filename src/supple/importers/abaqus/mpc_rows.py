@@ -1,4 +1,4 @@
-"""Multi-point constraints of a node by others, in small motions: *MPC but for BEAM, which is a rigid tie."""
+"""Linearised multi-point constraints: *MPC except BEAM, which is a rigid tie."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ FloatArray = NDArray[np.float64]
 def mpc_rows(
     kind: str, first: int, others: Sequence[int], positions: FloatArray
 ) -> Iterator[tuple[Terms, int]]:
-    """Sums that are zero, each with the freedom that it eliminates, or -1.
+    """Constraint rows, each with the freedom that it eliminates, or -1.
 
     TIE, PIN           u_p = u_a, with or without rotations
-    LINK               the distance of p and a stays
+    LINK               constant distance between p and a
     LINEAR, QUADRATIC  u_p is interpolated on the edge a b, or a b c, where p is: rotations likewise
     SLIDER             p stays on the line a b, along which it slides
     """
@@ -47,9 +47,9 @@ def mpc_rows(
 
 
 def _shares(place: FloatArray, nodes: FloatArray) -> list[float]:
-    """What the nodes of an edge count at a place on it: their shape functions there, linear or quadratic.
+    """Shape functions of the nodes of an edge at a position on it, linear or quadratic.
 
-    The place gives s of a quadratic edge x(s) = sum_i N_i(s) x_i, whose middle node may stand off the middle.
+    The position gives s of a quadratic edge x(s) = sum_i N_i(s) x_i with its middle node anywhere.
     """
     if len(nodes) == 2:
         chord = nodes[1] - nodes[0]

@@ -23,9 +23,9 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Orientation:
-    """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : turn about a local axis
+    """system : R, C, S or Z;  a, b, c : (3,) points;  axis (1 to 3), angle : rotation about a local axis
 
-    distributed : element numbers and what holds for them instead (*DISTRIBUTION), the last one
+    distributed : element numbers with their own orientation (*DISTRIBUTION); the last one is used
     """
 
     system: str
@@ -55,7 +55,7 @@ class Orientation:
         else:
             first = self.a - self.c
             third = np.cross(first, self.b - self.c)
-            if self.system == "Z":  # a lies on the local z axis, b in the xz plane
+            if self.system == "Z":  # a is on the local z axis, b in the xz plane
                 axes = np.column_stack([np.cross(np.cross(first, self.b - self.c), first), third, first])
             else:
                 axes = np.column_stack([first, np.cross(third, first), third])
@@ -74,7 +74,7 @@ class Orientation:
 def cylindrical_axes(a: FloatArray, b: FloatArray, places: FloatArray) -> FloatArray:
     """Radial, tangential, axial direction as columns (n, 3, 3) at places (n, 3), about the axis from a to b.
 
-    On the axis itself the radial direction is some direction across it.
+    On the axis itself the radial direction is any lateral direction.
     """
     axial = _unit(np.asarray(b - a)[None])[0]
     across = places - a
@@ -88,11 +88,11 @@ def cylindrical_axes(a: FloatArray, b: FloatArray, places: FloatArray) -> FloatA
 
 
 def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientation]:
-    """Orientations by scope and name in upper case; those by nodes or of other programs' fields are left out.
+    """Orientations by scope and name in upper case; those by nodes or distributed fields are left out.
 
     Raises
     ------
-    ImportFormatError   words for numbers; points on a line
+    ImportFormatError   words instead of numbers; points on a line
     """
     found: dict[tuple[int, str], Orientation] = {}
     given = {
@@ -107,7 +107,7 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
         system = block.options.get("SYSTEM", "RECTANGULAR").upper()[:1]
         definition = block.options.get("DEFINITION", "COORDINATES").upper()
         if definition not in ("COORDINATES", "OFFSETTONODES") or system not in "RCSZ" or not block.data:
-            model.report.leave_out_block(block, f"axes '{name}' of materials are not of a kind that is read")
+            model.report.leave_out_block(block, f"axes '{name}' of materials are of an unsupported kind")
             continue
         rows = list(block.data)
         turn = fields(rows[1][1]) if len(rows) > 1 else []
@@ -135,7 +135,7 @@ def read_orientations(model: AbaqusModel) -> Mapping[tuple[int, str], Orientatio
 def _distributed(
     model: AbaqusModel, placed: ScopedBlock, by_points: Callable[[int, int, list[str]], Orientation]
 ) -> Orientation:
-    """Axes by lines of an element or set and its points; those of the line that names none elsewhere."""
+    """Axes by lines of an element or set and its points; a line without elements is the default."""
     whole, parts = None, []
     for line, text in placed.block.data:
         word, *rest = fields(text)

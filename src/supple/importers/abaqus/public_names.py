@@ -1,4 +1,4 @@
-"""Names and ids by which a body's nodes, elements and sets are known, unique over all instances."""
+"""Names and ids of a body's nodes, elements and sets, unique over all instances."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class PublicIds:
 
 
 def public_ids(model: AbaqusModel) -> PublicIds:
-    """Ids of the file; where instances use the same ones, those of scope k are raised by k 10^m.
+    """Ids of the file; if instances use the same ids, those of scope k are raised by k 10^m.
 
-    10^m is the first power of ten above all ids; the scopes are the instances in their order from 0, then
-    what stands outside of them.
+    10^m is the first power of ten above all ids; the scopes are the instances in order from 0, then the
+    model outside of them.
     """
     order = [*range(1, len(model.scopes)), 0]
     rank = np.empty(len(order), dtype=np.int64)
@@ -37,7 +37,7 @@ def public_ids(model: AbaqusModel) -> PublicIds:
 
 
 def public_name(model: AbaqusModel, scope: int, name: str, taken: Mapping[tuple[int, str], object]) -> str:
-    """A set's own name; INSTANCE.SET where there are several instances, or the model has that name too."""
+    """A set's own name; INSTANCE.SET if there are several instances, or the model also has that name."""
     alone = len(model.scopes) < 3 and (0, name.upper()) not in taken
     return name if not scope or alone else f"{model.scopes[scope].name}.{name}"
 

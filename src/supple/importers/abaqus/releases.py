@@ -20,7 +20,7 @@ _ENDS = {"S1": 0, "S2": 6}
 
 
 def read_releases(model: AbaqusModel) -> BoolArray | None:
-    """Freedoms (E, 12) of the ends of all elements of a file that carry no moment; None where there are none.
+    """Released freedoms (E, 12) of the ends of all elements of a file; None without releases.
 
     A line names an element or set, an end (S1, S2) and a code (M1, M2, T, M1-M2, .., ALLM); or both ends.
     """
@@ -47,9 +47,9 @@ def read_releases(model: AbaqusModel) -> BoolArray | None:
 
 
 def released_ends(releases: BoolArray | None, elements: IntArray) -> BoolArray | None:
-    """Released freedoms (C, 12) of the cells of elements (C,), which stand one behind the other; or None.
+    """Released freedoms (C, 12) of the cells of elements (C,), in consecutive order; or None.
 
-    Of a quadratic beam the first cell has the first end, the last cell the second.
+    The first cell of a quadratic beam has the first end, the last cell the second.
     """
     if releases is None or not releases[elements].any():
         return None

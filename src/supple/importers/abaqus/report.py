@@ -1,4 +1,4 @@
-"""Report: what a reader did with each keyword, collected while it reads."""
+"""Report: the treatment of each keyword, collected while reading."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ __all__ = ["Report"]
 
 
 class Report:
-    """Counts keywords read and passed over, what is left out, notes, and doubts.
+    """Counts of keywords read and ignored, omissions, notes and doubts.
 
-    Doubts are mistakes without which the file can still be read, such as a set of unknown nodes; `strict`
-    raises them.
+    Doubts are mistakes that do not prevent reading, such as a set of unknown nodes; `strict` raises them.
     """
 
     def __init__(self, file: KeywordFile, *, strict: bool = False) -> None:
@@ -28,20 +27,20 @@ class Report:
         self._notes: dict[str, None] = {}
 
     def leave_out(self, card: str, line: int, meaning: str, count: int = 1) -> None:
-        """Something that would change the body is not read; `line` counts in the keyword file."""
+        """Record data that would change the body but are not read; `line` counts in the keyword file."""
         entry = self._left_out.setdefault((card, meaning), [0, self.file.lines[line][1]])
         entry[0] += count
 
     def leave_out_block(self, block: KeywordBlock, meaning: str) -> None:
-        """A keyword is not read."""
+        """Record a keyword that is not read."""
         self.leave_out(f"*{block.name}", block.line, meaning)
 
     def note(self, text: str) -> None:
-        """What the user should know, one sentence; the same one only once."""
+        """Record a note of one sentence, once."""
         self._notes[text] = None
 
     def doubt(self, line: int, message: str) -> None:
-        """A mistake that the reader can do without; ImportFormatError where it is strict."""
+        """Record a mistake that does not prevent reading; ImportFormatError if strict."""
         error = self.file.error(line, message)
         if self._strict:
             raise error
@@ -49,7 +48,7 @@ class Report:
 
     @property
     def left_out(self) -> tuple[LeftOut, ...]:
-        """All that is left out, in the order found."""
+        """All omissions in order."""
         return tuple(
             LeftOut(card, count, line, meaning) for (card, meaning), (count, line) in self._left_out.items()
         )

@@ -1,4 +1,4 @@
-"""Sections of Abaqus and CalculiX: which elements are made of what, as properties and cells of a Deck."""
+"""Sections of Abaqus and CalculiX: properties and cells of a Deck."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ _FITS = {
     Family.BEAM: SectionOfBeams,
 }
 _INCOMPATIBLE = ("C3D8I", "C3D8R", "SC8R")
-"""With one point of integration and stiffness against hourglasses they bend about as with such motions."""
+"""Elements with one integration point and hourglass stiffness; incompatible modes bend similarly."""
 _SECTIONS = (
     "SOLIDSECTION", "SHELLSECTION", "SHELLGENERALSECTION", "MEMBRANESECTION", "MEMBRANE", "BEAMSECTION",
     "BEAMGENERALSECTION",
@@ -65,14 +65,14 @@ _SECTIONS = (
 def read_elements(
     model: AbaqusModel, ids: PublicIds, orientations: Mapping[tuple[int, str], Orientation]
 ) -> tuple[tuple[DeckElements, ...], dict[str, Property]]:
-    """All elements that have a section and a material, and what they are made of.
+    """All elements with a section and a material, and their properties.
 
-    Others are left out, but those without a section on the faces and edges of solids, which carry sets alone.
-    Where sections overlap the last one holds.
+    Others are left out, except elements without section on faces and edges of solids, which define sets only.
+    If sections overlap the last one is used.
 
     Raises
     ------
-    ImportFormatError   sections without thickness or dimensions; words for numbers
+    ImportFormatError   sections without thickness or dimensions; words instead of numbers
     """
     materials = read_materials(model)
     n_elements = len(model.element_labels.ids)
@@ -118,7 +118,7 @@ def read_elements(
                 builder.add(key, section, block, places)
         if _incompatible(block) and "R" in block.type.name:
             model.report.note(
-                f"elements {block.type.name} are integrated fully, with incompatible motions that bend freely"
+                f"elements {block.type.name} are integrated fully, with incompatible modes for bending"
             )
     return tuple(builder.elements), builder.properties
 
@@ -138,7 +138,9 @@ def _section(
         found = orientations.get((scope, name.upper())) or orientations.get((0, name.upper()))
         if name and found is None:
             model.report.leave_out(
-                f"*{block.name}, ORIENTATION={name}", block.line, "its material lies along the global axes"
+                f"*{block.name}, ORIENTATION={name}",
+                block.line,
+                "its orientation is not read; global axes are used",
             )
         return found
 
@@ -157,7 +159,7 @@ def _section(
 
 
 class _Builder:
-    """Elements and properties of a deck as they are found."""
+    """Elements and properties of a deck under construction."""
 
     def __init__(self, model: AbaqusModel, ids: PublicIds, releases: BoolArray | None) -> None:
         self._model, self._ids, self._releases = model, ids, releases
@@ -166,7 +168,7 @@ class _Builder:
         self.properties: dict[str, Property] = {}
 
     def add(self, key: str, section: Section, block: ElementBlock, places: IntArray) -> None:
-        """Cells of the elements at some places of a block."""
+        """Cells of some elements of a block."""
         for kind, cells, owners in cells_of(block.type, block.nodes[places], self._model.positions):
             self._add(key, section, block, kind, cells, places[owners])
 
@@ -250,7 +252,7 @@ class _Builder:
         )
 
     def _key(self, key: str, made: Property) -> str:
-        """The set's name; with a number behind it where that set has several properties."""
+        """The name of the set, with a number if the set has several properties."""
         name, n = key, 1
         while name in self.properties and not _same(self.properties[name], made):
             n += 1

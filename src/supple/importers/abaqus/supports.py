@@ -1,4 +1,4 @@
-"""Supports of Abaqus and CalculiX: *BOUNDARY of the model and of its first step, where nothing is driven."""
+"""Supports of Abaqus and CalculiX: *BOUNDARY of the model and of its first step, without driven freedoms."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _NAMED = {
 
 
 def read_supports(model: AbaqusModel, freedoms: Freedoms) -> tuple[ScalarTerms, ...]:
-    """The freedoms that are held, each once, as constraints.
+    """The freedoms that are fixed, each once, as constraints.
 
     Raises
     ------
-    ImportFormatError   words for numbers; a name of a support that neither program has
+    ImportFormatError   words instead of numbers; an unknown type of support
     """
     rows = Rows(freedoms.lines)
     held: set[tuple[int, int]] = set()
@@ -46,14 +46,14 @@ def read_supports(model: AbaqusModel, freedoms: Freedoms) -> tuple[ScalarTerms, 
 
 
 def _components(model: AbaqusModel, line: int, words: list[str]) -> list[int]:
-    """Freedoms 1 to 6 that a line holds; none where a value drives them."""
+    """Freedoms 1 to 6 fixed by a line; none if a value drives them."""
     if len(words) < 2 or not words[1]:
         return []
     if words[1].upper() in _NAMED:
         return list(_NAMED[words[1].upper()])
     if not is_plain_digits(words[1]) or (len(words) > 2 and words[2] and not is_plain_digits(words[2])):
         raise model.file.error(
-            line, f"*BOUNDARY holds freedoms 1 to 6, or {', '.join(_NAMED)}; '{words[1][:40]}' is none"
+            line, f"*BOUNDARY fixes freedoms 1 to 6, or {', '.join(_NAMED)}; '{words[1][:40]}' is none"
         )
     first = int(words[1])
     last = int(words[2]) if len(words) > 2 and words[2] else first

@@ -20,19 +20,19 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 _DEFAULT_TOLERANCE = 0.05
-"""Of the size of the master's faces, as Abaqus has it for surfaces; CalculiX takes 0.025."""
+"""Tolerance relative to the size of the master's faces, as in Abaqus for surfaces; CalculiX uses 0.025."""
 _CANDIDATES = 16
 
 
 def read_ties(model: AbaqusModel, rows: Rows) -> None:
     """Rows  u_slave - sum_j N_j u_j = 0  for slave nodes within the tolerance of a master face.
 
-    A slave node is moved onto its face, as both programs do, so that rigid motion stays free. Between shells
-    its rotations follow as well. Cyclic and multistage ties are left out.
+    A slave node is moved onto its face, as in both programs, so that rigid motion causes no force. Between
+    shells its rotations follow as well. Cyclic and multistage ties are left out.
 
     Raises
     ------
-    ImportFormatError   words for numbers
+    ImportFormatError   words instead of numbers
     """
     for placed in (*model.named("TIE"), *_tied_contacts(model)):
         block = placed.block
@@ -121,7 +121,7 @@ def _tie(
 
 
 def _face_size(x: FloatArray, surface: Surface) -> float:
-    """Mean distance of the first two corners of its faces; 1 of single nodes."""
+    """Mean distance of the first two corners of its faces; 1 for single nodes."""
     spans = [
         np.linalg.norm(x[faces[:, 1]] - x[faces[:, 0]], axis=1)
         for faces in surface.faces
@@ -141,11 +141,11 @@ def _turning_nodes(model: AbaqusModel) -> NDArray[np.bool_]:
 def _nearest(
     x: FloatArray, nodes: IntArray, faces: IntArray
 ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-    """For each node the nearest of the faces (F, k), its shape functions there, distance and place."""
+    """For each node the nearest of the faces (F, k), its shape functions there, distance and position."""
     centres = x[faces].mean(axis=1)
     count = min(_CANDIDATES, len(faces))
     _, candidates = KDTree(centres).query(x[nodes], k=count)
-    # Of places beyond all numbers no face is near, and the query names one that is not there.
+    # For positions that are not finite the query returns an index out of range.
     candidates = np.minimum(np.reshape(candidates, (len(nodes), count)), len(faces) - 1)
     pairs = faces[candidates].reshape(-1, faces.shape[1])
     targets = np.repeat(x[nodes], count, axis=0)
@@ -168,7 +168,7 @@ def _projected(corners: FloatArray, targets: FloatArray) -> FloatArray:
         gap = targets - np.einsum("pk,pki->pi", N, corners)
         J = np.einsum("pka,pki->pia", dN, corners)
         normal = np.einsum("pia,pib->pab", J, J)
-        # Edges have one parameter only; the second is held by the unit added.
+        # Edges have one parameter; the added unit fixes the second.
         normal[:, 1, 1] += np.where(normal[:, 1, 1] > 0, 0.0, 1.0)
         step = np.linalg.solve(
             normal + 1e-14 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(2),

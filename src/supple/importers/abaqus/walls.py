@@ -28,10 +28,10 @@ _ALONG_NORMAL = np.cos(np.radians(0.1))
 
 @dataclass(frozen=True, eq=False)
 class SectionOfShells:
-    """plies : from the bottom up, thickness in proportion;  given : a wall by its stiffness instead
+    """plies : from the bottom up, relative thickness;  given : instead, a wall by its stiffness
 
-    offset : of the nodes from the middle, as a share of the thickness, along the normal
-    nodal_thickness : (N,) of every node; None where thickness is that of the section
+    offset : of the nodes from the middle along the normal, as a fraction of the thickness
+    nodal_thickness : (N,) of every node; None if the section gives the thickness
     """
 
     plies: tuple[Ply, ...]
@@ -50,16 +50,16 @@ class SectionOfShells:
     def properties(
         self, key: str, cells: IntArray, kind: ElementType
     ) -> Iterator[tuple[str, ShellProperty | WallProperty, IntArray]]:
-        """Name, property, and which of cells (C, 3) have it: one for each mean thickness of their nodes.
+        """Name, property and mask of its cells (C, 3), one for each mean thickness of their nodes.
 
-        kind : of the elements: membranes resist no bending, and some shells do not shear
+        kind : of the elements: membranes have no bending stiffness, and some shells are rigid in shear
         """
         if self.nodal_thickness is None:
             yield key, self._property(self.thickness, kind), np.arange(len(cells))
             return
         given = self.nodal_thickness
         found = np.where(np.isfinite(given), given, self.thickness)[cells].mean(axis=1)
-        # Twelve digits: sums in another order make no other property.
+        # Twelve digits, so that another order of summation gives the same property.
         values, which = np.unique(np.array([float(f"{t:.12g}") for t in found]), return_inverse=True)
         for i, thickness in enumerate(values.tolist()):
             name = key if len(values) == 1 else f"{key} t={thickness:.6g}"
@@ -68,7 +68,7 @@ class SectionOfShells:
     def directions(self, corners: FloatArray, elements: IntArray) -> FloatArray:
         """First directions (C, 3) of cells with corners (C, 3, 3) before projection; by default global x.
 
-        Where the wall's normal is the global x within 0.1 degrees, the global z, as both programs have it.
+        If the wall's normal is the global x within 0.1 degrees: the global z, as in both programs.
         """
         if self.orientation is not None:
             return self.orientation.shell_directions(corners.mean(axis=1), elements)
@@ -98,16 +98,16 @@ def read_shell_section(
     material: Callable[[str], DeckMaterial | None],
     orientation: Callable[[str], Orientation | None],
 ) -> SectionOfShells | None:
-    """*SHELL SECTION, *SHELL GENERAL SECTION, *MEMBRANE SECTION; None where its material is not known.
+    """*SHELL SECTION, *SHELL GENERAL SECTION, *MEMBRANE SECTION; None if its material is unsupported.
 
     Raises
     ------
-    ImportFormatError   no thickness, or one that is not positive; words for numbers
+    ImportFormatError   no thickness, or one that is not positive; words instead of numbers
     """
     file, block = model.file, placed.block
     axes = orientation(block.options.get("ORIENTATION", ""))
     offset = _offset(model, block)
-    # Abaqus asks for NODAL THICKNESS on the section as well; CalculiX does not.
+    # Abaqus requires NODAL THICKNESS on the section as well; CalculiX does not.
     thicknesses = _nodal_thickness(model)
     if not block.data:
         raise file.error(block.line, f"*{block.name} without a thickness; is the file cut short?")
@@ -131,7 +131,7 @@ def read_shell_section(
             block.line, f"*{block.name}: the thickness {thickness:g} is not positive; correct it"
         )
     if not thickness > 0 and thicknesses is None:
-        model.report.note(f"*{block.name} without a thickness: its elements carry sets alone")
+        model.report.note(f"*{block.name} without a thickness: its elements define sets only")
         return None
     homogeneous = made_of if isinstance(made_of, IsotropicMaterial) else None
     plies = (_ply(made_of, thickness if thickness > 0 else 1.0, 0.0),)
@@ -154,7 +154,7 @@ def _plies(
     material: Callable[[str], DeckMaterial | None],
     orientation: Callable[[str], Orientation | None],
 ) -> tuple[tuple[Ply, ...], Orientation | None] | None:
-    """Plies, and the axes that they name where they all name the same; None where one is not read."""
+    """Plies and their common axes; None if a ply is not read."""
     found: list[Ply] = []
     named: list[str] = []
     for line, text in block.data:
@@ -183,7 +183,7 @@ def _plies(
         rows = [(*fields(text), "", "", "")[3] for _, text in block.data]
         angles = [_turn(first, next(turns)) if row and row.upper() in named else None for row in rows]
         if any(angle is None for angle in angles):
-            model.report.leave_out_block(block, "plies along axes that are not turned about one normal")
+            model.report.leave_out_block(block, "plies along axes that are not rotated about one normal")
             return None
         found = [replace(ply, angle=angle or 0.0) for ply, angle in zip(found, angles, strict=True)]
     return tuple(found), first
@@ -214,7 +214,7 @@ def _general(model: AbaqusModel, block: KeywordBlock, values: list[float]) -> Wa
     columns = [column for column in range(6) for _ in range(column + 1)]
     stiffness[rows, columns] = stiffness[columns, rows] = values[:21]
     A, B, D = stiffness[:3, :3], stiffness[:3, 3:], stiffness[3:, 3:]
-    # Of a homogeneous wall D = A t^2 / 12.
+    # D = A t^2 / 12 for a homogeneous wall.
     thickness = float(np.sqrt(12 * np.trace(D) / np.trace(A))) if np.trace(A) > 0 < np.trace(D) else 1.0
     density = numbers(model.file, block.line, [block.options.get("DENSITY", "0")])[0]
     return WallProperty(A, B, D, None, density, 0.0, thickness)
@@ -233,7 +233,7 @@ def _offset(model: AbaqusModel, block: KeywordBlock) -> float:
 
 
 def _nodal_thickness(model: AbaqusModel) -> FloatArray | None:
-    """Thickness at each node, nan where none is given; None without *NODAL THICKNESS."""
+    """Thickness at each node, nan if not given; None without *NODAL THICKNESS."""
     found = None
     for placed in model.blocks:
         if placed.block.key != "NODALTHICKNESS" or placed.step:

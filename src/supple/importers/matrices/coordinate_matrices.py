@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _LARGEST_WHOLE = 2.0**53
-"""Beyond it a float cannot tell a whole number from its neighbour."""
+"""Largest integer that a float represents exactly."""
 
 
 def read_abaqus_matrix(path: str | Path, nodes: NodeTable | None = None) -> LabelledMatrix:
@@ -34,11 +34,11 @@ def read_abaqus_matrix(path: str | Path, nodes: NodeTable | None = None) -> Labe
 
     Parameters
     ----------
-    nodes : of the model, whose number says how many freedoms a node has in COORDINATE: 3, or 6
+    nodes : of the model; their number determines the freedoms per node in COORDINATE, 3 or 6
     Raises
     ------
     ImportFormatError   missing or cut file; lines of another form; an entry given twice; not symmetric; a
-                        number of rows that the nodes do not explain
+                        number of rows that does not fit the nodes
     """
     path = Path(path)
     if len(_words(_lines(path)[0][1], None)) == 3:
@@ -102,14 +102,14 @@ def _map(path: Path) -> NDArray[np.int64]:
         node, dot, component = word.partition(".")
         if not (dot and is_plain_digits(node) and is_plain_digits(component)):
             raise ImportFormatError(
-                f"{path}, line {number}: '{word[:40]}' is not NODE.COMPONENT; write it anew"
+                f"{path}, line {number}: '{word[:40]}' is not NODE.COMPONENT; write it again"
             )
         found.append((int(node), int(component)))
     return np.array(found, dtype=np.int64)
 
 
 def _table(path: Path, width: int, form: str, delimiter: str | None) -> tuple[FloatArray, float]:
-    """Numbers (k, width) of the lines that are no comments, and the resolution of the last column."""
+    """Numbers (k, width) of all lines but comments, and the resolution of the last column."""
     lines = _lines(path)
     rows = [_words(text, delimiter) for _, text in lines]
     try:
@@ -147,7 +147,7 @@ def _whole(path: Path, values: FloatArray, what: str) -> NDArray[np.int64]:
     whole = np.where(np.isfinite(values), values, -0.5)
     wrong = (whole != np.round(whole)) | (np.abs(whole) > _LARGEST_WHOLE)
     if wrong.any():
-        raise ImportFormatError(f"{path}: {values[wrong][0]:g} is not {what}; write the file anew")
+        raise ImportFormatError(f"{path}: {values[wrong][0]:g} is not {what}; write the file again")
     return whole.astype(np.int64)
 
 
@@ -159,5 +159,5 @@ def _lines(path: Path) -> list[tuple[int, str]]:
         if text.strip() and not text.lstrip().startswith("*")
     ]
     if not found:
-        raise ImportFormatError(f"{path}: an empty file; write it anew")
+        raise ImportFormatError(f"{path}: an empty file; write it again")
     return found

@@ -1,12 +1,12 @@
-"""HDF5 files of nodes, freedoms, stiffness and mass: the layout for programs that have no other export.
+"""HDF5 files of nodes, freedoms, stiffness and mass, for programs without another export.
 
 /nodes                 (N, 3) float     positions
-/node_ids              (N,) int         labels; 1 .. N where left out
+/node_ids              (N,) int         labels; default 1 .. N
 /freedoms              (n, 2) int       node id and component (1 to 6) of each row; 0: a modal coordinate
 /stiffness, /mass      groups with data, indices, indptr of a compressed sparse column matrix (n, n)
 /node_sets/NAME        (k,) int         node ids; optional
 
-Other programs write it, so it is copied before it is read: see `copied_hdf5`.
+The file may come from other programs, so it is copied before reading: see `copied_hdf5`.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def read_hdf5_matrix(path: str | Path, role: MatrixRole) -> LabelledMatrix:
 
 @contextmanager
 def opened(path: Path, parts: Collection[str]) -> Iterator[h5py.File]:
-    """A copy of those parts of the file; whatever HDF5 finds broken in it is an ImportFormatError."""
+    """A copy of these parts of the file; damage is an ImportFormatError."""
     if not is_file(path):
         raise ImportFormatError(f"{path}: no such file; check its name and folder")
     try:
@@ -128,7 +128,7 @@ def opened(path: Path, parts: Collection[str]) -> Iterator[h5py.File]:
 
 
 def array_of(file: h5py.File, path: Path, name: str, dtype: type) -> NDArray:
-    """A dataset; ImportFormatError where it is missing, or of another kind of numbers."""
+    """A dataset; ImportFormatError if it is missing, or of another number type."""
     dataset = file.get(name)
     if not isinstance(dataset, h5py.Dataset):
         raise ImportFormatError(

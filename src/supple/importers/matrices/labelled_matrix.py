@@ -24,13 +24,13 @@ COMPONENT_NAMES = ("", "ux", "uy", "uz", "rx", "ry", "rz")
 # Relative error of single precision.
 SINGLE_PRECISION = float(np.finfo(np.float32).eps)
 
-# The two entries of a symmetric matrix may differ by a few units in the last printed place.
+# The two entries of a symmetric matrix may differ by a few units in the last printed digit.
 SYMMETRY = 1e-9
 
 
 class MatrixRole(Enum):
-    """What a matrix is to a body: its name in messages and HDF5 files, and the letter its names begin "
-    "with."""
+    """Role of a matrix: its name in messages and HDF5 files, and the first letter of its names in other "
+    "files."""
 
     STIFFNESS = ("stiffness", "K")
     MASS = ("mass", "M")
@@ -45,7 +45,7 @@ class MatrixRole(Enum):
 class LabelledMatrix:
     """A symmetric matrix with the freedom of each row and column.
 
-    source     : where it was read, for messages
+    source     : origin, for messages
     matrix     : csc (n, n)
     freedoms   : (n, 2) node id and component (1 to 3 translations, 4 to 6 rotations; 0 a scalar
                  point or modal coordinate), each once
@@ -80,7 +80,7 @@ class LabelledMatrix:
         if len(unique) < n:
             node, component = unique[counts > 1][0]
             raise ImportFormatError(
-                f"{self.source}: {freedom_name(node, component)} stands twice in the map; name each "
+                f"{self.source}: {freedom_name(node, component)} occurs twice in the map; name each "
                 "freedom once"
             )
         self._check_entries()
@@ -90,7 +90,7 @@ class LabelledMatrix:
         if bad.size:
             place = freedom_name(*self.freedoms[self.matrix.indices[bad[0]]])
             raise ImportFormatError(
-                f"{self.source}: an entry in the row of {place} is not finite; export it anew"
+                f"{self.source}: an entry in the row of {place} is not finite; export it again"
             )
         difference = abs(self.matrix - self.matrix.T).tocoo()
         largest = float(abs(self.matrix.data).max(initial=0.0))
@@ -105,7 +105,7 @@ class LabelledMatrix:
 
 
 def freedom_name(node: int, component: int) -> str:
-    """A freedom as users know it."""
+    """A freedom in words."""
     return f"node {node} {COMPONENT_NAMES[component]}" if component else f"modal coordinate {node}"
 
 
@@ -128,9 +128,9 @@ def from_labelled_entries(
 def from_entries(
     source: str, row: IntArray, column: IntArray, values: FloatArray, freedoms: IntArray
 ) -> csc_array:
-    """Matrix (n, n) from its entries; where no pair of freedoms is given both ways, one way stands for both.
+    """Matrix (n, n) from its entries; without mirrored pairs one triangle is completed to both.
 
-    Programs print one triangle in their own order of the nodes, which need not be that of `freedoms`.
+    Programs print one triangle in their own order of nodes, which need not be that of `freedoms`.
 
     Raises
     ------

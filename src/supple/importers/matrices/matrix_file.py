@@ -1,4 +1,4 @@
-"""Matrix files: the reader for a labelled matrix and for its nodes, chosen by suffix."""
+"""Matrix files: the readers for a labelled matrix and its nodes are selected by suffix."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ __all__ = ["HDF5_SUFFIXES", "NODE_SUFFIXES", "read_labelled_matrix", "read_nodes
 DMIG_SUFFIXES = (".pch", *NASTRAN_SUFFIXES)
 OUTPUT_SUFFIXES = (".op4", ".op2")
 HDF5_SUFFIXES = (".h5", ".hdf5")
-"""Names of HDF5 files end so."""
+"""Suffixes of HDF5 files."""
 MATRIX_SUFFIXES = (*DMIG_SUFFIXES, *OUTPUT_SUFFIXES, *HDF5_SUFFIXES, ".mtx", ".sti", ".mas")
 NODE_SUFFIXES = (".inp", *NASTRAN_SUFFIXES, *HDF5_SUFFIXES)
-"""Files that `read_nodes` reads."""
+"""Suffixes of the files that `read_nodes` reads."""
 
 
 def read_nodes(path: str | Path) -> NodeTable:
-    """Labelled nodes of an Abaqus or CalculiX (.inp), Nastran (.bdf ..) or HDF5 file, whatever its elements.
+    """Labelled nodes of an Abaqus or CalculiX (.inp), Nastran (.bdf ..) or HDF5 file, with any elements.
 
     Raises
     ------
-    ImportFormatError   a suffix that no reader knows; whatever the reader finds wrong
+    ImportFormatError   a suffix without a reader; errors of the reader
     """
     suffix = Path(path).suffix.lower()
     if suffix == ".inp":
@@ -52,11 +52,11 @@ def read_labelled_matrix(
 
     Parameters
     ----------
-    nodes : NodeTable     of the model; OUTPUT4 files rest on its order
-    name : str or None    of the matrix, where a file may hold several (DMIG, OUTPUT4)
+    nodes : NodeTable     of the model; OUTPUT4 files depend on its order
+    name : str or None    of the matrix, for formats with several (DMIG, OUTPUT4)
     Raises
     ------
-    ImportFormatError   a suffix that no reader knows; whatever the reader finds wrong
+    ImportFormatError   a suffix without a reader; errors of the reader
     """
     suffix = Path(path).suffix.lower()
     if suffix in DMIG_SUFFIXES:

@@ -18,17 +18,17 @@ __all__ = ["read_matrix"]
 FloatArray = NDArray[np.float64]
 
 MOST_EMPTY = 100_000
-"""Rows or columns of a sparse matrix beyond the number of its entries: more is a mistake in its size."""
+"""Largest number of rows or columns of a sparse matrix beyond that of its entries."""
 
-_FORM = "write it anew, whole, as coordinate real"
+_FORM = "write the complete matrix again, as coordinate real"
 
 
 @dataclass(frozen=True)
 class _Header:
-    """The first lines of a file, and where its entries begin.
+    """The first lines of a file, and the line of the first entry.
 
     line : from 1, of the size
-    entries : how many it promises below
+    entries : their stated number
     """
 
     path: Path
@@ -58,12 +58,12 @@ def read_matrix(path: str | Path) -> csc_array:
     csc_array (m, n)   float64
     Raises
     ------
-    ImportFormatError   missing, unreadable or cut file; a size that its entries do not fill; complex or
+    ImportFormatError   missing, unreadable or cut file; a size that does not fit its entries; complex or
                         infinite entries, or NaN; an entry given twice
     Source: Boisvert, Pozo, Remington, The Matrix Market exchange formats, NISTIR 5935, 1996.
     """
     path = Path(path)
-    lines = file_lines(path, "write it anew as text, coordinate real")
+    lines = file_lines(path, "write it again as text, coordinate real")
     header = _header(path, lines)
     width = 3 if header.is_sparse else 1
     numbers = _numbers(header, lines, width)
@@ -74,7 +74,7 @@ def read_matrix(path: str | Path) -> csc_array:
         row, column = _places_of_array(header)
         values = numbers[:, 0]
     if not np.isfinite(values).all():
-        raise ImportFormatError(f"{path}: entries that are infinite or not a number; write the matrix anew")
+        raise ImportFormatError(f"{path}: entries that are infinite or not a number; write the matrix again")
     return _filled_in(header, row, column, values)
 
 
@@ -139,7 +139,7 @@ def _numbers(header: _Header, lines: list[str], width: int) -> FloatArray:
     below = [line for line in lines[header.line :] if line.strip() and not line.startswith("%")]
     if len(below) != header.entries:
         raise header.error(
-            f"{header.entries} entries are promised, but {len(below)} lines follow; is the file cut short?"
+            f"{header.entries} entries are stated, but {len(below)} lines follow; is the file cut short?"
         )
     rows = [line.split() for line in below]
     try:
@@ -165,7 +165,7 @@ def _is_entry(text: str, width: int) -> bool:
 
 def _places(header: _Header, lines: list[str], given: FloatArray, n: int) -> NDArray[np.int64]:
     """Numbers from 0, of rows or columns that count from 1."""
-    # Written so that NaN is outside as well.
+    # Written so that NaN counts as outside, too.
     outside = np.flatnonzero(~((given >= 1) & (given <= n) & (given == np.round(given))))
     if outside.size:
         below = [
@@ -198,8 +198,8 @@ def _filled_in(
     matrix = csc_array(coo_array((values, (row, column)), shape=(header.rows, header.columns)))
     if matrix.nnz < len(values):
         raise ImportFormatError(
-            f"{header.path}: an entry is given twice; write the matrix anew, each entry once"
+            f"{header.path}: an entry is given twice; write the matrix again, each entry once"
         )
-    if not header.is_sparse:  # whose zeros are written, and no entries of a sparse matrix
+    if not header.is_sparse:  # dense formats store zeros, which are no entries of a sparse matrix
         matrix.eliminate_zeros()
     return matrix

@@ -1,4 +1,4 @@
-"""OUTPUT4 and OUTPUT2 files (.op4, .op2): matrices by row number, with the map that a mesh file implies."""
+"""OUTPUT4 and OUTPUT2 files (.op4, .op2): matrices by row number; the mesh file defines their freedoms."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def read_output4(
 ) -> LabelledMatrix:
     """The stiffness or mass of an OUTPUT4 or OUTPUT2 file; read by pyyeti (install `supple[nastran]`).
 
-    They have no labels. Rows are the analysis set (ASET, BSET, QSET) of the mesh file where their number fits
-    it, else all six freedoms of all its grids (the g-set), sorted by id.
+    The files have no labels. Rows are the analysis set (ASET, BSET, QSET) of the mesh file if their number
+    fits, else all six freedoms of all its grids (the g-set), sorted by id.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def read_output4(
 
 
 def named_matrix(path: Path, name: str) -> tuple[str, Any]:
-    """What messages call a matrix of the file, and the matrix, sparse (m, n); errors as `read_output4`."""
+    """Label of a matrix for messages, and the sparse matrix (m, n); errors as for `read_output4`."""
     matrices = _load(path)
     source, matrix, _ = _real(path, _chosen_name(path, list(matrices), MatrixRole.STIFFNESS, name), matrices)
     return source, matrix
@@ -86,34 +86,34 @@ def _load(path: Path) -> dict[str, tuple[Any, int]]:
         except Exception as error:  # as below
             raise ImportFormatError(
                 f"{path}: not readable as OUTPUT2 ({type(error).__name__}: {error}); is it cut short? Write "
-                "it anew"
+                "it again"
             ) from error
         return {key.lower(): (csc_array(value), 0) for key, value in found.items()}
     if content[:4] in _HEADERS:
         _check_records(path, content)
     elif not content.isascii() or b"_" in b"".join(content.split(b"\n")[1:]):
         raise ImportFormatError(
-            f"{path}: characters that are part of no number; is it OUTPUT4, and whole? Write it anew"
+            f"{path}: characters that are part of no number; is it OUTPUT4, and complete? Write it again"
         )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             names, matrices, _, kinds = op4.read(str(path), into="list", sparse=True)
-    except Exception as error:  # the library raises whatever it meets in a file that breaks the format
+    except Exception as error:  # the library raises any error on a damaged file
         raise ImportFormatError(
             f"{path}: not readable as OUTPUT4 ({type(error).__name__}: {error}); is it cut short? Write it "
-            "anew"
+            "again"
         ) from error
     if not names:
-        raise ImportFormatError(f"{path}: no matrix in this file; is it OUTPUT4, and whole?")
+        raise ImportFormatError(f"{path}: no matrix in this file; is it OUTPUT4, and complete?")
     return dict(zip(names, zip(matrices, kinds, strict=True), strict=True))
 
 
 def _check_records(path: Path, content: bytes) -> None:
-    """ImportFormatError where the records of a binary file do not fill it, or not hold what they announce.
+    """ImportFormatError if the records of a binary file do not fill it, or are inconsistent.
 
-    The library takes as much memory as a column says it needs. A record stands between two copies of its
-    length in bytes; a matrix is a record of its size, then one a column: number, row, words, and these words.
+    The library allocates the memory that a column states. A record is enclosed by two copies of its length in
+    bytes; a matrix is a record of its size, then one for each column: number, row, words, and these words.
     """
     order = "<" if content[:4] in _HEADERS[:2] else ">"
     key = 4 if struct.unpack(f"{order}i", content[:4])[0] == _HEADER_BYTES else 8
@@ -126,16 +126,16 @@ def _check_records(path: Path, content: bytes) -> None:
             raise ImportFormatError(
                 f"{path}: not readable as OUTPUT4 (the record at byte {place} is broken); is it cut short? "
                 "Write it "
-                "anew"
+                "again"
             )
         first, _, words = struct.unpack_from(f"{order}3{'i' if key == 4 else 'q'}", content, place + 4)
         if not columns_left:
             n_columns, columns_left = first, True
         elif 3 * key + words * key != length:
             raise ImportFormatError(
-                f"{path}: not readable as OUTPUT4 (column {first} announces {words} words in a record of "
+                f"{path}: not readable as OUTPUT4 (column {first} states {words} words in a record of "
                 f"{length} "
-                "bytes); write it anew"
+                "bytes); write it again"
             )
         else:
             columns_left = first <= n_columns
@@ -173,8 +173,8 @@ def _row_freedoms(source: str, n: int, nodes: NodeTable) -> NDArray[np.int64]:
         aset = f"an ASET of {retained}" if retained else "no ASET"
         if retained and not len(nodes.modal) and n > retained:
             aset += (
-                f" and no modal coordinates: {n - retained} rows more than the ASET may be some, which QSET1 "
-                "and SPOINT cards in the mesh file name"
+                f" and no modal coordinates: {n - retained} more rows than the ASET may be some; name them "
+                "by QSET1 and SPOINT cards in the mesh file"
             )
         raise ImportFormatError(
             f"{source}: {n} rows, but {nodes.source} has {len(nodes.ids)} grids, so {6 * len(nodes.ids)} "

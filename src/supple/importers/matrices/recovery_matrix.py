@@ -3,7 +3,7 @@
 HDF5, beside the matrices of `hdf5_matrices`:
 
 /recovery/points       (P, 3) float     positions
-/recovery/ids          (P,) int         labels; 1 .. P where left out
+/recovery/ids          (P,) int         labels; default 1 .. P
 /recovery/matrix       (3 P, n) float   ux uy uz of each point, columns as /freedoms
 
 OUTPUT4: a matrix whose rows are those grids of the mesh file that the analysis set lacks, by their ids, three
@@ -49,7 +49,7 @@ def read_recovery(path: str | Path, nodes: NodeTable, *, name: str | None = None
 
     Raises
     ------
-    ImportFormatError   files of another kind; a matrix of a size that the points and freedoms do not explain
+    ImportFormatError   files of another kind; a matrix size that does not fit the points and freedoms
     """
     path = Path(path)
     if path.suffix.lower() in HDF5_SUFFIXES:
@@ -100,11 +100,11 @@ def _of_output4(path: Path, nodes: NodeTable, name: str) -> RecoveryMatrix:
 
 
 def in_order(recovery: RecoveryMatrix, freedoms: IntArray) -> RecoveryMatrix:
-    """The same with its columns in the order of some freedoms (m, 2); zero where it has none.
+    """The same with its columns in the order of given freedoms (m, 2); zero for others.
 
     Raises
     ------
-    ImportFormatError   columns that move points by freedoms that are not among these
+    ImportFormatError   nonzero columns of freedoms that are not among these
     """
     place = {tuple(freedom): i for i, freedom in enumerate(freedoms.tolist())}
     found = np.array(

@@ -1,4 +1,4 @@
-"""Nastran bulk data: the grammar of cards (small, large and free fields), before any meaning."""
+"""Syntax of Nastran bulk data: cards in small, large and free fields."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _REPEATS = re.compile(r"=\s*\(?\s*([0-9]+)\s*\)?$")
 _GROWS = re.compile(r"\*\s*\(?\s*([^()]+?)\s*\)?$")
 
 MOST_REPETITIONS = 10**6
-"""Of one card by `=n`; more is a misprint."""
+"""Largest number of repetitions of one card by `=n`."""
 
 RawLine = tuple[Path, int, str]
 
 
 class BulkCard(NamedTuple):
-    """A card with its data fields as written: `fields[0]` is Nastran's field 2, eight to a row.
+    """A card with its data fields as written: `fields[0]` is Nastran's field 2, eight in a row.
 
     A blank field is an empty string; fields beyond the last written one count as blank.
     """
@@ -53,11 +53,11 @@ class BulkCard(NamedTuple):
         return ImportFormatError(f"{self.path}, line {self.line}: {self.name}: {message}")
 
     def word(self, place: int) -> str:
-        """Field as written, in upper case; empty where blank."""
+        """Field as written, in upper case; empty if blank."""
         return self.fields[place].upper() if place < len(self.fields) else ""
 
     def integer(self, place: int, what: str, default: int | None = None) -> int:
-        """Field as a whole number; `default` where it is blank, which is a mistake without one."""
+        """Field as an integer; `default` if it is blank, which is an error without a default."""
         word = self.word(place)
         if not word:
             if default is None:
@@ -72,7 +72,7 @@ class BulkCard(NamedTuple):
             ) from None
 
     def real(self, place: int, what: str, default: float | None = None) -> float:
-        """Field as a number; `default` where it is blank, which is a mistake without one."""
+        """Field as a number; `default` if it is blank, which is an error without a default."""
         word = self.word(place)
         if not word:
             if default is None:
@@ -90,7 +90,7 @@ class BulkCard(NamedTuple):
         return not any(self.fields[start:stop])
 
     def same_as(self, other: BulkCard) -> bool:
-        """Whether another card says the same: 1. and 1.0 are one number, blank fields at the end are none."""
+        """Whether another card is equal: 1. and 1.0 are equal, trailing blank fields are ignored."""
         return self.name == other.name and _content(self.fields) == _content(other.fields)
 
     def _field(self, place: int) -> int:
@@ -100,11 +100,11 @@ class BulkCard(NamedTuple):
 
 @dataclass(frozen=True)
 class BulkFile:
-    """All cards of a file and of those it includes, in their order.
+    """All cards of a file and its included files, in order.
 
     above : lines of executive and case control, above the cards
-    parts : {kind and name: cards} of what stands behind BEGIN SUPER = 1 and its kin
-    ended : whether ENDDATA ends it, as it does in all that Nastran runs
+    parts : {kind and name: cards} after BEGIN SUPER = 1 and similar lines
+    ended : whether the file has ENDDATA, which Nastran requires
     """
 
     path: Path
@@ -139,7 +139,7 @@ def _content(fields: tuple[str, ...]) -> list[str | float]:
 
 
 def integers(cards: Sequence[BulkCard], place: int, what: str, default: int | None = None) -> IntArray:
-    """One field of many cards as whole numbers, as `BulkCard.integer` reads it."""
+    """One field of many cards as integers, as `BulkCard.integer` reads it."""
     words = _column(cards, place)
     if is_plain("".join(words)):
         try:
@@ -177,27 +177,26 @@ def _quick_real(word: str) -> float:
     except ValueError:
         match = _EXPONENT_WITHOUT_E.match(word)
         value = float(f"{match[1]}E{match[2]}" if match else word.upper().replace("D", "E"))
-    if value - value != 0 or "_" in word:  # nan, inf and 1_0, which float() knows and Nastran does not
+    if value - value != 0 or "_" in word:  # nan, inf and 1_0 are numbers for float(), not for Nastran
         raise ValueError(word)
     return value
 
 
 def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> BulkFile:
-    """Cards of a Nastran file: from BEGIN BULK to ENDDATA, or the whole file where it has neither.
+    """Cards of a Nastran file: from BEGIN BULK to ENDDATA, or the whole file without these lines.
 
-    A PARAM may stand above BEGIN BULK, too, among the cards of case control. What follows ENDDATA is no
-    part of the file.
+    A PARAM may also precede BEGIN BULK, within case control. Lines after ENDDATA are not read.
 
     Small fields (8 columns), large fields (16, NAME*), free fields (commas), tabs, comments, INCLUDE and
-    replication (=, ==, *(x), =n) are understood. A continuation stands right below the line it continues, or
-    anywhere with the label which that line announces.
+    replication (=, ==, *(x), =n) are supported. A continuation directly follows its line, or has the label
+    of its line and stands anywhere.
 
-    absent : collects the INCLUDE of files that are not there; without it they are an error
+    absent : collects INCLUDE lines of missing files; without it they are errors
 
     Raises
     ------
-    ImportFormatError   missing or binary file, or one that includes itself; what is no card; a continuation
-                        of nothing
+    ImportFormatError   missing or binary file, or one that includes itself; lines that are no cards;
+                        continuations of no card
     """
     path = Path(path)
     above, sections, ended = _sections(path, absent)
@@ -212,7 +211,7 @@ def read_bulk_data(path: str | Path, absent: list[BulkCard] | None = None) -> Bu
 
 @dataclass(eq=False)
 class _Piece:
-    """A card, or rows that continue one elsewhere (`label`), up to the next break; what it announces."""
+    """A card, or rows that continue a card elsewhere (`label`), and the label that it announces."""
 
     name: str
     fields: list[str]
@@ -238,7 +237,7 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
         announces = last[1:].strip().upper()
         starts = first and first[0] not in "+*"
         if first[:1].isdigit() and piece is not None and has_no_effect(piece.name):
-            continue  # a list that goes on without a mark
+            continue  # a list that continues without a mark
         if (
             last
             and last[0] not in "+*"
@@ -269,7 +268,7 @@ def _cards(lines: Sequence[RawLine]) -> list[BulkCard]:
 
 
 def _join(pieces: list[_Piece], orphans: dict[str, _Piece]) -> None:
-    """Give cards the rows that continue them elsewhere."""
+    """Attach continuation rows to their cards."""
     for piece in pieces:
         while piece.announces and (more := orphans.pop(piece.announces, None)):
             _append(piece, more.path, more.line, more.fields)
@@ -295,7 +294,7 @@ def _append(piece: _Piece, file: Path, number: int, data: list[str]) -> None:
 
 
 def _replicated(pieces: list[_Piece]) -> list[BulkCard]:
-    """Cards with those that `=` repeats."""
+    """Cards including those repeated by `=`."""
     cards: list[BulkCard] = []
     pattern: list[str] = []
     for piece in pieces:
@@ -315,7 +314,7 @@ def _replicated(pieces: list[_Piece]) -> list[BulkCard]:
 
 
 def _repeated(above: BulkCard, pattern: list[str], piece: _Piece) -> BulkCard:
-    """The card above once more: '=' copies a field, '==' all that follow, '*(x)' adds x, others replace."""
+    """The repeated card: '=' copies a field, '==' all that follow, '*(x)' adds x, other fields replace."""
     fields: list[str] = []
     for place in range(max(len(above.fields), len(pattern))):
         old = above.fields[place] if place < len(above.fields) else ""
@@ -361,7 +360,7 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     """First field, data fields (8, or 4 large ones) and continuation label of a line."""
     if "," in text and _is_free(text):
         words = [word.strip() for word in text.split(",")]
-        if not has_no_effect(_name_of(words[0])):  # blanks part fields as commas do
+        if not has_no_effect(_name_of(words[0])):  # blanks separate fields as commas do
             words = [field for word in words for field in (word.split() or [""])]
         width = 4 if "*" in words[0] else 8
         if any(words[width + 2 :]) and not has_no_effect(_name_of(words[0])):
@@ -381,19 +380,19 @@ def _split(file: Path, number: int, text: str) -> tuple[str, list[str], str]:
     else:
         data = [text[i : i + 8].strip() for i in range(8, min(len(text), 72), 8)]
         data += [""] * (8 - len(data))
-    # A label may stand in column 73 without its '+': the continuation then has '+' for its first letter.
+    # A label in column 73 may lack its '+'; the continuation then has '+' as its first character.
     label = text[72:80].strip()
     return first, data, label and f"+{label[1:]}"
 
 
 def _is_free(text: str) -> bool:
-    """Whether the commas of a line part its fields; further on they may stand in the text of an equation."""
+    """Whether commas separate the fields of a line; they may also be part of an equation's text."""
     name = _name_of(text)
     return "," in text[:10] or text[0] in "+*" or (name != "" and not has_no_effect(name))
 
 
 def _name_of(text: str) -> str:
-    """Name of the card that a line begins with."""
+    """Name of the card at the start of a line."""
     return text[:8].partition(" ")[0].rstrip("*").upper()
 
 
@@ -412,7 +411,7 @@ def _sections(
         return above, [("", "", lines)], ended
     for start, stop in zip(starts, [*starts[1:], len(lines)], strict=True):
         named = {kind: name for kind, name in _PART.findall(lines[start][2].upper())}
-        # SUPER = 1 MASSID = 300 is a case of mass of a part, not the part.
+        # SUPER = 1 MASSID = 300 is a mass case of a part, not the part itself.
         kind = "MASSID" if "MASSID" in named else next(iter(named), "")
         found.append((kind, named.get(kind, ""), lines[start + 1 : stop]))
     return above, found, ended
@@ -426,7 +425,7 @@ def _meaning(
     absent: list[BulkCard] | None,
     depth: int,
 ) -> list[RawLine]:
-    """Lines without comments and blank ones, with those of included files in place."""
+    """Lines without comments and blank lines, with included files inserted."""
     found: list[RawLine] = []
     lines = enumerate(read, start=1)
     for number, line in lines:
@@ -441,12 +440,12 @@ def _meaning(
             continue
         name = included[1].strip() or next(lines, (0, ""))[1].strip()
         while name[:1] in ("'", '"') and name.count(name[0]) == 1:
-            # A name in quotes may run over several lines.
+            # A quoted name may extend over several lines.
             _, more = next(lines, (0, name[0]))
             name += more.strip()
         target = included_file(name.strip("'\" "), path.parent, main)
         if not is_file(target) and any(_BEGIN.match(later) for later in read[number:]):
-            continue  # executive or case control, which describes no body
+            continue  # executive or case control
         if absent is not None and not is_file(target):
             absent.append(BulkCard("INCLUDE", (str(target),), path, number))
             continue

@@ -1,4 +1,4 @@
-"""Case control of a Nastran file: which of its sets and matrices the solution takes."""
+"""Case control of a Nastran file: the sets and matrices that the solution uses."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _OF_THE_BODY = ("SPC", "MPC", "NSM", "K2GG", "M2GG", "B2GG", "K2PP", "M2PP", "B2
 
 @dataclass(frozen=True)
 class CaseControl:
-    """What case control selects; of several subcases the first.
+    """Selections of case control, of the first subcase if there are several.
 
-    present : whether there is any
+    present : whether the file has case control
     chosen  : {command: value as written, in upper case}
-    varied  : commands of which a later subcase selects something else
-    temperature : the set of temperatures at which materials are taken; empty where there is none
+    varied  : commands with another selection in a later subcase
+    temperature : the set of temperatures for materials; empty without one
     """
 
     present: bool
@@ -32,13 +32,13 @@ class CaseControl:
     temperature: str = ""
 
     def number(self, command: str) -> int | None:
-        """The set a command selects; None where it selects none."""
+        """The set of a command; None without one."""
         word = self.chosen.get(command, "")
         return int(word) if is_plain_digits(word) else None
 
 
 def read_case_control(above: Sequence[str]) -> CaseControl:
-    """The choices of what a body is made of, from the lines above the cards."""
+    """The selections that affect a body, from the lines above the cards."""
     chosen: dict[str, str] = {}
     varied: dict[str, None] = {}
     after_cend = False
@@ -52,7 +52,7 @@ def read_case_control(above: Sequence[str]) -> CaseControl:
         if not match or command not in _OF_THE_BODY:
             continue
         value = match[2].upper()
-        if subcases == 1 and command not in own:  # holds in place of what stands above all subcases
+        if subcases == 1 and command not in own:  # replaces the selection above all subcases
             own.add(command)
             chosen[command] = value
         if chosen.setdefault(command, value) != value:

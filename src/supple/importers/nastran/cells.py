@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class _Solid:
-    """Corners of a solid, its linear and quadratic cell, and the places of the card by node of the latter.
+    """Number of corners of a solid, its linear and quadratic cell, and the card's field of each node.
 
     edges : corners of each middle node, as the card lists them
     """
@@ -112,7 +112,7 @@ def grids_named(cards: Sequence[BulkCard], reading: Reading, first: int, count: 
 
 
 def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
-    """Cards by their first field; one of an id given twice must repeat the other."""
+    """Cards by their first field; cards with the same id must be equal."""
     found: dict[int, BulkCard] = {}
     for card in cards:
         number = card.integer(0, f"the {what} id")
@@ -126,10 +126,10 @@ def by_id(cards: Sequence[BulkCard], what: str) -> dict[int, BulkCard]:
 
 
 class Properties:
-    """The properties that elements of one kind use: read once, named after their cards.
+    """The properties of elements of one kind, each read once and named by its card.
 
-    A card whose elements differ in what they say themselves (offset, thickness, added mass) makes several:
-    pshell_7, pshell_7_2.
+    A card with elements of different data of their own (offset, thickness, added mass) gives several
+    properties: pshell_7, pshell_7_2.
     """
 
     def __init__(self, cards: Mapping[int, BulkCard]) -> None:
@@ -139,17 +139,17 @@ class Properties:
         self._counts: dict[int, int] = {}
 
     def name(self, number: int, key: object, make: Callable[[BulkCard], Property | str]) -> tuple[str, str]:
-        """Name of a property and "", or "" and why elements cannot have it."""
+        """Name of a property and "", or "" and the reason for omitting its elements."""
         known = self._names.get((number, key))
         if known is not None:
             return known, ""
         card = self.cards.get(number)
         if card is None:
-            return "", f"their property {number} is not one that is read"
+            return "", f"their property {number} is not supported"
         try:
             made = make(card)
         except (ArithmeticError, np.linalg.LinAlgError):
-            made = "its values are too large or too small to work with"
+            made = "its values are too large or too small"
         if isinstance(made, str):
             return "", f"{card.name} {number}: {made}"
         self._counts[number] = self._counts.get(number, 0) + 1
@@ -184,7 +184,7 @@ def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElemen
 
 
 def _solid(card: BulkCard, materials: Materials) -> SolidProperty | str:
-    """PSOLID with its material; PCOMPS where all its plies are of one isotropic material."""
+    """PSOLID with its material; PCOMPS if all its plies are of one isotropic material."""
     if card.name == "PCOMPS":
         plies = {card.integer(i, "a ply's material") for i in range(9, len(card.fields), 8) if card.word(i)}
         material = materials.of_solid(plies.pop()) if len(plies) == 1 else ""
@@ -207,7 +207,7 @@ def _solid_cells(
     properties: Properties,
 ) -> list[DeckElements]:
     solid, system = _SOLIDS[name], psolid.integer(2, "the material's axes CORDM", 0)
-    # By default (fields IN and ISOP) CHEXA has bubble functions, with which it bends without shear.
+    # By default (fields IN and ISOP) CHEXA has bubble functions and so no parasitic shear in bending.
     bubble = psolid.word(3) in ("", "0", "BUBBLE") and psolid.word(5) not in ("1", "FULL")
     quadratic = [not card.is_blank(2 + solid.corners, 2 + len(solid.order)) for card in cards]
     found: list[DeckElements] = []
@@ -227,8 +227,8 @@ def _solid_cells(
     return found
 
 
-# Corners of a cell seen in a mirror: two of a tetrahedron change places, a pyramid's base turns the other
-# way, wedges and hexahedra swap bottom and top.
+# Corners of a mirrored cell: two of a tetrahedron are exchanged, a pyramid's base is reversed, wedges and
+# hexahedra exchange bottom and top.
 _MIRRORED = {
     4: (0, 2, 1, 3),
     5: (0, 3, 2, 1, 4),
@@ -238,7 +238,7 @@ _MIRRORED = {
 
 
 def _turned_outwards(kind: CellType, nodes: IntArray, reading: Reading) -> IntArray:
-    """Cells whose base turns about the way to their top; Nastran takes either sense of its solids."""
+    """Cells with their base ordered about the direction to their top; Nastran accepts both orders."""
     n = kind.n_corners
     x = reading.positions(nodes[:, :n])
     base = 3 if n in (4, 6) else 4
@@ -264,23 +264,23 @@ def _material_axes(
     reading: Reading,
     cards: Sequence[BulkCard],
 ) -> FloatArray | None:
-    """Axes (C, 3, 3) of an anisotropic solid, those of CORDM at the middle of each cell; else None."""
+    """Axes (C, 3, 3) of an anisotropic solid, those of CORDM at its middle; None if isotropic."""
     if not isinstance(made, SolidProperty) or isinstance(made.material, IsotropicMaterial) or system == 0:
         return None
     if system < 0:
         for card in cards:
             reading.leave_out(
                 card,
-                "the material's axes go with the element (CORDM = -1); basic axes are taken",
+                "the material axes are those of the element (CORDM = -1); basic axes are used instead",
             )
         return None
     return reading.system(cards[0], system).directions(reading.positions(nodes).mean(axis=1))
 
 
 class _Middles:
-    """Middle nodes: those of the file, and midway where an element leaves one out.
+    """Middle nodes: those of the file, and added ones where an element has none.
 
-    Nastran moves along a side without middle node linearly; so a node midway follows the mean of the two.
+    In Nastran a side without middle node moves linearly; an added node follows the mean of the corners.
     """
 
     def __init__(self, reading: Reading) -> None:
@@ -308,14 +308,14 @@ class _Middles:
         return nodes
 
     def tie(self) -> None:
-        """The constraints  u_middle = (u_a + u_b) / 2  of all nodes put midway."""
+        """The constraints  u_middle = (u_a + u_b) / 2  of all added nodes."""
         for (a, b), (middle, line) in self._added.items():
             for i in range(3):
                 terms = [(6 * middle + i, 1.0), (6 * a + i, -0.5), (6 * b + i, -0.5)]
                 self._reading.constraints.add(terms, line, dependent=6 * middle + i)
         if self._added:
             self._reading.note(
-                f"{len(self._added)} sides of quadratic solids have no middle node; one put midway follows "
+                f"{len(self._added)} sides of quadratic solids have no middle node; an added one follows "
                 "the mean of the two corners, as in Nastran."
             )
 
@@ -356,11 +356,11 @@ def read_shells(
 _PLAIN = WallOptions()
 
 FLAT = 1e-12
-"""Of the area of a quadrilateral: less is rounding, and no warp."""
+"""Smallest difference of areas, relative to a quadrilateral's, that counts as warp."""
 
 
 def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | None:
-    """What an element says of its wall; None where nothing, as most do."""
+    """The wall data of an element; None without such data, as for most elements."""
     blank = card.is_blank(shell.thickness, shell.thickness + shell.corners)
     if blank and not added and card.is_blank(shell.offset, shell.offset + 1):
         return None
@@ -403,7 +403,7 @@ def _shell_cells(
 
 
 def _mass_share(positions: FloatArray, corners: IntArray) -> FloatArray:
-    """Area (k,) of the mean plane of quadrilaterals, which has their mass, over that of their triangles."""
+    """Ratio (k,) of the mean-plane area of quadrilaterals, used for mass, to that of their triangles."""
     halves = positions[split_quadrilaterals(positions, corners)].reshape(-1, 2, 3, 3)
     normals = np.cross(halves[:, :, 1] - halves[:, :, 0], halves[:, :, 2] - halves[:, :, 0])
     own = np.linalg.norm(normals, axis=2).sum(axis=1)
@@ -414,7 +414,7 @@ def _mass_share(positions: FloatArray, corners: IntArray) -> FloatArray:
 def _triangles_with_middles(
     shell: _Shell, cards: Sequence[BulkCard], corners: IntArray, reading: Reading
 ) -> tuple[IntArray, IntArray]:
-    """Triangles of quadratic shells: the corners cut off between their middle nodes, then what is left."""
+    """Triangles of quadratic shells: one at each corner, then those between the middle nodes."""
     triangles: list[list[int]] = []
     of_card: list[int] = []
     n = shell.corners
@@ -442,7 +442,7 @@ def _triangles_with_middles(
 
 
 def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) -> list[list[int]]:
-    """Triangles of a polygon: a quadrilateral by its diagonal; others from a middle node, amid a side."""
+    """Triangles of a polygon: a quadrilateral is split along its diagonal, others from a middle node."""
     if len(ring) == 4 and len(middles) != 1:
         return split_quadrilaterals(positions, np.array([ring])).tolist()
     first = ring.index(middles[0]) if middles else 0
@@ -453,7 +453,7 @@ def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) 
 def _material_directions(
     cards: Sequence[BulkCard], shell: _Shell, corners: IntArray, reading: Reading
 ) -> FloatArray:
-    """The material's x axis (k, 3): the side G1-G2 turned by THETA, or the x axis of MCID at the middle."""
+    """The material's x axis (k, 3): the side G1-G2 rotated by THETA, or the x axis of MCID at the middle."""
     x = reading.grids.positions[corners]
     side = x[:, 1] - x[:, 0]
     across = (x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]) if shell.corners == 4 else (side, x[:, 2] - x[:, 0])

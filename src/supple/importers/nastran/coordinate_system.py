@@ -12,7 +12,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Coordinates(Enum):
-    """What the three numbers of a point mean; angles are in degrees."""
+    """Coordinates of a point; angles are in degrees."""
 
     RECTANGULAR = auto()
     """x, y, z"""
@@ -52,7 +52,7 @@ class CoordinateSystem:
     def directions(self, points: FloatArray) -> FloatArray:
         """Unit vectors (k, 3, 3) of the coordinate lines at points (k, 3), as columns; all in basic axes.
 
-        On the axis of a cylindrical or spherical system, whose angle is unknown there, they are x, y, z.
+        On the axis of a cylindrical or spherical system, where the angle is undefined, they are x, y, z.
         """
         x, y, z = np.moveaxis((points - self.origin) @ self.axes, -1, 0)
         rho = np.hypot(x, y)
@@ -79,7 +79,7 @@ BASIC = CoordinateSystem(Coordinates.RECTANGULAR, np.zeros(3), np.eye(3))
 def through_points(
     coordinates: Coordinates, origin: FloatArray, on_axis: FloatArray, in_plane: FloatArray
 ) -> CoordinateSystem | None:
-    """System with its z axis from `origin` to `on_axis` and `in_plane` in its x-z plane; None on one line.
+    """System with its z axis from `origin` to `on_axis` and `in_plane` in its x-z plane; None if collinear.
 
     All points (3,) in basic axes.
     """

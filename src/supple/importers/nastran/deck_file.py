@@ -1,4 +1,4 @@
-"""Nastran bulk data (.bdf, .dat, .nas, .blk, .pch) as a Deck: all that makes a body, and what is left out."""
+"""Nastran bulk data (.bdf, .dat, .nas, .blk, .pch) as a Deck: cards that define a body, and others."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _READ = frozenset(
 )
 _CELLS = (*SOLID_CARDS, *SHELL_CARDS, *BEAM_CARDS, *ROD_CARDS)
 
-# What cards would mean that are known but not read.
+# Meaning of cards that are recognised but not read.
 _MEANINGS = {
     "CGAP": "gaps that open and close: the parts they join are not connected",
     "PGAP": "properties of gaps",
@@ -79,7 +79,7 @@ _MEANINGS = {
     "CRAC2D": "elements at the tip of a crack",
     "CRAC3D": "elements at the tip of a crack",
     "RSPLINE": "an interpolation between grids",
-    "RSSCON": "a joint of shell and solid",
+    "RSSCON": "a connection of shell and solid",
     "PBRSECT": "a section by its outline: its beams are left out, too",
     "PBMSECT": "a section by its outline: its beams are left out, too",
     "PBCOMP": "a section of several materials: its beams are left out, too",
@@ -100,7 +100,7 @@ _MEANINGS = {
     "CSUPER": "a superelement from a file or an image of another",
     "RELEASE": "freedoms in which a superelement is not joined to the others",
     "MPCAX": "constraints of an axisymmetric model",
-    "ROTORD": "a spinning part",
+    "ROTORD": "a rotating part",
 }
 _PROPERTIES = frozenset(
     (
@@ -111,18 +111,18 @@ _PROPERTIES = frozenset(
 
 
 def read_nastran_deck(path: str | Path) -> Deck:
-    """All of a Nastran file that makes a body; reading is not refusing.
+    """The body described by a Nastran file.
 
-    Cards that describe no body are passed over and counted; what would change the body and is not read
-    stands in `left_out`, also included files that are not there. A file without grids, or with elements
-    whose grids an absent file may have, makes a deck without nodes. Superelements, by BEGIN SUPER or SESET,
-    are one deck, joined where they share grids, and each a deck of its own in `superelements`.
+    Cards without effect on a body are counted and ignored. Cards that would change the body but are not read
+    are listed in `left_out`, and so are missing included files. A file without grids, or with elements on
+    grids of a missing file, gives a deck without nodes. Superelements, by BEGIN SUPER or SESET, are assembled
+    into one deck at their common grids; each is also a deck in `superelements`.
 
     Raises
     ------
-    ImportFormatError   missing or binary file; inclusions in a circle; no card that is known; a grid that an
-                        element names and the whole file lacks; ids given twice for different things; fields
-                        that are no numbers
+    ImportFormatError   missing or binary file; circular inclusions; no supported card; an element with a
+                        grid that the complete file lacks; ids with two definitions; fields
+                        that are not numbers
     """
     absences: list[BulkCard] = []
     file = read_bulk_data(path, absences)
@@ -152,22 +152,22 @@ def read_nastran_deck(path: str | Path) -> Deck:
 
 
 def _with_absences(deck: Deck, absences: Sequence[BulkCard]) -> Deck:
-    """The same deck, with the included files that are not there among what is left out."""
+    """The same deck with missing included files in `left_out`."""
     gone = (
-        LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: what it describes is not read")
+        LeftOut("INCLUDE", 1, card.line, f"there is no file {card.fields[0]}: its contents are not read")
         for card in absences
     )
     return replace(deck, left_out=(*gone, *deck.left_out))
 
 
 def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
-    """What cards there are, where no grid or not all are there; the error where none is known."""
+    """A deck of the counted cards if grids are missing; the error if no card is supported."""
     read, passed_over = _counted(file)
     if not read and not passed_over:
         raise error
     left = [*_not_read(file)]
     on_grids = (*_CELLS, *POINT_CARDS, *(name for name in RIGID_CARDS if name != "MPCADD"), "DMIG")
-    left += [(card, "left out: its grids are not there") for card in file.named(*on_grids)]
+    left += [(card, "left out: its grids are missing") for card in file.named(*on_grids)]
     nowhere = np.empty(0, dtype=np.int64), np.empty((0, 3))
     return Deck(
         *(file.path, *nowhere, (), {}),
@@ -179,17 +179,17 @@ def _deck_without_grids(file: BulkFile, error: ImportFormatError) -> Deck:
 
 
 def _not_read(file: BulkFile) -> Iterator[tuple[BulkCard, str]]:
-    """Cards that are not read, and what they mean; without properties that no element has."""
+    """Cards that are not read and their meaning; without unused properties."""
     unread = {n: own for n, own in file.by_name.items() if n not in _READ and not has_no_effect(n)}
     used = _used_properties(file) if _PROPERTIES.intersection(unread) else set()
     for name, cards in unread.items():
         for card in cards:
             if name not in _PROPERTIES or card.word(0) in used:
-                yield card, _MEANINGS.get(name, "a card that is not known here")
+                yield card, _MEANINGS.get(name, "a card that is not supported")
 
 
 def _used_properties(file: BulkFile) -> set[str]:
-    """Ids of properties that elements name; one that leaves it blank has that of its own number."""
+    """Ids of properties in use; a blank property is that of the element's number."""
     elements = (n for n in file.by_name if n.startswith("C") and not n.startswith("CORD"))
     return {card.word(1) or card.word(0) for card in file.named(*elements)}
 
@@ -264,7 +264,7 @@ def _turning(
 
 
 def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
-    """Grids, parameters and case control of a file; cards that are not known stand as left out."""
+    """Grids, parameters and case control of a file; unsupported cards are left out."""
     file = _elements_once(file)
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
     reading = Reading(
@@ -282,14 +282,14 @@ def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
         for card in [*whole.named("PARAM"), *file.named("PARAM")]
     )
     if not whole.ended:
-        reading.note("No ENDDATA ends the file; check that it is whole.")
+        reading.note("No ENDDATA ends the file; check that it is complete.")
     for card, meaning in _not_read(file):
         reading.leave_out(card, meaning)
     return reading
 
 
 def _elements_once(file: BulkFile) -> BulkFile:
-    """The file without elements that repeat an earlier one; of one id, they must say the same."""
+    """The file without repeated elements; elements with the same id must be equal."""
     again: set[int] = set()
     for names in (_CELLS, *((name,) for name in POINT_CARDS)):
         found: dict[str, BulkCard] = {}
@@ -307,7 +307,7 @@ def _elements_once(file: BulkFile) -> BulkFile:
 
 
 def _parameters(cards: list[BulkCard]) -> dict[str, float]:
-    """Numbers of the PARAMs that scale a model; two of one name must agree to a hundredth, the last holds."""
+    """Values of the PARAMs that scale a model; two of one name must agree to 1 %, the last is used."""
     found: dict[str, float] = {}
     for card in cards:
         name = card.word(0)
@@ -323,7 +323,7 @@ def _parameters(cards: list[BulkCard]) -> dict[str, float]:
 
 
 def _scalar_points(file: BulkFile) -> IntArray:
-    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2; and of what scalar elements name, as in Nastran."""
+    """Ids of SPOINT and EPOINT, a list or ID1 THRU ID2, and of scalar elements, as in Nastran."""
     ids: dict[int, None] = {}
     for card in file.named("SPOINT", "EPOINT"):
         if card.word(1) == "THRU":
@@ -351,7 +351,7 @@ def _tied_sets(rigid: list[RigidTie], means: list[WeightedMean]) -> dict[str, In
 
 
 def _element_sets(elements: list[DeckElements]) -> dict[str, IntArray]:
-    """Element ids by the property they are made of: pshell_7, also where it is read in several ways."""
+    """Element ids by their property: pshell_7, including its variants."""
     found: dict[str, list[IntArray]] = {}
     for cells in elements:
         name = "_".join(cells.property.split("_")[:2])

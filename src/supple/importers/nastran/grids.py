@@ -31,7 +31,7 @@ class GridPoints:
     ids       : (N,)
     positions : (N, 3)      in basic coordinates
     axes      : (N, 3, 3)   directions of the displacements (CD) as columns, in basic axes
-    supports  : (N,)        permanent supports (PS), components as written; empty where none
+    supports  : (N,)        permanent supports (PS), components as written; empty without any
     cards     : the card of each
     systems   : {id: coordinate system}, 0 the basic one
     """
@@ -44,11 +44,11 @@ class GridPoints:
     systems: dict[int, CoordinateSystem]
 
     def lookup(self, ids: IntArray) -> tuple[IntArray, NDArray[np.bool_]]:
-        """Numbers from 0 of grid ids, and whether there are such grids."""
+        """Numbers from 0 of grid ids, and whether the grids exist."""
         return numbers_of(self.ids, ids)
 
     def numbers(self, card: BulkCard, ids: list[int]) -> IntArray:
-        """Numbers from 0 of the grid points that a card names; ImportFormatError for one the file lacks."""
+        """Numbers from 0 of the grid points that a card names; ImportFormatError for a missing grid."""
         wanted = np.array(ids, dtype=np.int64)
         numbers, known = self.lookup(wanted)
         if not known.all():
@@ -65,11 +65,11 @@ def read_grids(file: BulkFile) -> GridPoints:
     Raises
     ------
     ImportFormatError   no GRID card; a grid id given twice; coordinate systems that are missing, given twice,
-                        circular or flat; fields that are no numbers
+                        circular or flat; fields that are not numbers
     """
     cards = _once(file.named("GRID"))
     if not cards and not file.parts:
-        raise ImportFormatError(f"{file.path}: no GRID card; is this a mesh file, and whole?")
+        raise ImportFormatError(f"{file.path}: no GRID card; is this a mesh file, and complete?")
     ids = integers(cards, 0, "the grid id")
     given_in, moved_in, supported = _defaults(file)
     given_in = integers(cards, 1, "the coordinate system CP", given_in)
@@ -91,17 +91,17 @@ def read_grids(file: BulkFile) -> GridPoints:
 
 
 def _defaults(file: BulkFile) -> tuple[int, int, str]:
-    """CP, CD and PS of grids that leave them blank: those of GRDSET."""
+    """CP, CD and PS of GRDSET, for grids with blank fields."""
     cards = file.named("GRDSET")
     if not cards:
         return 0, 0, ""
     if len(cards) > 1:
-        raise cards[1].error("stands a second time; keep one of the two")
+        raise cards[1].error("occurs a second time; keep one of the two")
     return cards[0].integer(1, "CP", 0), cards[0].integer(5, "CD", 0), cards[0].word(6)
 
 
 def _once(cards: list[BulkCard]) -> list[BulkCard]:
-    """The cards without those that repeat an earlier one; of one id, they must say the same."""
+    """The cards without repetitions; cards with the same id must be equal."""
     ids = integers(cards, 0, "the grid id")
     if np.unique(ids).size == len(ids):
         return cards
@@ -119,7 +119,7 @@ def _once(cards: list[BulkCard]) -> list[BulkCard]:
 def _resolve(
     file: BulkFile, ids: IntArray, given_in: IntArray, local: FloatArray
 ) -> tuple[dict[int, CoordinateSystem], FloatArray]:
-    """Coordinate systems in the basic one, and the positions; each waits for what it rests on."""
+    """Coordinate systems resolved to the basic one, and grid positions, in the order of their references."""
     systems = {0: BASIC}
     positions = np.full(local.shape, np.nan)
     waiting = _definitions(file)
@@ -139,8 +139,8 @@ def _resolve(
         waiting = {system: card for system, card in waiting.items() if system not in found}
     for system, (card, _) in waiting.items():
         raise card.error(
-            f"coordinate system {system} rests on a system or grid that the file does not define, or on "
-            "itself; add what is missing"
+            f"coordinate system {system} refers to a system or grid that the file does not define, or to "
+            "itself; add the missing card"
         )
     return systems, positions
 
@@ -167,7 +167,7 @@ def _system(
     ids: IntArray,
     positions: FloatArray,
 ) -> CoordinateSystem | None:
-    """The system of a card; None while what it rests on is not yet known."""
+    """The system of a card; None while its references are not yet resolved."""
     if card.name.startswith("CORD2"):
         reference = systems.get(card.integer(1, "the reference system", 0))
         if reference is None:

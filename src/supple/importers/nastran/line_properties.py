@@ -22,24 +22,24 @@ ROD_PROPERTY_CARDS = ("PROD", "PTUBE")
 
 # Points of stress recovery: distances along y and z.
 _POINTS = ("C1", "C2", "D1", "D2", "E1", "E2", "F1", "F2")
-# Of the larger end's value: a section between the ends that is farther from the straight line counts.
+# Largest deviation of a section from the line between the ends, relative to the larger end.
 _OFF_THE_LINE = 0.01
 
-# Rows that a station of a PBEAM takes: its section, and after YES its stress points.
+# Rows of a station of a PBEAM: its section, and after YES its stress points.
 _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
 
 
 def read_beam(card: BulkCard, materials: Materials, reading: Reading, added: float) -> BeamProperty | str:
-    """The section of a beam's property with non-structural mass `added`, kg/m; else why there is none."""
+    """The section of a beam's property with non-structural mass `added`, kg/m; else a reason."""
     material = materials.isotropic(card.integer(1, "the material id"))
     return material if isinstance(material, str) else _BEAMS[card.name](card, material, reading, added)
 
 
 def read_rod(card: BulkCard, materials: Materials, reading: Reading, added: float) -> RodProperty | str:
-    """The section of a rod's property; else why there is none.
+    """The section of a rod's property; else the reason for its absence.
 
     PROD: MID A J C NSM. PTUBE: MID OD T NSM OD2, a tube of outer diameter OD, tapered to OD2; a blank T
-    makes it solid. A tapered tube takes the mean of its area, as Nastran does.
+    is a solid rod. A tapered tube has its mean area, as in Nastran.
     """
     material = materials.isotropic(card.integer(1, "the material id"))
     if isinstance(material, str):
@@ -74,7 +74,7 @@ def _pbar(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: 
 
 
 def _points(values: Sequence[float], words: Sequence[str]) -> SectionGeometry | None:
-    """Points C D E F of stress recovery that a card gives; None where it gives none."""
+    """Points C D E F of stress recovery of a card; None without them."""
     given = [any(words[i : i + 2]) for i in range(0, 8, 2)]
     points = tuple((values[2 * i], values[2 * i + 1]) for i in range(4) if given[i])
     return SectionGeometry(points) if points else None
@@ -87,7 +87,7 @@ def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         middle, t = card.real(3, "the mean radius RM"), card.real(4, "the thickness T")
         if card.word(2) != "1":
             reading.leave_out(
-                card, "the flexibility of bent pipes (FSI = 2, 3) is not read: they are stiffer"
+                card, "the flexibility of bent pipes (FSI = 2, 3) is not read: the pipes are too stiff"
             )
         section = SHAPES["TUBE"].values(middle + t / 2, max(middle - t / 2, 0.0))
         assert section is not None
@@ -111,7 +111,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
     at_b, points_b, between = at_a, points_a, []
     for row, points in stations:
         place, words = _number(card, row[1], 1.0), (*row[2:8], *[""] * 6)[:6]
-        # What is blank is as at A at the end, and on the line between the ends elsewhere.
+        # Blank values are those of A at the end, and interpolated elsewhere.
         blank = at_a if place == 1.0 else [nan] * 6
         values = [_number(card, word, default) for word, default in zip(words, blank, strict=True)]
         if place == 1.0:
@@ -125,7 +125,7 @@ def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
         reading.leave_out(card, "the shear relief S1, S2 of its taper is not read")
 
     def pair(place: int) -> tuple[list[float], list[float]]:
-        """What is given at A, and at B, where blank as at A: fields A B, or 1A 2A 1B 2B."""
+        """Values at A and at B, by default those of A: fields A B, or 1A 2A 1B 2B."""
         first = last[place] or 0.0
         second = last[place + 1]
         return [first], [first if second is None else second]
@@ -157,12 +157,12 @@ def _leave_out_between(
     between: Sequence[tuple[float, Sequence[float]]],
     reading: Reading,
 ) -> None:
-    """Leave out what stations say between the ends, where it is not on the straight line between these."""
+    """Omit stations between the ends, with a record if they deviate from the linear section."""
     a, b = np.array(at_a), np.array(at_b)
     for place, values in between:
         straight = a + place * (b - a)
         if (np.abs(values - straight) > _OFF_THE_LINE * np.maximum(np.abs(a), np.abs(b))).any():
-            reading.leave_out(card, "sections between its ends count as on the straight line between them")
+            reading.leave_out(card, "sections between its ends are interpolated linearly from the ends")
             return
 
 
@@ -197,7 +197,7 @@ def _values(
     )
     rotary = None
     if nsi or (other and nsm_at != neutral):
-        # Moments about y and z grow with the distance along z and y.
+        # Second moments about y and z use distances along z and y.
         y2, z2 = (
             own * (neutral[i] - centre[i]) ** 2 + other * (nsm_at[i] - centre[i]) ** 2 for i in range(2)
         )
@@ -225,9 +225,9 @@ def _rows_of_beam(card: BulkCard) -> tuple[list[tuple[_Row, _Row]], _Row, _Row]:
 def _shaped(
     card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float
 ) -> BeamProperty | str:
-    """PBARL, PBEAML: TYPE, then DIM1 .. NSM at A, and behind SO, X/XB those of further stations.
+    """PBARL, PBEAML: TYPE, then DIM1 .. NSM at A, and after SO, X/XB those of further stations.
 
-    A bar's shear centre counts as its centroid; of a beam the grids carry the shear centre.
+    A bar has its shear centre at its centroid; a beam has its shear centre at the grids.
     """
     word = card.word(3)
     shape = SHAPES.get(word)
@@ -254,7 +254,7 @@ def _shaped(
 
 
 def _sizes(card: BulkCard, place: int, count: int, default: tuple[float, ...] | None) -> tuple[float, ...]:
-    """DIM1 .. and NSM from a place on; what a further station leaves blank is that of the first."""
+    """DIM1 .. and NSM from a field on; blank values of further stations are those of the first."""
     sizes = tuple(
         card.real(place + i, f"DIM{i + 1}", None if default is None else default[i]) for i in range(count)
     )

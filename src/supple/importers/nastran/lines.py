@@ -32,11 +32,11 @@ FloatArray = NDArray[np.float64]
 BEAM_CARDS = ("CBAR", "CBEAM", "CBEND")
 ROD_CARDS = ("CROD", "CTUBE", "CONROD")
 
-# Fields that BAROR and BEAMOR fill in where an element leaves them blank: property, orientation, flag.
+# Fields with defaults by BAROR and BEAMOR: property, orientation, flag.
 _DEFAULTS = {"CBAR": "BAROR", "CBEAM": "BEAMOR"}
 
 PIECES_OF_A_RIGHT_ANGLE = 16
-"""Straight pieces that a curved beam becomes; their deflection converges with the square of it."""
+"""Number of straight pieces of a curved beam in a right angle; the deflection converges with its square."""
 
 
 @dataclass(eq=False)
@@ -86,7 +86,7 @@ class _Lines:
 def read_rods(
     reading: Reading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
-    """CROD with PROD, CTUBE with PTUBE, and CONROD, which carries its own values."""
+    """CROD with PROD, CTUBE with PTUBE, and CONROD, which has its own values."""
     properties = Properties(by_id(reading.file.named(*ROD_PROPERTY_CARDS), "property"))
     own = Properties({})
     groups: dict[tuple[str, str], _Lines] = {}
@@ -133,7 +133,7 @@ def read_beams(
             reading.leave_out(card, f"elements left out: {why}")
             continue
         if not card.is_blank(16, 18) and has_warping(properties.cards[number]):
-            reading.leave_out(card, "its warping (SA, SB, CW) is not read: the beam is softer in torsion")
+            reading.leave_out(card, "its warping (SA, SB, CW) is not read: the beam is too soft in torsion")
         direction, offsets = _orientation(card, ends, reading)
         released = np.zeros(12, dtype=bool)
         for end, place in enumerate((8, 9)):
@@ -146,7 +146,7 @@ def read_beams(
 
 
 def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
-    """A beam with what BAROR or BEAMOR gives in place of its blank fields."""
+    """A beam with its blank fields filled from BAROR or BEAMOR."""
     if default is None:
         return card
     fields = list(card.fields) + [""] * (8 - len(card.fields))
@@ -162,7 +162,7 @@ def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
 def _orientation(card: BulkCard, ends: list[int], reading: Reading) -> tuple[FloatArray, FloatArray]:
     """A vector in plane 1 and the offsets (2, 3) of the ends, in basic axes.
 
-    The flag OFFT says in which axes they are given: G those of the grids, B (of the vector) the basic ones,
+    The flag OFFT states their axes: G those of the grids, B (of the vector) the basic ones,
     O or E (of an offset) those of the element.
     """
     flag = card.word(7)

@@ -22,12 +22,12 @@ MATERIAL_CARDS = ("MAT1", "MAT2", "MAT8", "MAT9", "MAT11")
 _ORDER = [0, 1, 2, 4, 5, 3]
 
 LARGEST_INCONSISTENCY = 0.01
-"""Of G with E and nu, relative: beyond it Nastran warns, and shear goes by G alone."""
+"""Relative difference of G from E and nu above which Nastran warns and uses G for shear."""
 
 
 @dataclass(frozen=True, eq=False)
 class WallMaterial:
-    """A material in a wall: plane stress (3, 3), transverse shear (2, 2) or None where rigid; density."""
+    """A material in a wall: plane stress (3, 3), transverse shear (2, 2) or None if rigid; density."""
 
     plane_stress: FloatArray
     shear: FloatArray | None
@@ -36,7 +36,7 @@ class WallMaterial:
 
 
 class Materials:
-    """Materials by number, each read when it is first asked for."""
+    """Materials by number, each read on first use."""
 
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
@@ -55,7 +55,7 @@ class Materials:
         self._cards |= at_temperature(reading, self._cards)
 
     def isotropic(self, number: int) -> IsotropicMaterial | str:
-        """The MAT1 of a beam or rod; else why there is none."""
+        """The MAT1 of a beam or rod; else the reason for its absence."""
         card = self._cards.get(number)
         if card is None or card.name != "MAT1":
             return self._missing(number, card)
@@ -69,15 +69,15 @@ class Materials:
         return found
 
     def _continuum(self, number: int) -> IsotropicMaterial | str:
-        """The MAT1 of a wall or solid, where Poisson's ratio acts also beside E and G."""
+        """The MAT1 of a wall or solid, with Poisson's ratio also if E and G are given."""
         found = self.isotropic(number)
         if number in self._of_lines:
-            meaning = "Poisson's ratio by E and G is that of no wall or solid: it counts as 0"
+            meaning = "E and G give an impossible Poisson's ratio for a wall or solid: 0 is used"
             self._reading.leave_out(self._of_lines.pop(number), meaning)
         return found
 
     def of_solid(self, number: int) -> IsotropicMaterial | AnisotropicMaterial | str:
-        """The material of solid cells; else why there is none."""
+        """The material of solid cells; else the reason for its absence."""
         card = self._cards.get(number)
         if card is None or card.name not in ("MAT1", "MAT9", "MAT11"):
             return self._missing(number, card)
@@ -86,7 +86,7 @@ class Materials:
         return self._mat9(card) if card.name == "MAT9" else self._mat11(card)
 
     def of_wall(self, number: int) -> WallMaterial | str:
-        """The material of a wall or ply; else why there is none."""
+        """The material of a wall or ply; else the reason for its absence."""
         card = self._cards.get(number)
         if card is None or card.name not in ("MAT1", "MAT2", "MAT8"):
             return self._missing(number, card)
@@ -96,7 +96,7 @@ class Materials:
 
     def _missing(self, number: int, card: BulkCard | None) -> str:
         if card is not None:
-            return f"its material {number} is a {card.name}, which such elements do not take"
+            return f"its material {number} is a {card.name}, which these elements do not support"
         other = next(
             (
                 name
@@ -113,14 +113,14 @@ class Materials:
         return card.real(place, "the density RHO", 0.0) * self._reading.mass_factor
 
     def _mat1(self, card: BulkCard) -> IsotropicMaterial:
-        """E, G and nu fill each other in; where all are given and do not fit, shear goes by G."""
+        """E, G and nu determine each other; if all are given and contradict, shear uses G."""
         E, G, nu = (card.real(1 + i, what, 0.0) for i, what in enumerate(("E", "G", "NU")))
         has_E, has_G, has_nu = E > 0, G > 0, bool(card.word(3))
         shear: float | None = None
         if has_G and has_E and not has_nu:
             nu = E / (2 * G) - 1
         if has_G and has_E and not -1 < nu <= 0.5:
-            nu, shear = 0.0, G  # of beams, which have no use for it
+            nu, shear = 0.0, G  # beams do not use it
             self._of_lines[card.integer(0, "the material id")] = card
         elif nu <= -1:
             return IsotropicMaterial(E, nu, 0.0)  # which `isotropic` leaves out
@@ -188,5 +188,5 @@ class Materials:
         S[0, 2] = S[2, 0] = -nu13 / E1
         S[1, 2] = S[2, 1] = -nu23 / E2
         if not np.linalg.eigvalsh(S)[0] > 0:
-            return f"its material {card.word(0)} has Poisson's ratios that no material can have"
+            return f"its material {card.word(0)} has impossible Poisson's ratios"
         return AnisotropicMaterial(np.linalg.inv(S) * self._reading.stiffness_factor, self._density(card, 10))

@@ -1,4 +1,4 @@
-"""The mesh alone of a Nastran file, and its nodes alone."""
+"""The mesh of a Nastran file, or its nodes only."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ __all__ = ["NASTRAN_SUFFIXES", "read_nastran"]
 IntArray = NDArray[np.int64]
 
 NASTRAN_SUFFIXES = (".bdf", ".dat", ".nas", ".blk")
-"""Names of Nastran bulk data files end so."""
+"""Suffixes of Nastran bulk data files."""
 
 
 @checked_arguments
 def read_nastran(
     path: str | Path, *, only: str | None = None, unused_nodes: UnusedNodes = UnusedNodes.REFUSE
 ) -> Mesh:
-    """Mesh of a Nastran file: the cells that `read_nastran_deck` reads, without what they are made of.
+    """Mesh of a Nastran file: the cells that `read_nastran_deck` reads, without properties and materials.
 
     Node sets are those of supports (spc1_123456: set 1, components 123456), ASET (aset) and ties (rbe2_ID,
     rbe3_ID); cell sets those of properties (pshell_ID, psolid_ID).
@@ -44,7 +44,7 @@ def read_nastran(
     Raises
     ------
     ImportFormatError   as for `read_nastran_deck`; no elements, or some that are not read
-    MeshError           what the file describes is no usable mesh; flat elements with their line
+    MeshError           what the file describes is not a usable mesh; flat elements with their line
     """
     path = Path(path)
     deck = read_nastran_deck(path)
@@ -56,7 +56,7 @@ def read_nastran(
             "holes: correct them, or remove them"
         )
     if not deck.elements:
-        raise ImportFormatError(f"{path}: no elements that are cells; is this a mesh file, and whole?")
+        raise ImportFormatError(f"{path}: no elements that are cells; is this a mesh file, and complete?")
     cells: dict[CellType, list[IntArray]] = {}
     ids: dict[CellType, list[IntArray]] = {}
     origins: dict[CellType, list[CellOrigin]] = {}
@@ -92,8 +92,8 @@ def read_nastran(
 def read_nastran_nodes(path: str | Path) -> NodeTable:
     """Grids, supports and ties of a Nastran file, for matrices that replace its elements.
 
-    Elements and other cards may be of any kind: the matrices hold what they mean. Ties of some components
-    only are passed over.
+    Elements and other cards may be of any kind, since the matrices contain them. Ties of some components
+    only are ignored.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def read_nastran_nodes(path: str | Path) -> NodeTable:
             f"{path}: its main bulk data have no GRID, only its superelements; give the file of one of them"
         )
     rigid, means = read_ties(reading, np.ones(len(grids.ids), dtype=bool))
-    # The reference of a mean carries no stiffness of its own; whether another grid does, only matrices know.
+    # The reference grid of a mean has no stiffness of its own; for other grids only the matrices show it.
     averaged = {mean.reference for mean in means}
     connections = tuple(_connection(tie, averaged, grids.positions) for tie in rigid) + tuple(
         Connection(mean.name, mean.nodes, grids.positions[mean.reference], mean.weights) for mean in means

@@ -30,8 +30,8 @@ _BY_ELEMENT = (*_SHELLS, "CBAR", "CBEAM", "CROD", "CTUBE", "CONROD")
 def read_added_mass(reading: Reading) -> dict[int, float]:
     """Added mass of elements, per area or length, by element id, without PARAM,WTMASS.
 
-    NSM, NSM1 give it per area or length; NSML, NSML1 give a total, spread over the elements they name. They
-    act where case control chooses them.
+    NSM, NSM1 give it per area or length; NSML, NSML1 give a total, distributed over their elements. They
+    apply if case control selects them.
     """
     cards = reading.file.named("NSM", "NSM1", "NSML", "NSML1")
     sets = {card.integer(0, "the set id") for card in cards}

@@ -23,8 +23,8 @@ PARTITION_CARDS = ("SESET", "SEELT")
 def partitioned(deck: Deck, reading: Reading) -> Deck:
     """The deck with a set of elements and of nodes for each superelement, and each in `superelements`.
 
-    Whatever touches an interior grid of a superelement is of it, of two the one of the lower number; the rest
-    is the residual structure, unless SEELT says otherwise. A deck without superelements stays as it is.
+    Everything on an interior grid of a superelement belongs to it, in case of two to the lower number; the
+    rest is the residual structure, unless SEELT assigns it. A deck without superelements is unchanged.
     """
     interior = _interior(deck, reading)
     numbers = [n for n in np.unique(interior).tolist() if n]
@@ -51,7 +51,7 @@ def partitioned(deck: Deck, reading: Reading) -> Deck:
 
 
 def _interior(deck: Deck, reading: Reading) -> IntArray:
-    """The superelement that each node is an interior grid of; 0 of the residual structure."""
+    """The superelement of each interior grid; 0 for the residual structure."""
     file = reading.file
     found = np.zeros(len(deck.nodes), dtype=np.int64)
     default = next((card.integer(7, "SEID", 0) for card in file.named("GRDSET")), 0)
@@ -63,7 +63,7 @@ def _interior(deck: Deck, reading: Reading) -> IntArray:
 
 
 def _ids(card: BulkCard) -> IntArray:
-    """Ids of a list from the second field on, which may hold THRU."""
+    """Ids of a list from the second field on, which may contain THRU."""
     words = [(i, card.word(i)) for i in range(1, len(card.fields)) if card.word(i)]
     found: list[IntArray] = []
     for k, (place, word) in enumerate(words):
@@ -86,7 +86,7 @@ def _owners(interior: IntArray, nodes: IntArray) -> IntArray:
 
 
 def _part(deck: Deck, interior: IntArray, owners: list[IntArray], number: int) -> Deck:
-    """One superelement: its elements, and what else touches its interior grids."""
+    """One superelement: its elements, and all else on its interior grids."""
 
     def is_own(nodes: IntArray) -> bool:
         return int(_owners(interior, nodes[None])[0]) == number

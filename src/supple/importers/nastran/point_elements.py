@@ -22,13 +22,13 @@ POINT_CARDS = (
 )  # fmt: skip
 POINT_PROPERTY_CARDS = ("PELAS", "PDAMP", "PMASS", "PBUSH", "PBUSH1D", "PVISC", "PSHEAR")
 
-# Fields of a property that holds several: how many it takes each time.
+# Number of fields of each property on a card with several.
 _PER_PROPERTY = {"PELAS": 4, "PDAMP": 2, "PMASS": 2, "PVISC": 4}
 _VALUES = {"CELAS": "PELAS", "CDAMP": "PDAMP", "CMASS": "PMASS"}
 
 
 def read_point_elements(reading: Reading, materials: Materials) -> None:
-    """Every spring, damper and mass of the file, added to what the reading collects."""
+    """Add every spring, damper and mass of the file to the reading."""
     scalars = {name: _several(reading.file.named(name), step) for name, step in _PER_PROPERTY.items()}
     rows = {"CELAS": reading.springs, "CDAMP": reading.dashpots, "CMASS": reading.inertias}
     factors = {
@@ -64,7 +64,7 @@ def read_point_elements(reading: Reading, materials: Materials) -> None:
 
 
 def _several(cards: list[BulkCard], step: int) -> dict[int, tuple[BulkCard, int]]:
-    """Properties of which a card holds several: card and first field of each."""
+    """Properties of cards with several: card and first field of each."""
     found: dict[int, tuple[BulkCard, int]] = {}
     for card in cards:
         for place in range(0, max(len(card.fields), 1), step):
@@ -109,7 +109,7 @@ def _scalar(
 def _relative(
     a: int, b: int | None, axes: FloatArray, at: FloatArray, place: int, reading: Reading
 ) -> list[Term]:
-    """Terms of component `place` (0 to 5) of the motion of b less that of a, at a point, in given axes."""
+    """Terms of component `place` (0 to 5) of the motion of b relative to a, at a point, in given axes."""
     terms: list[Term] = []
     for node, sign in ((a, -1.0), (b, 1.0)):
         if node is None:
@@ -191,7 +191,7 @@ def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: 
     x = chord / length
     z = np.cross(x, vector)
     if not np.linalg.norm(z) > 1e-6 * max(float(np.linalg.norm(vector)), 1e-300):
-        # Only the spring along the line is defined; across it all directions are alike.
+        # Only the spring along the line is defined; any lateral directions will do.
         z = np.cross(x, np.eye(3)[np.argmin(np.abs(x))])
     z /= np.linalg.norm(z)
     return np.stack([x, np.cross(z, x), z], axis=1).astype(np.float64)
@@ -207,7 +207,7 @@ def _bush_along(card: BulkCard, known: BulkCard, reading: Reading) -> None:
     else:
         chord = xa * 0 if b is None else reading.grids.positions[b] - xa
         if not np.linalg.norm(chord) > 0:
-            raise card.error("its two grids lie in one place, so it has no direction; give CID")
+            raise card.error("its two grids coincide, so it has no direction; give CID")
         axes = np.repeat((chord / np.linalg.norm(chord))[:, None], 3, axis=1)
     terms = _relative(a, b, axes, xa, 0, reading)
     k, c, m = (known.real(1 + i, what, 0.0) for i, what in enumerate("KCM"))
@@ -232,7 +232,7 @@ def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], readin
     xa = reading.grids.positions[a]
     chord = reading.grids.positions[b] - xa
     if not np.linalg.norm(chord) > 0:
-        raise card.error("its two grids lie in one place, so it has no direction; use CDAMP")
+        raise card.error("its two grids coincide, so it has no direction; use CDAMP")
     axes = np.repeat((chord / np.linalg.norm(chord))[:, None], 3, axis=1)
     for which, of in ((0, 1), (3, 2)):
         value = known.real(place + of, "its damping", 0.0) * reading.damping_factor
@@ -247,7 +247,7 @@ def _conm2(card: BulkCard, reading: Reading) -> NodalMatrix:
     """EID G CID M X1 X2 X3 - I11 I21 I22 I31 I32 I33: a rigid mass, moments about its own centre.
 
     About the grid, with offset d:  [m, -m [d]x; m [d]x, I - m [d]x [d]x],  off-diagonal moments with a minus.
-    CID = -1: X is the place of the centre in basic coordinates.
+    CID = -1: X is the position of the centre in basic coordinates.
     """
     node = reading.node(card, 1, "the grid G")
     m = card.real(3, "M", 0.0)
@@ -280,7 +280,7 @@ def _conm1(card: BulkCard, reading: Reading) -> NodalMatrix:
 
 
 def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
-    """Without the rows that are empty, so that a mass alone asks for no rotation."""
+    """Without empty rows, so that a mass without inertia needs no rotations."""
     used = np.abs(M).max(axis=1) > 0
     used[:3] = True
     return NodalMatrix(freedoms[used], M[np.ix_(used, used)])
@@ -290,20 +290,20 @@ def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
 
 
 def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, reading: Reading) -> None:
-    """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel that carries a constant shear flow alone.
+    """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel with a constant shear flow only.
 
     Forces of the flow q along the four sides, at their ends, do work on  w = sum of -+ L/2 (u_i + u_j) t_ij,
-    so the stiffness is  w w^T / c,  the compliance  c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  a the lean of
-    a parallelogram; of another quadrilateral that of its middle lines. Its mass goes to the four grids.
+    so the stiffness is  w w^T / c,  the compliance  c = A / (G t) (1 + 2 tan^2 a / (1 + nu)),  a the angle of
+    a parallelogram, for other quadrilaterals that of the middle lines. Its mass goes to the four grids.
     Source: MacNeal, The NASTRAN Theoretical Manual (1972), section 5.3, after Garvey.
     """
     material = None if known is None else materials.isotropic(known.integer(1, "the material id"))
     if known is None or isinstance(material, str) or material is None:
-        reading.leave_out(card, "elements left out: their property or material is not one that is read")
+        reading.leave_out(card, "elements left out: their property or material is not supported")
         return
     t, nsm, F1, F2 = (known.real(2 + i, what, 0.0) for i, what in enumerate(("T", "NSM", "F1", "F2")))
     if F1 or F2:
-        reading.leave_out(known, "the tension that F1, F2 give a shear panel's edges is not read")
+        reading.leave_out(known, "the extensional stiffness F1, F2 of a shear panel's edges is not read")
     nodes = grids_named([card], reading, 2, 4)[0]
     x = reading.grids.positions[nodes]
     area = float(np.linalg.norm(np.cross(x[2] - x[0], x[3] - x[1])) / 2)
@@ -326,5 +326,5 @@ def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, r
             reading.masses.append(NodalMatrix(6 * node + np.arange(3), mass * np.eye(3)))
     reading.note(
         "Shear panels (CSHEAR) are one spring each, with the stiffness of a constant shear flow; their mass "
-        "lies in their grids."
+        "is lumped to their grids."
     )

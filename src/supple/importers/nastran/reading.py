@@ -1,4 +1,4 @@
-"""What the reader of a Nastran deck shares: grids and freedoms, and the record of what is left out."""
+"""Shared state of the reader of a Nastran deck: grids, freedoms and the record of omitted cards."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ FloatArray = NDArray[np.float64]
 
 Term = tuple[int, float]
 
-# Scalar points count on from the last node; how many nodes there are is known at the end.
+# Scalar points are numbered after the last node; the number of nodes is known at the end.
 _SCALARS = 2**40
 
 
 @dataclass(eq=False)
 class Rows:
-    """Sums of freedoms while they are collected; `terms` makes them one object."""
+    """Linear combinations of freedoms under construction; `terms` returns them as one object."""
 
     freedoms: list[int] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)
@@ -36,7 +36,7 @@ class Rows:
     dependent: list[int] = field(default_factory=list)
 
     def add(self, terms: Sequence[Term], line: int, *, value: float = 0.0, dependent: int = -1) -> None:
-        """One more row; terms of the same freedom are added up."""
+        """Add a row; terms of the same freedom are summed."""
         total: dict[int, float] = {}
         for freedom, factor in terms:
             total[freedom] = total.get(freedom, 0.0) + factor
@@ -49,7 +49,7 @@ class Rows:
         self.dependent.append(dependent if dependent in kept else -1)
 
     def terms(self, n_nodes: int, *, constraints: bool = False) -> tuple[ScalarTerms, ...]:
-        """The rows as one object; none where there are no rows."""
+        """The rows as one object, or no object without rows."""
         if not self.counts:
             return ()
         rows = np.repeat(np.arange(len(self.counts)), self.counts)
@@ -64,13 +64,13 @@ class Rows:
 
 @dataclass(eq=False)
 class Reading:
-    """A deck while it is read: what every part of the reader needs, and what each adds.
+    """A deck under construction, with the data that all parts of the reader use.
 
-    scalar_points : (S,) ids of points that are one freedom
-    mass_factor, stiffness_factor, damping_factor : what the PARAMs multiply
-    matrix_factors : {"K2GG": of the matrices that it adds, ..}; WTMASS is not among them
-    added_nodes : places of nodes that no grid of the file is: on an arc, amid an edge
-    lumped_mass : Nastran's default; PARAM,COUPMASS above 0 asks for the mass of shape functions
+    scalar_points : (S,) ids of points with one freedom
+    mass_factor, stiffness_factor, damping_factor : factors by PARAM
+    matrix_factors : {"K2GG": factor of the matrices that it adds, ..}, without WTMASS
+    added_nodes : positions of added nodes on arcs and edges
+    lumped_mass : Nastran's default; PARAM,COUPMASS above 0 selects the consistent mass
     """
 
     file: BulkFile
@@ -93,11 +93,11 @@ class Reading:
     _left: list[tuple[BulkCard, str]] = field(default_factory=list)
 
     def leave_out(self, card: BulkCard, meaning: str) -> None:
-        """Record that a card, or a part of what it says, is left out, and what that means."""
+        """Record that a card or a part of it is left out, and the consequence."""
         self._left.append((card, meaning))
 
     def note(self, sentence: str) -> None:
-        """Record what a user should know, once."""
+        """Record a note for the user, once."""
         self.notes[sentence] = None
 
     @property
@@ -106,7 +106,7 @@ class Reading:
         return left_out_by_card(self._left)
 
     def chosen_sets(self, command: str, adder: str, sets: set[int]) -> set[int]:
-        """Sets that case control chooses, with those that the adding card joins; without it the only one."""
+        """Sets selected by case control, including combined ones (SPCADD); without it the only set."""
         number = self.case.number(command)
         if number is None:
             if self.case.present or len(sets) != 1:
@@ -127,14 +127,14 @@ class Reading:
         return joined
 
     def has_local_axes(self, node: int, components: str) -> bool:
-        """Whether these components of a grid are other ones in basic axes."""
+        """Whether these components of a grid are not components in basic axes."""
         parts = ({"1", "2", "3"} & set(components), {"4", "5", "6"} & set(components))
         return any(len(part) in (1, 2) for part in parts) and not np.array_equal(
             self.grids.axes[node], np.eye(3)
         )
 
     def system(self, card: BulkCard, number: int) -> CoordinateSystem:
-        """The coordinate system a card names; ImportFormatError for one that the file lacks."""
+        """The coordinate system of a card; ImportFormatError if missing."""
         if number not in self.grids.systems:
             raise card.error(f"names coordinate system {number}, which the file does not define; add it")
         return self.grids.systems[number]
@@ -144,13 +144,13 @@ class Reading:
         return int(self.grids.numbers(card, [card.integer(place, what)])[0])
 
     def positions(self, nodes: IntArray) -> FloatArray:
-        """Places of nodes, also of those added."""
+        """Positions of nodes, including added ones."""
         if not self.added_nodes or nodes.max(initial=0) < len(self.grids.ids):
             return self.grids.positions[nodes]
         return np.concatenate([self.grids.positions, np.array(self.added_nodes)])[nodes]
 
     def add_node(self, position: FloatArray) -> int:
-        """Number of a node that the file does not have."""
+        """Number of an added node."""
         self.added_nodes.append(position)
         return len(self.grids.ids) + len(self.added_nodes) - 1
 
@@ -179,7 +179,7 @@ class Reading:
 
 
 def left_out_by_card(given: Sequence[tuple[BulkCard, str]]) -> tuple[LeftOut, ...]:
-    """Cards and what leaving each out means, counted by name and meaning."""
+    """Omitted cards and the consequence, counted by name and consequence."""
     lines: dict[tuple[str, str], list[int]] = {}
     for card, meaning in given:
         lines.setdefault((card.name, meaning), []).append(card.line)
@@ -187,5 +187,5 @@ def left_out_by_card(given: Sequence[tuple[BulkCard, str]]) -> tuple[LeftOut, ..
 
 
 def times(terms: Sequence[Term], factor: float) -> list[Term]:
-    """Terms, each multiplied."""
+    """Terms multiplied by a factor."""
     return [(freedom, factor * value) for freedom, value in terms]

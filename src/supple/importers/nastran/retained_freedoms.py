@@ -15,7 +15,7 @@ from supple.importers.nastran.bulk_data import BulkCard, BulkFile
 IntArray = NDArray[np.int64]
 
 _PHYSICAL, _MODAL = ("ASET", "BSET", "CSET"), ("QSET",)
-# Of a range of ids; more is a slip of the pen.
+# Largest range of ids.
 _LONGEST_RANGE = 10**6
 
 
@@ -26,7 +26,7 @@ def retained_freedoms(file: BulkFile, grids: IntArray, *, modal: bool = True) ->
 
     Raises
     ------
-    ImportFormatError   points that the file lacks; components that are none
+    ImportFormatError   missing points; invalid components
     """
     sets = (*_PHYSICAL, *_MODAL) if modal else _PHYSICAL
     rows = _freedoms(file, sets, set(grids.tolist()), scalar_points(file))
@@ -34,7 +34,7 @@ def retained_freedoms(file: BulkFile, grids: IntArray, *, modal: bool = True) ->
 
 
 def modal_freedoms(file: BulkFile, grids: IntArray) -> IntArray:
-    """Freedoms (k, 2) that are modal coordinates: of QSET, also where a grid bears them, and scalar points.
+    """Freedoms (k, 2) that are modal coordinates: QSET, also on grids, and scalar points.
 
     grids, errors : as for `retained_freedoms`
     """
@@ -81,7 +81,7 @@ def _of_point(
 
 
 def _listed(card: BulkCard, start: int, known: set[int] | None) -> Iterable[int]:
-    """Ids of a list, or of A THRU B: of those that are known, or all that there are in between."""
+    """Ids of a list, or all existing ids of A THRU B."""
     if card.word(start + 1) != "THRU":
         ids = [card.integer(i, "a point") for i in range(start, len(card.fields)) if card.word(i)]
         if not ids:

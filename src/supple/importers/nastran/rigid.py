@@ -23,10 +23,10 @@ Side = tuple[int, str]
 
 
 def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
-    """All rigid and averaging elements; what is neither simply one nor the other, as constraints.
+    """All rigid and averaging elements; mixed ones become constraints.
 
-    turning : (N,) whether something beside supports acts on the rotations of a grid; where nothing does, as
-              on nodes of solids, a tie of its translations is one of all six freedoms
+    turning : (N,) whether anything but supports acts on the rotations of a grid; if not, as on nodes of
+              solids, a tie of its translations is equivalent to one of all six freedoms
     """
     rigid: list[RigidTie] = []
     means: list[WeightedMean] = []
@@ -55,7 +55,7 @@ def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidT
 
 
 def turned_by_ties(reading: Reading) -> NDArray[np.bool_]:
-    """Grids (N,) whose rotations a tie takes along, or goes by; those that it averages turn nothing."""
+    """Grids (N,) with rotations that a tie uses; rotations of averaged grids are not used."""
     found = np.zeros(len(reading.grids.ids), dtype=bool)
 
     def mark(ids: list[int]) -> None:
@@ -89,7 +89,7 @@ def _components(card: BulkCard, word: str, what: str) -> str:
 
 
 def _some_components(card: BulkCard, place: int) -> str:
-    """Components of a field; none where it is blank or 0."""
+    """Components of a field; none if it is blank or 0."""
     word = card.word(place)
     return "" if word in ("", "0") else _components(card, word, "its components")
 
@@ -129,7 +129,7 @@ def _rbe2(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], rigid: l
 
 
 def _listed_grids(card: BulkCard) -> list[tuple[int, str]]:
-    """Fields of the grids GM of an RBE2; ALPHA and TREF behind them are of heat."""
+    """Fields of the grids GM of an RBE2; ALPHA and TREF after them are thermal."""
     return [(i, card.word(i)) for i in range(3, len(card.fields)) if card.word(i) and "." not in card.word(i)]
 
 
@@ -149,7 +149,7 @@ def _follows(card: BulkCard, node: int, component: int, reference: int, reading:
 
 
 def _alone(terms: list[Term]) -> int:
-    """The freedom that a component is, where its axis is a basic one."""
+    """The freedom of a component if its axis is a basic one."""
     return terms[0][0] if len(terms) == 1 else -1
 
 
@@ -172,7 +172,7 @@ def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], 
         return np.array(T), own
 
     T_I, u_I = rows(independent)
-    # Not below the bound, but not above it: what is not finite is neither.
+    # Written so that numbers that are not finite fail as well.
     if T_I.shape != (6, 6) or not abs(np.linalg.det(T_I)) > 1e-12 * np.prod(np.linalg.norm(T_I, axis=1)):
         reading.leave_out(card, "left out: its independent components do not determine a rigid motion")
         return
@@ -213,12 +213,12 @@ def _rbar(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
 
 
 def _rrod(card: BulkCard, reading: Reading) -> None:
-    """EID GA GB CMA CMB: two grids keep their distance."""
+    """EID GA GB CMA CMB: two grids at a constant distance."""
     a, b = reading.node(card, 1, "the grid GA"), reading.node(card, 2, "the grid GB")
     chord = reading.grids.positions[b] - reading.grids.positions[a]
     length = np.linalg.norm(chord)
     if not length > 0:
-        raise card.error("its two grids lie in one place; move one, or remove it")
+        raise card.error("its two grids coincide; move one, or remove it")
     e = chord / length
     terms = [(6 * node + i, s * float(e[i])) for node, s in ((a, -1.0), (b, 1.0)) for i in range(3) if e[i]]
     node, component = (a, card.word(3)) if card.word(3) else (b, card.word(4))
@@ -275,7 +275,7 @@ def _rbe1_sides(card: BulkCard, reading: Reading) -> tuple[list[Side], list[Side
 def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: list[WeightedMean]) -> None:
     """EID - REFGRID REFC WT1 C1 G1,1 G1,2 .. WT2 C2 G2,1 .. [UM ..] [ALPHA ..].
 
-    UM only chooses which freedoms of the same equations Nastran eliminates.
+    UM selects the eliminated freedoms of the same equations.
     """
     reference = reading.node(card, 2, "the reference grid")
     follows = _components(card, card.word(3), "the components of its reference grid")
@@ -348,7 +348,7 @@ def _mean_rows(
 
         u_ref = (S^T W S)^-1 S^T W u,   S the rigid motions about the reference, W the weights;
 
-    rotations weigh L^2 more, L the mean distance of the grids from the reference: units do not matter.
+    rotations have the weight L^2, L the mean distance of the grids from the reference, independent of units.
     Source: MSC Nastran, Linear Static Analysis User's Guide, "RBE3".
     """
     origin = reading.grids.positions[reference]
@@ -385,7 +385,7 @@ def _mean_rows(
 
 
 def read_multipoint_constraints(reading: Reading) -> None:
-    """MPC of the set that case control chooses (through MPCADD, too), else of the only one."""
+    """MPC of the set selected by case control (also by MPCADD), else of the only set."""
     cards = reading.file.named("MPC")
     sets = {card.integer(0, "the set id") for card in cards}
     chosen = reading.chosen_sets("MPC", "MPCADD", sets)

@@ -36,7 +36,7 @@ class SectionValues:
 
 @dataclass(frozen=True)
 class SectionShape:
-    """Number of sizes that a shape has, and its values from them; None where they do not fit together."""
+    """Number of dimensions of a shape, and its section values; None if they are inconsistent."""
 
     sizes: int
     values: Callable[..., SectionValues | None]
@@ -45,9 +45,9 @@ class SectionShape:
 def _built(
     boxes: list[Wall], J: float, shear_centre: tuple[float | None, float | None] = (None, None)
 ) -> SectionValues | None:
-    """Values of rectangles that do not overlap; a place of the shear centre in the axes of the boxes.
+    """Values of rectangles that do not overlap; shear centre in the axes of the boxes.
 
-    The upright walls carry shear along y, the lying ones along z: K is their share of the area. Walls
+    Vertical walls carry shear along y, horizontal ones along z: K is their share of the area. Walls
     without a shear stress by torsion have that of open sections, thickness / J.
     """
     if min(min(b.height, b.width) for b in boxes) < 0 or J <= 0:
@@ -162,13 +162,13 @@ def _chan1(flange: float, web: float, inner: float, height: float) -> SectionVal
 
 
 def _chan2(leg: float, base: float, height: float, width: float) -> SectionValues | None:
-    """The channel that opens upwards: that of the web on the left, turned by a right angle."""
+    """The channel that opens upwards: that of the web on the left, rotated by a right angle."""
     lying = _chan(height, width, base, leg)
     return None if lying is None else _turned(lying)
 
 
 def _turned(s: SectionValues) -> SectionValues:
-    """Turned by a right angle, z to y and y to -z."""
+    """Rotated by a right angle, z to y and y to -z."""
     y, z = s.shear_centre
     return SectionValues(s.area, s.I2, s.I1, -s.I12, s.J, s.K2, s.K1, s.geometry.turned(), (z, -y))
 
@@ -183,7 +183,7 @@ def _t(width: float, height: float, flange: float, web: float) -> SectionValues 
 
 
 def _t1(height: float, stem: float, flange: float, web: float) -> SectionValues | None:
-    """Flange upright on the right, stem to the left: T turned by three right angles."""
+    """Flange upright on the right, stem to the left: T rotated by three right angles."""
     s = _t(height, stem + flange, flange, web)
     return None if s is None else _turned(_turned(_turned(s)))
 
@@ -265,7 +265,7 @@ def _hat(height: float, t: float, top: float, brim: float) -> SectionValues | No
 
 
 def _hat1(width: float, height: float, top: float, t: float, bottom: float) -> SectionValues | None:
-    """A hat on a plate: one closed cell, with the brim and the plate below it beside."""
+    """A hat on a plate: one closed cell, with brim and plate beside it."""
     inner, brim = height - bottom - 2 * t, (width - top) / 2
     if min(t, bottom, inner, top - 2 * t) <= 0 or brim < 0:
         return None
@@ -289,7 +289,7 @@ def _dbox(
     top_right: float,
     bottom_right: float,
 ) -> SectionValues | None:
-    """Two cells side by side; their torsion by the equal twist of both [Bredt]."""
+    """Two cells side by side; torsion by equal twist of both [Bredt]."""
     wl, wr = middle_at - left - middle / 2, width - middle_at - right - middle / 2
     if min(wl, wr, left, middle, right, top_left, bottom_left, top_right, bottom_right) <= 0:
         return None

@@ -1,4 +1,4 @@
-"""Superelements of a Nastran file: parts behind BEGIN SUPER, placed and joined; SESET within one part."""
+"""Superelements of a Nastran file: parts after BEGIN SUPER, placed and joined; SESET within one part."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ IntArray = NDArray[np.int64]
 
 SUPERELEMENT_CARDS = ("SEBULK", "SELOC", "SEMPLN", "SECONCT", "SEBNDRY", "SEEXCLD")
 
-# Nastran's distance within which grids of two superelements are one, in the unit of the file.
+# Nastran's tolerance for common grids of two superelements, in the unit of the file.
 _TOLERANCE = 1e-5
-# Of the size of the three grids that place a superelement: Nastran asks for equal triangles.
+# Tolerance of the three grids that place a superelement, relative to their size: equal triangles in Nastran.
 _EQUAL = 1e-2
 
 _IMAGES = ("MIRROR", "REPEAT", "IDENTICAL")
-# Farther points have squares that are no numbers; the mesh refuses them.
+# The squares of larger coordinates overflow; the mesh rejects them.
 _FARTHEST = 1e100
 
 _ELSEWHERE = ("EXTERNAL", "EXTOP2", "EXTOP4", "FRFOP2")
 
 
 def superelement_name(number: int) -> str:
-    """What a superelement is called; 0 is the residual structure, the main bulk data."""
+    """Name of a superelement; 0 is the residual structure, the main bulk data."""
     return f"super_{number}"
 
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """How the boundary of a superelement is found: SEBULK."""
+    """Search for the boundary of a superelement (SEBULK)."""
 
     automatic: bool = True
     tolerance: float = _TOLERANCE
@@ -74,7 +74,7 @@ def assembled(main: Deck, parts: Mapping[int, Deck], file: BulkFile, grids: Grid
 
 
 def repeated_parts(file: BulkFile) -> set[int]:
-    """Numbers of superelements that repeat another one, so that their own cards need no grids."""
+    """Numbers of superelements that repeat another one and need no grids of their own."""
     return {card.integer(0, "the superelement") for card in file.named("SEBULK") if card.word(1) in _IMAGES}
 
 
@@ -97,7 +97,7 @@ def _images(parts: Mapping[int, Deck], file: BulkFile, left: list[LeftOut]) -> d
 
 
 def _placed(deck: Deck, number: int, file: BulkFile, grids: GridPoints, left: list[LeftOut]) -> Deck:
-    """A superelement mirrored (SEMPLN) if it is an image that is, then where SELOC puts it."""
+    """A superelement mirrored by SEMPLN if it is a mirror image, then placed by SELOC."""
     mirrored = [card for card in _of(file, "SEBULK", number) if card.word(1) == "MIRROR"]
     for card in mirrored:
         planes = _of(file, "SEMPLN", number)
@@ -121,7 +121,8 @@ def _placed(deck: Deck, number: int, file: BulkFile, grids: GridPoints, left: li
         if lost > _EQUAL * np.ptp(given, axis=0).max():
             left.append(
                 _lost(
-                    card, f"the triangles of its grids differ by {lost:.3g}; the first grid and side are met"
+                    card,
+                    f"the triangles of its grids differ by {lost:.3g}; the first grid and side are matched",
                 )
             )
         deck = moved_deck(deck, Q, second - Q @ first)
@@ -143,7 +144,7 @@ def _triad(points: FloatArray, card: BulkCard) -> tuple[FloatArray, FloatArray]:
 
 
 def _main_points(card: BulkCard, places: Iterable[int], file: BulkFile, grids: GridPoints) -> FloatArray:
-    """Places of grids and points of the main bulk data that a card names."""
+    """Positions of grids and points of the main bulk data on a card."""
     found = []
     for place in places:
         number = card.integer(place, "a grid of the main bulk data")
@@ -180,7 +181,7 @@ def _search(card: BulkCard) -> _Search:
 def _by_place(
     decks: Mapping[int, Deck], search: Mapping[int, _Search], file: BulkFile, left: list[LeftOut]
 ) -> list[CommonNodes]:
-    """Grids of two superelements in one place, where neither is joined by hand alone."""
+    """Coincident grids of two superelements, unless one of them is joined manually only."""
     numbers = [n for n in decks if search.get(n, _Search()).automatic and len(decks[n].nodes)]
     used = {n: np.flatnonzero(used_nodes(decks[n])) for n in numbers}
     found = []
@@ -199,7 +200,7 @@ def _by_place(
                         "BEGIN SUPER",
                         int((~clear).sum()),
                         0,
-                        f"grid {at} of {names} has several partners in one place: such grids are not joined; "
+                        f"grid {at} of {names} has several coincident partners: such grids are not joined; "
                         "SECONCT may join them",
                     )
                 )
@@ -211,7 +212,7 @@ def _by_place(
 
 
 def _boundary(deck: Deck, used: IntArray, number: int, other: int, file: BulkFile) -> IntArray:
-    """The nodes that may be common with another superelement: all, or those of SEBNDRY; not of SEEXCLD."""
+    """The possible common nodes with another superelement: all, or those of SEBNDRY, without SEEXCLD."""
     listed = [_listed(card, deck) for card in _between(file, "SEBNDRY", number, other)]
     excluded = [_listed(card, deck) for card in _between(file, "SEEXCLD", number, other)]
     nodes = np.intersect1d(used, np.concatenate(listed)) if listed else used
@@ -224,7 +225,7 @@ def _between(file: BulkFile, name: str, number: int, other: int) -> list[BulkCar
 
 
 def _listed(card: BulkCard, deck: Deck) -> IntArray:
-    """Numbers of the grids of a list from the third field on, which may hold THRU, or be ALL."""
+    """Numbers of the grids of a list from the third field on, which may contain THRU, or be ALL."""
     words = [(i, card.word(i)) for i in range(2, len(card.fields)) if card.word(i)]
     if words and words[0][1] == "ALL":
         return np.arange(len(deck.nodes))

@@ -24,10 +24,10 @@ SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
 def read_supports(reading: Reading, tied: Collection[int] = ()) -> dict[str, IntArray]:
     """Node sets `spcS_C` of support set S and components C, `spc_C` of PS fields, `aset`; each node once.
 
-    What the chosen set and the PS fields hold is added to the reading's `held`.
+    Constraints of the selected set and the PS fields are added to the reading's `held`.
 
-    tied : grids that a rigid tie of translations takes along in all six freedoms, as nothing acts on their
-           rotations: what holds these holds nothing
+    tied : grids of a rigid tie of translations that counts as one of all six freedoms, since nothing acts on
+           their rotations: supports of these rotations have no effect
     """
     found: dict[str, dict[int, None]] = {}
     cards = reading.file.named("SPC", "SPC1")
@@ -48,7 +48,7 @@ def read_supports(reading: Reading, tied: Collection[int] = ()) -> dict[str, Int
                     held.setdefault((node, int(component) - 1), card.line)
     try:
         physical = retained_freedoms(reading.file, reading.grids.ids, modal=False)
-    except ImportFormatError as error:  # a set changes no body
+    except ImportFormatError as error:  # a set does not change the body
         reading.note(f"The analysis set is not read: {error}")
         physical = None
     if physical is not None:
@@ -66,7 +66,7 @@ def _supported(card: BulkCard, reading: Reading) -> list[tuple[int, str]]:
     if card.name == "SPC1":
         return _listed(card, 1, 2, reading)
     if any(card.real(i + 2, "a displacement", 0.0) for i in (1, 4) if card.word(i)):
-        reading.note("Enforced displacements of SPC are not read; their freedoms are held.")
+        reading.note("Enforced displacements of SPC are not read; their freedoms are fixed.")
     return _pairs(card, 1, 3, reading)
 
 
@@ -86,7 +86,7 @@ def _pairs(card: BulkCard, start: int, step: int, reading: Reading) -> list[tupl
 
 
 def _listed(card: BulkCard, components: int, start: int, reading: Reading) -> list[tuple[int, str]]:
-    """Nodes of a list G1 G2 .., with G1 THRU G2 for all there are between, and their components."""
+    """Nodes of a list G1 G2 .., with G1 THRU G2 for all existing ones in between, and their components."""
     ids: list[int] = []
     place = start
     while place < len(card.fields):
@@ -112,10 +112,10 @@ def _listed(card: BulkCard, components: int, start: int, reading: Reading) -> li
 
 
 def _known(card: BulkCard, ids: list[int], reading: Reading) -> list[int]:
-    """Numbers of the grids there are; supports of others hold nothing."""
+    """Numbers of the existing grids; supports of others have no effect."""
     numbers, known = reading.grids.lookup(np.array(ids, dtype=np.int64))
     if not known.all():
-        reading.note(f"{card.name} cards name grids that the file does not define; these are passed over.")
+        reading.note(f"{card.name} cards name grids that the file does not define; these are ignored.")
     return numbers[known].tolist()
 
 
@@ -130,7 +130,7 @@ def _components(card: BulkCard, word: str) -> str:
 
 
 def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
-    """Matrices by what they add to: K2GG to stiffness, M2GG to mass, B2GG to damping."""
+    """Matrices by their target: K2GG stiffness, M2GG mass, B2GG damping."""
     found: dict[str, list[NodalMatrix]] = {"K2GG": [], "M2GG": [], "B2GG": []}
     cards: dict[str, list[BulkCard]] = {}
     for card in reading.file.named("DMIG"):
@@ -149,10 +149,10 @@ def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
         name = reading.case.chosen.get(command, "")
         if name in cards:
             used.add(name)
-            reading.leave_out(cards[name][0], f"{command} = {name}, which direct solutions add, is not read")
+            reading.leave_out(cards[name][0], f"{command} = {name}, which direct solutions use, is not read")
     for name, unused in cards.items():
         if name not in used and not reading.case.present:
-            reading.leave_out(unused[0], f"no case control says what the matrix {name} adds to")
+            reading.leave_out(unused[0], f"no case control states the use of the matrix {name}")
     return found
 
 
@@ -165,7 +165,7 @@ def _scaled(word: str) -> tuple[float, str]:
 
 
 def _matrix(cards: list[BulkCard], factor: float, reading: Reading) -> NodalMatrix:
-    """Entries by grid and component, one triangle or both, turned to basic axes."""
+    """Entries by grid and component, one triangle or both, rotated to basic axes."""
     entries: dict[tuple[int, int], float] = {}
     for card in cards:
         if card.word(1) == "0":

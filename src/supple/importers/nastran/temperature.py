@@ -1,4 +1,4 @@
-"""Materials at the temperature that case control chooses: MATT1 with TEMPD and TABLEM1."""
+"""Materials at the temperature selected by case control: MATT1 with TEMPD and TABLEM1."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _OF_STIFFNESS_AND_MASS = range(1, 5)
 
 
 def at_temperature(reading: Reading, cards: Mapping[int, BulkCard]) -> dict[int, BulkCard]:
-    """The MAT1 cards whose values a table gives at the one temperature of the chosen set, with these.
+    """MAT1 cards with the values of tables at the uniform temperature of the selected set.
 
     Other temperatures and tables are left out.
     """
@@ -30,7 +30,7 @@ def at_temperature(reading: Reading, cards: Mapping[int, BulkCard]) -> dict[int,
     for card in reading.file.named(*_MATERIALS):
         number = card.integer(0, "the material id")
         if number not in cards or (card.name == "MATT1" and card.is_blank(1, 5)):
-            continue  # of its expansion or damping alone
+            continue  # only its expansion or damping
         fields = [*cards[number].fields, *[""] * 5]
         known = card.name == "MATT1" and temperature is not None
         for place in _OF_STIFFNESS_AND_MASS if known else ():
@@ -47,7 +47,7 @@ def at_temperature(reading: Reading, cards: Mapping[int, BulkCard]) -> dict[int,
 
 
 def _uniform(reading: Reading) -> float | None:
-    """The temperature of all grids by TEMPD; None where there is none, or others beside it."""
+    """The uniform temperature by TEMPD; None without one, or with other temperatures."""
     chosen = reading.case.temperature
     if any(card.word(0) == chosen for card in reading.file.named(*_FIELDS)):
         return None
@@ -59,7 +59,7 @@ def _uniform(reading: Reading) -> float | None:
 
 
 def _interpolated(table: BulkCard | None, at: float) -> float | None:
-    """Value of a TABLEM1, linear between its points; None outside them, or without it."""
+    """Value of a TABLEM1, linear between its points; None outside them or without a table."""
     if table is None:
         return None
     words = [word.upper() for word in table.fields[8:]]

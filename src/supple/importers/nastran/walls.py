@@ -19,9 +19,9 @@ WALL_CARDS = ("PSHELL", "PCOMP", "PCOMPG")
 
 @dataclass(frozen=True)
 class WallOptions:
-    """What an element says of its wall.
+    """Wall data of an element.
 
-    thicknesses : T1 .. T4, None where blank, of which the mean counts;  relative : to that of the property
+    thicknesses : T1 .. T4, None if blank; their mean is used;  relative : to that of the property
     offset : ZOFFS, m;  added_mass : of NSM cards, kg/m^2, without PARAM,WTMASS
     """
 

@@ -34,12 +34,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _MOST = 10_000_000
-"""Nodes or modes that a header may promise."""
+"""Largest stated number of nodes or modes."""
 
 
 @dataclass(frozen=True, eq=False)
 class FlexibleBodyFile:
-    """What the file holds: N nodes, k modes of which the first s are static, f = 12 or 15 frame modes, or
+    """Contents of the file: N nodes, k modes of which the first s are static, f = 12 or 15 frame modes, or
     none.
 
     node_ids : (N,);   frame : (3, 3) P0;   highest_frequency : Hz
@@ -116,14 +116,14 @@ def write_flexible_body_file(path: Path | str, body: FlexibleBodyFile) -> Path:
 def read_flexible_body_file(path: Path | str) -> FlexibleBodyFile:
     """Read the file.
 
-    Raises ImportFormatError where it ends too early, or holds what is no number.
+    Raises ImportFormatError if it ends too early or has entries that are not numbers.
     """
     text = Path(path).read_text(encoding="ascii", errors="replace")
     rows = ((i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#")
     head = _whole(rows, 7, 7, path)
     k, s, N, irot, idamp, blocked, _ = (int(value) for value in head)
     if min(k, s, N) < 0 or max(k, N) > _MOST or s > k or not {irot, idamp, blocked} <= {0, 1}:
-        raise ImportFormatError(f"{path}: its first line makes no sense: {k} modes, {s} static, {N} nodes")
+        raise ImportFormatError(f"{path}: its first line is not valid: {k} modes, {s} static, {N} nodes")
     f = 0 if blocked else 12 + 3 * irot
     ids = _whole(rows, N, 10, path)
     frame = _floats(rows, 10, path)
@@ -185,7 +185,7 @@ def _read(
     n_lines = -(-count // a_line)
     taken = list(islice(rows, n_lines))
     if len(taken) < n_lines:
-        raise ImportFormatError(f"{path} ends too early: {n_lines - len(taken)} more lines are due")
+        raise ImportFormatError(f"{path} ends too early: {n_lines - len(taken)} more lines are missing")
     found = []
     for number, line in taken:
         wanted = min(a_line, count - len(found))

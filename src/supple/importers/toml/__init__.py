@@ -1,4 +1,4 @@
-"""TOML files as checked tables: what a schema and rules find wrong, all at once, each with its line."""
+"""TOML files as checked tables: all mistakes by schema and rules, each with its line."""
 
 from supple.importers.toml.checked_table import *
 from supple.importers.toml.line_index import *

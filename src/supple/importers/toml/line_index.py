@@ -1,4 +1,4 @@
-"""Where in a TOML text each key stands: the line numbers that the standard TOML reader does not keep."""
+"""Line numbers of the keys of a TOML text, which the standard TOML reader does not provide."""
 
 from __future__ import annotations
 
@@ -155,9 +155,7 @@ class _Scanner:
 
     def _expect(self, token: str) -> None:
         if not self._accept(token):
-            raise ValueError(
-                f"line {self._line}: expected {token!r} in a TOML text that was said to be valid"
-            )
+            raise ValueError(f"line {self._line}: expected {token!r} in a valid TOML text")
 
     def _advance(self, taken: str) -> None:
         self._at += len(taken)

@@ -1,4 +1,4 @@
-"""The mistakes of a TOML file in words: all of them in one text, each with its line, key and remedy."""
+"""The mistakes of a TOML file in one text, each with its line, key and remedy."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from supple.importers.toml.raw_tables import did_you_mean
 __all__ = ["WORD_OR_TABLE", "checked", "listed_mistakes"]
 
 WORD_OR_TABLE = ("word", "table")
-"""Tags of a key that takes either."""
+"""Tags of a key that accepts a word or a table."""
 
 _Schema = Mapping[str, Any]
 _Root = TypeVar("_Root", bound=CheckedTable)
@@ -27,7 +27,7 @@ _Root = TypeVar("_Root", bound=CheckedTable)
 def checked(
     root: type[_Root], raw: Mapping[str, Any], mistakes: Sequence[tuple[KeyPath, str]]
 ) -> tuple[_Root | None, Sequence[tuple[KeyPath, str]]]:
-    """The file as its schema sees it, None if that finds mistakes; and these, with those that rules found.
+    """The file as checked by its schema, None with mistakes; and all mistakes, including those of rules.
 
     root : the table of the whole file
     """
@@ -35,13 +35,13 @@ def checked(
         return root.model_validate(raw), mistakes
     except ValidationError as error:
         errors = error.errors(include_url=False)
-        # Of a renamed key alone: other mistakes follow from it.
+        # Only the renamed key: other mistakes follow from it.
         renamed = list(_renamed(root, errors))
         return None, renamed or [*(_schema_mistake(root, each) for each in errors), *mistakes]
 
 
 def _renamed(root: type[CheckedTable], errors: Iterable[ErrorDetails]) -> Iterator[tuple[KeyPath, str]]:
-    """Keys that have another name now, and that name."""
+    """Renamed keys and their messages."""
     for item in errors:
         *within, key = item["loc"]
         now = _follow(_tree(root), tuple(within))[1].get("renamed", {}).get(key)
@@ -67,7 +67,7 @@ def _spell(path: KeyPath) -> str:
 
 @cache
 def _tree(root: type[CheckedTable]) -> _Schema:
-    """The schema of a file, which takes longer to make than a mistake to tell."""
+    """The schema of a file, cached because it takes long to build."""
     return root.model_json_schema()
 
 
@@ -112,7 +112,7 @@ def _wrong_choice(place: KeyPath, item: ErrorDetails, schema: _Schema) -> tuple[
 
 
 def _shown(seen: Any) -> str:
-    """A value as it stands in the file; a long one in part."""
+    """A value as in the file, shortened if long."""
     shortened = reprlib.Repr()
     shortened.maxstring = shortened.maxother = shortened.maxlong = 80
     return shortened.repr(seen)

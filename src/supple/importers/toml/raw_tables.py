@@ -1,7 +1,7 @@
 """The tables of a TOML file as the TOML reader returns them, for rules on what one key demands of another.
 
 The rules read the raw data, not the checked tables, so that they all run even when other keys are wrong and
-every mistake is reported at once. A value of the wrong type is the schema's business: rules pass it over.
+every mistake is reported at once. A value of the wrong type is the schema's business: rules ignore it.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ __all__ = [
 
 Raw = Mapping[str, Any]
 Mistakes = Iterator[tuple[KeyPath, str]]
-"""Paths of the keys to look at, each with what is wrong there and the remedy."""
+"""Paths of keys, each with the mistake and the remedy."""
 Rule = Callable[[Raw], Mistakes]
 """A rule on a whole file."""
 RuleOfOne = Callable[[KeyPath, Raw], Mistakes]
-"""A rule on one table, which stands at the path."""
+"""A rule on one table, with its path."""
 
 
 def tables(raw: Raw, key: str, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Raw]]:

@@ -35,7 +35,7 @@ def read_beamdyn_sections(path: str | Path) -> SectionTable:
     Raises
     ------
     ImportFormatError   missing files, entries or numbers: with the line
-    ModelError          sections that `SectionTable` refuses
+    ModelError          sections that `SectionTable` rejects
     Source: BeamDyn user's guide, input files (OpenFAST 4).
     """
     primary = _BeamdynFile.read(path)

@@ -31,7 +31,7 @@ def read_rotor(path: str | Path | Traversable, *, polars: str | Path | Traversab
     Rotor   angles in rad
     Raises
     ------
-    ImportFormatError   missing files or columns, unknown polars, words for numbers
+    ImportFormatError   missing files or columns, unknown polars, words instead of numbers
     ModelError          tables that describe no rotor or polar
     """
     table = read_csv_table(path, required=("radius_m", "chord_m", "twist_deg", "polar"))
@@ -59,7 +59,7 @@ def read_polar(path: str | Path | Traversable, *, name: str) -> Polar:
 
     Raises
     ------
-    ImportFormatError   missing file or columns, words for numbers
+    ImportFormatError   missing file or columns, words instead of numbers
     ModelError          angles out of order, NaN, fewer than two rows
     """
     table = read_csv_table(path, required=("alpha_deg", "cl", "cd"), optional=("cm",))

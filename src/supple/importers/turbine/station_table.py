@@ -37,7 +37,7 @@ def read_stations(path: str | Path | Traversable, *, sections: str | Path | Trav
     BladeStations   angles in rad
     Raises
     ------
-    ImportFormatError   missing files or columns, unknown sections or trailing edges, words for numbers
+    ImportFormatError   missing files or columns, unknown sections or trailing edges, words instead of numbers
     MeshError           a section or table that describes no blade (out of order, crossing itself, ...)
     """
     table = read_csv_table(

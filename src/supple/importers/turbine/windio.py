@@ -33,7 +33,7 @@ def read_windio_blade(path: str | Path) -> BladeStations:
     BladeStations   span from the first point of the reference axis, m; angles in rad
     Raises
     ------
-    ImportFormatError   missing file, no YAML, missing entries, unknown airfoils, entries that are no numbers
+    ImportFormatError   missing file, no YAML, missing entries, unknown airfoils, entries that are not numbers
     MeshError           airfoils or distributions that describe no blade
     Source: windIO turbine schema, versions 1 (`outer_shape_bem`) and 2 (`outer_shape`).
     """

@@ -31,7 +31,7 @@ def _parsed(path: Path) -> Any:
             raise ImportFormatError(
                 f"{path}: its lists and entries nest too deep to be read; is this a windIO turbine file?"
             ) from None
-        raise ImportFormatError(f"{path}: not readable as YAML ({error}); save it anew") from error
+        raise ImportFormatError(f"{path}: not readable as YAML ({error}); save it again") from error
 
 
 @dataclass(frozen=True)
@@ -107,4 +107,4 @@ class WindioFile:
                 raise ValueError(what)
             return np.array([plain_number(word) for word in words])
         except ValueError as error:
-            raise ImportFormatError(f"{self.path}: {what} holds entries that are no numbers") from error
+            raise ImportFormatError(f"{self.path}: {what} holds entries that are not numbers") from error

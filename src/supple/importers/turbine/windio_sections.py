@@ -30,13 +30,13 @@ def read_windio_sections(path: str | Path) -> SectionTable:
     The reference axis and the twist are monotone cubics (PCHIP) over the position 0 .. 1, matrices linear.
     Section axes are x to the suction side, y to the trailing edge, z along the axis, the twist about -z: so
     the public files of both versions have their matrices, though the text of schema 2 names x and y the other
-    way round. A file of version 2 by that text is refused.
+    way round. A file of version 2 by that text is rejected.
 
     Raises
     ------
     ImportFormatError   missing file or entries, no YAML, lists of different lengths, point masses, matrices
                         by the text of schema 2
-    ModelError          sections that `SectionTable` refuses
+    ModelError          sections that `SectionTable` rejects
     Source: windIO turbine schema, versions 1 and 2.
     """
     file = WindioFile.read(path)

@@ -31,7 +31,7 @@ class Bushing(AxialElement):
     below pi.
 
     axis : z of the bushing at the start, global axes
-    x_axis : near which x lies
+    x_axis : direction near which x lies
     stiffness, damping : (6,) diagonal, or (6, 6) symmetric and not negative; translations first
     Raises ModelError for a matrix that is none of these.
     """

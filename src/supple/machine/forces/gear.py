@@ -34,8 +34,9 @@ class Gear(AxialElement):
     Their joints must keep the axes of both wheels parallel.
 
     teeth : of both wheels, z_1 and z_2; negative of a ring with inner teeth
-    stiffness, damping : k and c of the mesh, force per length and per velocity
-    anchor : global centre of a wheel that is the ground
+    stiffness : k of the tooth mesh, force per length
+    damping : c of the tooth mesh, force per velocity
+    anchor : centre of a wheel on the ground, global axes, a length
     Raises ModelError for numbers of teeth that are not whole, or opposite and equal.
     """
 

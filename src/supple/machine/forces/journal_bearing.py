@@ -27,7 +27,7 @@ class JournalBearing(AxialElement):
     of opposite sign feed energy into whirl. Between the speeds of the table the numbers are interpolated,
     beyond them held.
 
-    x_axis : near which x lies
+    x_axis : direction near which x lies
     stiffness, damping : (2, 2), or (n, 2, 2) with speeds
     speeds : (n,) rad per time, ascending, two or more
     Raises ModelError for other shapes, or what is not finite.

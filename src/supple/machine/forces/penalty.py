@@ -25,9 +25,9 @@ class Penalty:
 
     so that the restitution w/v is near 1 - 2 a v/3 for small a v.
 
-    stiffness : k, force per length (moment per rad) to the power of the exponent
+    stiffness : k, force per length or moment per rad, to the power of the exponent
     exponent : n >= 1; 1.5 of two spheres (Hertz)
-    dissipation : a, per velocity: restitution near 1 - 2/3 dissipation v
+    dissipation : a, one per velocity; restitution is about 1 - 2/3 dissipation v
     Raises ModelError for a stiffness that is not positive, an exponent below 1, a negative dissipation.
     Source: [HuntCrossley1975]
     """

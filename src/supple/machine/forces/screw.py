@@ -28,8 +28,9 @@ class Screw(AxialElement):
     half a turn of the thread, so that the screw may turn as often as it likes. What keeps the second end on
     the axis is a cylindrical joint.
 
-    pitch : length per turn, positive for a right-hand thread
-    stiffness, damping : k and c along the axis
+    pitch : advance in one revolution, a length; positive for a right-hand thread
+    stiffness : k along the axis, force per length
+    damping : c along the axis, force per velocity
     """
 
     pitch: float
@@ -83,9 +84,10 @@ class RackAndPinion(AxialElement):
 
     axis : of the pinion at the start, global axes
     direction : of the rack at the start, global axes, across the axis; both stay with the rack
-    radius : of the pitch circle; the pinion touches on the side of `- axis x direction`, if negative on the
-        other one
-    stiffness, damping : k and c of the mesh along the rack
+    radius : of the pitch circle, a length; the pinion touches on the side of `- axis x direction`, if
+        negative on the other one
+    stiffness : k of the tooth mesh along the rack, force per length
+    damping : c of the tooth mesh along the rack, force per velocity
     """
 
     direction: tuple[float, float, float]

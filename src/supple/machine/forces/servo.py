@@ -27,7 +27,8 @@ class AngleServo(AxialElement):
     not lag behind it by half a turn.
 
     angle : phi_0(t), rad, a number or a law of time        limit : largest moment
-    stiffness, damping : k and c, moment per rad, and per rad per time
+    stiffness : k, moment per rad
+    damping : c, moment per angular velocity
     """
 
     angle: Any
@@ -66,7 +67,8 @@ class SlideServo(AxialElement):
     """Force `k (x_0 - x) + c (dx_0/dt - dx/dt)` along an axis of the first end, held within a limit.
 
     slide : x_0(t) of `x = z_1 . (r_2 - r_1)`, a number or a law of time        limit : largest force
-    stiffness, damping : k and c, force per length and per velocity
+    stiffness : k, force per length
+    damping : c, force per velocity
     """
 
     slide: Any

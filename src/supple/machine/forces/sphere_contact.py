@@ -33,8 +33,8 @@ class SphereContact(AxialElement):
     A disc or a wheel is a sphere as long as its axis is parallel to the surface.
 
     axis : normal of the plane, or axis of the cylinder, at the start, global axes
-    radius : of the sphere; 0 of a point, such as a node that is an interface
-    anchor : global point of the surface, if it is on the ground
+    radius : radius of the sphere, a length; 0 for a point, such as an interface at a node
+    anchor : point of a surface on the ground, global axes, a length
     """
 
     radius: NotNegative = 0.0
@@ -79,7 +79,7 @@ class SphereOnPlane(SphereContact):
 class SphereOnCylinder(SphereContact):
     """A sphere (first end) outside a cylinder about `axis` through the second end: a cam, a roller.
 
-    cylinder_radius : of the cylinder
+    cylinder_radius : radius of the cylinder, a length
     """
 
     cylinder_radius: Positive
@@ -107,7 +107,7 @@ class SphereOnCylinder(SphereContact):
 class SphereInCylinder(SphereContact):
     """A sphere (first end) inside a hollow cylinder about `axis` through the second end.
 
-    cylinder_radius : of the hollow, more than the sphere's
+    cylinder_radius : inner radius, larger than the sphere's, a length
     """
 
     cylinder_radius: Positive

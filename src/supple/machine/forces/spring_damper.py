@@ -19,10 +19,10 @@ __all__ = ["SpringDamper"]
 class SpringDamper(ForceElement):
     """Tension `k (l - l_0) + c dl/dt` along the line between the points; they must stay apart.
 
-    stiffness : force per length
-    damping : force per velocity
+    stiffness : k, force per length
+    damping : c, force per velocity
     rest_length : l_0, a length; the distance at the start if None
-    anchor : global point of the end that is on the ground
+    anchor : point of an end on the ground, global axes, a length
     """
 
     stiffness: NotNegative = 0.0

@@ -22,7 +22,7 @@ __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 class AngleStop(AxialElement):
     """Holds the angle of the second end about the first end's axis in `lower <= phi <= upper`, by a moment.
 
-    lower, upper : rad, between -pi and pi, where the angle begins anew
+    lower, upper : limits of the angle, rad, between -pi and pi
     penalty : Penalty   of the angle beyond a limit
     """
 
@@ -34,7 +34,7 @@ class AngleStop(AxialElement):
         super().__post_init__()
         if not -np.pi < self.lower <= self.upper < np.pi:
             raise ModelError(
-                f"{self.label}: the limits must be -pi < lower <= upper < pi, where the angle begins anew, "
+                f"{self.label}: the limits must be -pi < lower <= upper < pi, where the angle jumps, "
                 f"got {self.lower} and {self.upper}"
             )
 
@@ -59,7 +59,7 @@ class AngleStop(AxialElement):
 class SlideStop(AxialElement):
     """Holds the slide `z_1 . (r_2 - r_1)` along the first end's axis in `lower <= x <= upper`, by a force.
 
-    lower, upper : lengths; infinite where there is no stop
+    lower, upper : limits of the slide, a length; infinite without a stop
     penalty : Penalty   of the slide beyond a limit
     """
 
@@ -93,9 +93,9 @@ class SlideStop(AxialElement):
 class DistanceStop(ForceElement):
     """Holds the distance of two points in `lower <= l <= upper`: a rope, a bump stop.
 
-    lower, upper : lengths; upper infinite where there is none
+    lower, upper : limits of the distance, a length; upper is infinite without a stop
     penalty : Penalty   of the distance beyond a limit
-    anchor : global point of an end on the ground
+    anchor : point of an end on the ground, global axes, a length
     """
 
     lower: float = 0.0

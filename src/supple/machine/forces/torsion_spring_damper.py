@@ -22,8 +22,8 @@ class TorsionSpringDamper(ForceElement):
     """Moment `k (phi - phi_0(t)) + c dphi/dt` about an axis; the angle phi is taken in (-pi, pi].
 
     axis : direction at the start, global axes; it stays with the first end
-    stiffness : moment per angle in rad
-    damping : moment per angular velocity in rad per time
+    stiffness : k, moment per rad
+    damping : c, moment per angular velocity
     """
 
     axis: tuple[float, float, float]

@@ -22,7 +22,7 @@ class Unbalance(ForceElement):
     It is the centrifugal part alone: the mass itself, and the force while the speed changes, are left out, as
     they are where m is small. A mass that counts is a rigid body of its own.
 
-    moment : U, mass times eccentricity, global axes at the start; it turns along
+    moment : U, mass times eccentricity: global axes at the start; rotates with the end
     """
 
     moment: tuple[float, float, float]
