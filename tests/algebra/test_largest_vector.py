@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from supple.algebra import largest_vector as module
 from supple.algebra.largest_vector import largest_vector
@@ -18,9 +19,10 @@ def test_no_instant_has_a_larger_one(seed, n_times):
     vibrations = np.sin(times * rng.uniform(0.5, 40, size=4) + rng.uniform(0, 6, size=4))
     coordinates = vibrations * rng.normal(size=4) / [1.0, 10.0, 100.0, 1000.0]
     lengths = np.sqrt((np.reshape(coordinates @ rows.T, (n_times, -1, 3)) ** 2).sum(axis=2).max(axis=1))
-    value, row = largest_vector(rows, coordinates)
-    assert value == pytest.approx(lengths.max(), rel=1e-14)
-    assert row == int(np.argmax(lengths))
+    for given in (rows, csr_array(rows)):
+        value, row = largest_vector(given, coordinates)
+        assert value == pytest.approx(lengths.max(), rel=1e-14)
+        assert row == int(np.argmax(lengths))
 
 
 def test_few_instants_of_a_vibration_are_looked_at(monkeypatch):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,7 +17,7 @@ AT_ONCE = 64
 """Instants whose vectors are held together."""
 
 
-def largest_vector(rows: Array, coordinates: Array) -> tuple[float, int]:
+def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
     """Largest length of the vectors `R_p q(t)` of a motion, and the number of the instant.
 
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
@@ -23,8 +25,13 @@ def largest_vector(rows: Array, coordinates: Array) -> tuple[float, int]:
     for f is a norm. Of all instants between those that are known, only those are looked at whose bound from
     the nearest known ones is above the largest so far: of a vibration a tenth.
 
-    rows : (3 P, r) R;  coordinates : (t, r)
+    rows : (3 P, r) R, dense or sparse: of the thousand coordinates of a body in full the bound rules out
+        nothing, and all instants are looked at
+    coordinates : (t, r)
     """
+    if not isinstance(rows, np.ndarray):
+        lengths = _lengths(rows, coordinates)
+        return float(lengths.max()), int(np.argmax(lengths))
     n_times = len(coordinates)
     of_each = np.sqrt((rows.reshape(-1, 3, rows.shape[1]) ** 2).sum(axis=1).max(axis=0))
     known = np.arange(0, n_times, STRIDE)
@@ -47,7 +54,7 @@ def largest_vector(rows: Array, coordinates: Array) -> tuple[float, int]:
     return float(values[place]), int(known[place])
 
 
-def _lengths(rows: Array, coordinates: Array) -> Array:
+def _lengths(rows: Any, coordinates: Array) -> Array:
     """F (t,) at some instants."""
     found = np.empty(len(coordinates))
     for start in range(0, len(found), AT_ONCE):
