@@ -23,6 +23,7 @@ from supple.machine import Controller, Spin, System
 from supple.quantities import TrackedMotion, tracked_places
 from supple.results import summarize
 from supple.simulation import AssembledMachine, Equilibrium, assemble, equilibrium, place_errors
+from supple.simulation.resting_state import placed_at_rest, resting_state
 from supple.storage import write_json
 from supple.storage.file_errors import file_errors
 
@@ -94,7 +95,8 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     case.notify("searching the equilibrium")
     traced = tuple(each for each in system.controllers if isinstance(each, Controller))
     acting = replace(system, controllers=traced)
-    found = equilibrium(acting, time=case.run.start, spin=spin_of(case), fulls=()).system
+    # Where it rests is all that a run takes: neither whether that is stable, nor what carries it.
+    found = placed_at_rest(resting_state(acting, time=case.run.start, spin=spin_of(case)))
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
     return replace(found, controllers=controllers)

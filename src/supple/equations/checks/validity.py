@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from supple.algebra.largest_vector import largest_vector
 from supple.body import BodyForm, Frame, MeanAxisFrame, smaller_rotations
 from supple.body.averaging_error import DEFLECTION_ERROR
 from supple.errors import ValidityError, ValidityWarning
@@ -177,10 +178,8 @@ def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
     peaks = Peaks(spin=float(spins[fastest]), spin_time=float(times[fastest]))
     if limits.rotation_basis is None:
         return peaks
-    turns = (motion.coordinates @ limits.rotation_basis.T).reshape(len(times), -1, 3)
-    largest = np.sqrt((turns**2).sum(axis=2).max(axis=1))
-    widest = int(np.argmax(largest))
-    return peaks._replace(rotation=float(largest[widest]), rotation_time=float(times[widest]))
+    rotation, widest = largest_vector(limits.rotation_basis, motion.coordinates)
+    return peaks._replace(rotation=rotation, rotation_time=float(times[widest]))
 
 
 def _softened(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:

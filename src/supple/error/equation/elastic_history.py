@@ -29,6 +29,7 @@ __all__ = [
     "strain_rate_history",
     "strain_rate_polynomial",
     "tangent_history",
+    "unit_stiffness",
 ]
 
 Array = NDArray[np.float64]
@@ -201,7 +202,7 @@ def _samples(
 
     at_rest : (k, k)    stiffness, of which so much may be missed
     """
-    scaled = _unit_stiffness(at_rest)
+    scaled = unit_stiffness(at_rest)
     samples = np.zeros((0, *at_rest.shape))
     for start in range(0, len(chosen), AT_ONCE):
         instants = chosen[start : start + AT_ONCE]
@@ -214,7 +215,7 @@ def _samples(
     return samples
 
 
-def _unit_stiffness(stiffness: Array) -> Array:
+def unit_stiffness(stiffness: Array) -> Array:
     """Columns (k, k) to which a stiffness is the unit matrix; zero where it has none."""
     values, vectors = np.linalg.eigh((stiffness + stiffness.T) / 2)
     stiff = values > np.finfo(float).eps * len(values) * values[-1]

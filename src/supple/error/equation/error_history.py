@@ -23,9 +23,11 @@ from supple.error.equation.elastic_history import (
     strain_rate_history,
     strain_rate_polynomial,
     tangent_history,
+    unit_stiffness,
 )
 from supple.error.equation.elastic_polynomial import ElasticPolynomial
 from supple.error.equation.error_model import system_of_columns
+from supple.error.equation.few_matrices import few_matrices
 from supple.error.equation.linearised_march import (
     ElasticGain,
     ErrorState,
@@ -387,7 +389,7 @@ class ErrorEquation:
         if assessed.polynomial is None:
             own = _from_instants(assessed, motion, tangent_motion or motion, self.proven)
         else:
-            own = _from_polynomial(assessed, assessed.polynomial, motion)
+            own = _from_polynomial(assessed, assessed.polynomial, motion, self.proven)
 
         def padded(samples: Array) -> Array:
             return np.pad(samples, ((0, _more(len(samples))), (0, size - k), (0, size - k)))
@@ -457,22 +459,30 @@ def _from_instants(
 
 
 def _from_polynomial(
-    assessed: AssessedBody, polynomial: ElasticPolynomial, motion: _InColumns
+    assessed: AssessedBody, polynomial: ElasticPolynomial, motion: _InColumns, proven: float
 ) -> _Elasticity:
-    """The same of the columns of the run itself, exactly."""
+    """Forces in the columns of the run itself exactly, tangents by few combinations of their polynomials."""
+    k, time = assessed.space.size, assessed.retardation_time
     force, (whole, material) = polynomial.force(motion.coordinates), polynomial.tangents
+    unit = unit_stiffness(assessed.columns.stiffness[:k, :k])
     weights = monomials(motion.coordinates)
-    if not assessed.retardation_time:
-        none = np.zeros((0, *whole.shape[1:]))
-        return _Elasticity(force, np.zeros_like(force), whole, none, none, weights, np.zeros((len(force), 0)))
+    none = np.zeros((0, k, k))
+    if not time:
+        of_strains = few_matrices([whole], weights, unit, proven)
+        without = np.zeros((len(force), 0))
+        return _Elasticity(
+            force, np.zeros_like(force), *of_strains.sets, none, none, of_strains.weights, without
+        )
+    of_strains = few_matrices([whole, material], weights, unit, proven)
+    rates = rate_monomials(motion.coordinates, motion.rates)
+    of_rates = few_matrices([polynomial.rate_tangents], rates, unit, proven / time)
     return _Elasticity(
         force,
         polynomial.strain_rate_force(motion.coordinates, motion.rates),
-        whole,
-        material,
-        polynomial.rate_tangents,
-        weights,
-        rate_monomials(motion.coordinates, motion.rates),
+        *of_strains.sets,
+        *of_rates.sets,
+        of_strains.weights,
+        of_rates.weights,
     )
 
 

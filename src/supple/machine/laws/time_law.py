@@ -6,10 +6,13 @@ of a batch, share one compiled program.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from supple.arguments import check_numbers, given
 from supple.errors import ArgumentError, ModelError, SuppleError
@@ -68,7 +71,7 @@ def check_law_kind(what: str, element: Any) -> None:
 def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
     """Raise ModelError unless JAX can trace the law, and its values are real numbers of one of the shapes."""
     try:
-        found = jax.eval_shape(lambda time: jnp.asarray(traced(law, type(law).__name__, time)), jnp.zeros(()))
+        found = _value_of(law)
     except SuppleError as error:
         raise ModelError(f"{what}: {error}") from error
     except (TypeError, ValueError) as error:
@@ -83,3 +86,38 @@ def check_law_shape(what: str, law: TimeLaw, *shapes: tuple[int, ...]) -> None:
     if found.shape not in shapes:
         wanted = " or ".join(map(str, shapes))
         raise ModelError(f"{what}: its values over time have shape {found.shape}; they must have {wanted}")
+
+
+@dataclass(frozen=True)
+class _LawStructure:
+    """What laws that differ in numbers alone have in common; equal for all of these."""
+
+    structure: Any
+    shapes: tuple[tuple[int, ...], ...]
+    law: TimeLaw = field(compare=False)
+    """One of them"""
+
+
+def _value_of(law: TimeLaw) -> jax.ShapeDtypeStruct:
+    """Shape and type of a law's values; the laws of a thousand cases are traced once."""
+    leaves, structure = jax.tree.flatten(law)
+    own = _LawStructure(structure, tuple(map(np.shape, leaves)), law)
+    if all(isinstance(leaf, float) or _is_array(leaf) for leaf in leaves):
+        try:
+            hash(own)
+        except TypeError:  # of a part that has none
+            pass
+        else:
+            return _traced_value(own)
+    return _traced_value.__wrapped__(own)
+
+
+def _is_array(leaf: Any) -> bool:
+    """Of plain numbers; not what JAX puts in their place while it traces."""
+    return isinstance(leaf, np.ndarray) and leaf.dtype == np.float64
+
+
+@lru_cache(maxsize=64)
+def _traced_value(of: _LawStructure) -> jax.ShapeDtypeStruct:
+    law = of.law
+    return jax.eval_shape(lambda time: jnp.asarray(traced(law, type(law).__name__, time)), jnp.zeros(()))

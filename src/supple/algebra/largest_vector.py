@@ -1,0 +1,64 @@
+"""The largest of many vectors along a motion, found at few of its instants."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["largest_vector"]
+
+Array = NDArray[np.float64]
+
+STRIDE = 64
+"""Between the instants that are looked at in any case; a power of two."""
+AT_ONCE = 64
+"""Instants whose vectors are held together."""
+
+
+def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
+    """Largest length of the vectors `R_p q(t)` of a motion, and the number of the instant.
+
+        f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
+
+    for f is a norm. Of all instants between those that are known, only those are looked at whose bound from
+    the nearest known ones is above the largest so far: of a vibration a tenth.
+
+    rows : (3 P, r) R, dense or sparse: of the thousand coordinates of a body in full the bound rules out
+        nothing, and all instants are looked at
+    coordinates : (t, r)
+    """
+    if not isinstance(rows, np.ndarray):
+        lengths = _lengths(rows, coordinates)
+        return float(lengths.max()), int(np.argmax(lengths))
+    n_times = len(coordinates)
+    of_each = np.sqrt((rows.reshape(-1, 3, rows.shape[1]) ** 2).sum(axis=1).max(axis=0))
+    known = np.arange(0, n_times, STRIDE)
+    values = _lengths(rows, coordinates[known])
+    stride = STRIDE
+    while stride > 1:
+        stride //= 2
+        new = np.arange(stride, n_times, 2 * stride)
+        after = np.searchsorted(known, new)
+        bounds = [
+            values[own] + np.abs(coordinates[new] - coordinates[known[own]]) @ of_each
+            for own in (after - 1, np.minimum(after, len(known) - 1))
+        ]
+        new = new[np.minimum(*bounds) > values.max()]
+        values = np.concatenate([values, _lengths(rows, coordinates[new])])
+        known = np.concatenate([known, new])
+        in_order = np.argsort(known)
+        known, values = known[in_order], values[in_order]
+    place = int(np.argmax(values))
+    return float(values[place]), int(known[place])
+
+
+def _lengths(rows: Any, coordinates: Array) -> Array:
+    """F (t,) at some instants."""
+    found = np.empty(len(coordinates))
+    for start in range(0, len(found), AT_ONCE):
+        part = slice(start, start + AT_ONCE)
+        vectors = (coordinates[part] @ rows.T).reshape(-1, rows.shape[0] // 3, 3)
+        found[part] = np.sqrt(np.einsum("tpc,tpc->tp", vectors, vectors).max(axis=1, initial=0.0))
+    return found
