@@ -33,6 +33,9 @@ def test_the_page_holds_parameters_statistics_and_spectra(pendulum, tmp_path):
     assert sweep_data["exponents"] == [4]
     assert sweep_data["reports"] == {}
     assert "6 cases of pendulum.toml: 6 ran." in text
+    assert "6 cases without an estimate of their error: no body is elastic" in text
+    assert columns["why no estimate"][5].startswith("no body is elastic")
+    assert read.no_estimate.values.tolist() == columns["why no estimate"]
     assert "residue as half cycles" in text
 
 
