@@ -131,7 +131,9 @@ def test_cases_above_their_accuracy_run_again_and_no_others(planned):
     assert (status.missing, status.n_ran, status.n_again, status.exit_code) == ((), 40, 4, 0)
     # By all parts: twice the error of the basis, of which 1 is allowed.
     assert (status.errors.largest, status.errors.n_above) == (2.4, 1)
-    text = ReadPage(write_sweep_report(folder)).text
+    page = ReadPage(write_sweep_report(folder))
+    text, ratios = page.text, page.cases()["estimated / allowed"]
+    assert ratios[[3, 15, 39]].tolist() == [0.4, 2.4, 0.8]
     assert "40 cases, largest estimated error 2.4 m, 4 run again, 1 above their accuracy." in text
     assert "Estimated over allowed error: 0.2 to 2.4, median 0.8; largest in case 15." in text
     columns = SweepColumns(folder)

@@ -199,7 +199,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
 
 
 def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
-    """Estimates with their ratio to what is allowed, and why others have none: those that any case has."""
+    """Estimates with their ratio to what is allowed, and why others have none: those that differ."""
     allowed, reasons = columns.of_cases("allowed_error"), columns.of_cases("no_estimate")
     unit = columns.plan.units.length or ""
     found: dict[str, Any] = {}
@@ -207,7 +207,8 @@ def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
         found = {labelled("estimated error", unit): errors, "runs": columns.runs.astype(float)}
     if not np.isnan(ratios := _ratios(errors, allowed)).all():
         found |= {labelled("allowed error", unit): allowed, "estimated / allowed": ratios}
-    return found | ({"why no estimate": reasons.tolist()} if any(reasons) else {})
+    # One reason for all cases stands above the table.
+    return found | ({"why no estimate": reasons.tolist()} if len(set(reasons)) > 1 else {})
 
 
 def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
@@ -234,9 +235,11 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
                 own |= {f"{name}, {part} over seeds": values[:, place] for part, values in parts.items()}
     ran = np.bincount(numbers, weights=columns.of_cases("status") == CaseStatus.RAN).astype(np.int64)
     sizes = np.bincount(numbers)
+    least, most = sizes.min(), sizes.max()
+    each = f"{least}" if least == most else f"{least} to {most}"
     lines = [
         f"{n_conditions} conditions of {plan.n_cases} cases, which differ in {', '.join(plan.output.seeds)} "
-        f"alone: {sizes.min()} to {sizes.max()} cases each. Deviations are those of samples (n - 1)."
+        f"alone: {each} cases each. Deviations are those of samples (n - 1)."
     ]
     channels = zip(columns.channels["name"][kept], columns.channels["unit"][kept], by_channel, strict=True)
     return SweepPage(
