@@ -116,6 +116,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.storage import read_reduced_body as read_reduced_body
     from supple.storage import read_solution as read_solution
     from supple.storage import write_reduced_body as write_reduced_body
+    from supple.sweeps import case_parameters as case_parameters
     from supple.sweeps import read_sweep as read_sweep
     from supple.sweeps import sweep as sweep
     from supple.viz import animate as animate
@@ -160,7 +161,7 @@ _NAMES = {
     "supple.cases": "read_case",
     "supple.storage": "read_solution read_reduced_body write_reduced_body",
     "supple.export": "write_vtkhdf write_vtu",
-    "supple.sweeps": "sweep read_sweep",
+    "supple.sweeps": "sweep read_sweep case_parameters",
     "supple.viz": "plot_mesh plot_contour animate displacement_magnitude stress_field",
 }
 """The public names and the sub-packages that they come from."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from error.equation.machines import NODAL, soft_strip
+from fixtures.report_page import ReadPage
 
 from supple.body import FullBody
 from supple.error import Indicated, IndicatorBody, SelfCorrection
 from supple.error.equation import ErrorSpace, MotionColumns
-from supple.sweeps import CaseTable, make_plan, sweep_status
+from supple.sweeps import CaseTable, make_plan, sweep_status, write_sweep_report
 from supple.sweeps.certificate import Certificate, Representative, read_certificate, write_certificate
 from supple.sweeps.greedy_basis import training_cases
 from supple.sweeps.part_file import CaseResult, CaseStatus, Channels, Part, part_path, write_part
@@ -130,6 +131,11 @@ def test_cases_above_their_accuracy_run_again_and_no_others(planned):
     assert (status.missing, status.n_ran, status.n_again, status.exit_code) == ((), 40, 4, 0)
     # By all parts: twice the error of the basis, of which 1 is allowed.
     assert (status.errors.largest, status.errors.n_above) == (2.4, 1)
+    page = ReadPage(write_sweep_report(folder))
+    text, ratios = page.text, page.cases()["estimated / allowed"]
+    assert ratios[[3, 15, 39]].tolist() == [0.4, 2.4, 0.8]
+    assert "40 cases, largest estimated error 2.4 m, 4 run again, 1 above their accuracy." in text
+    assert "Estimated over allowed error: 0.2 to 2.4, median 0.8; largest in case 15." in text
     columns = SweepColumns(folder)
     assert columns.of_cases("basis_error")[[3, 15, 16, 38]].tolist() == [0.2, 1.2, 0.3, 0.1]
     assert columns.statistic(0, 0)[[3, 15, 38, 39]].tolist() == [0.2, 1.2, 0.1, 0.4]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fixtures.report_page import ReadPage
 
 from supple.errors import CaseError
 from supple.sweeps import CaseTable, make_plan, plan_sweep, read_sweep, statistics_over_seeds
@@ -72,6 +73,8 @@ def test_labels_and_seeds_of_a_sweep(pendulum, tmp_path):
     page = (folder / "conditions.html").read_text()
     assert "2 conditions of 5 cases, which differ in body.bob.rigid.mass alone: 2 to 3 cases each" in page
     assert "joint hinge.Fx, maximum, mean over seeds" in page
+    assert ReadPage(folder / "conditions.html").head["sweep"]["rows"] == "conditions"
+    assert ReadPage(folder / "sweep.html").head["sweep"]["rows"] == "cases"
     with pytest.raises(CaseError, match=r"'gravity\[2\]' is a path of the case file"):
         make_plan(pendulum, TABLE, SweepOutput.model_validate({"labels": ["wind", "gravity[2]"]}))
     plan_sweep(

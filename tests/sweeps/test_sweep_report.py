@@ -33,6 +33,9 @@ def test_the_page_holds_parameters_statistics_and_spectra(pendulum, tmp_path):
     assert sweep_data["exponents"] == [4]
     assert sweep_data["reports"] == {}
     assert "6 cases of pendulum.toml: 6 ran." in text
+    assert "6 cases without an estimate of their error: no body is elastic" in text
+    assert set(read.no_estimate.values) == {text[text.index("no body is elastic") :].partition(".")[0]}
+    assert "why no estimate" not in columns
     assert "residue as half cycles" in text
 
 
@@ -41,6 +44,7 @@ def test_failed_cases_are_named_with_their_cause(pendulum, tmp_path):
     sweep(pendulum, CaseTable({"body.bob.rigid.mass": [1.0, -1.0]}), folder, executor=Here())
     text, _, columns = shown(write_sweep_report(folder))
     assert columns["status"] == ["ran", "failed"]
+    assert [bool(reason) for reason in columns["why no estimate"]] == [True, False]
     assert "1 ran, 1 failed" in text
     assert "mass" in re.search(r"<td>1</td><td>failed</td><td>(.*?)</td>", text, re.DOTALL).group(1)
     assert np.isnan(columns["joint hinge.Fx, maximum (N)"][1])

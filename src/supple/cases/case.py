@@ -14,7 +14,7 @@ from supple.body import BodyForm, BodySource, FlexibleBody, FullBody
 from supple.cases.bodies import Body, checked_line
 from supple.cases.case_inputs import inputs_of_case
 from supple.cases.case_tables import CaseTables, files_named, places_named
-from supple.cases.control import controllers_of
+from supple.cases.control import check_code_allowed, controllers_of
 from supple.cases.notify import Notify, silent
 from supple.cases.reductions import reduction_start
 from supple.cases.sensors import SensedCase
@@ -260,6 +260,17 @@ class Case:
             contacts=[table.build() for table in tables.contact],
             supports=[table.build() for table in tables.support],
         )
+
+    def check_control(self, *, allow_code: bool) -> None:
+        """CaseError where the controllers of the case may not run, or cannot: before anything is computed."""
+        control = self.tables.control
+        check_code_allowed(control, allow_code=allow_code)
+        if control is not None and self.starts:
+            raise CaseError(
+                f"{self.path}: body '{next(iter(self.starts))}' is reduced to an accuracy, whose error is "
+                "not known with a controller: give it a basis of fixed size (remove accuracy), or "
+                "remove control"
+            )
 
     def controlled(self, system: System, *, allow_code: bool) -> System:
         """The system with the controllers that the case names.

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.util import module_from_spec, spec_from_file_location
+from functools import lru_cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from supple.errors import CaseError
 from supple.importers.toml import Mistakes, Raw
 from supple.machine import Controller, SampledController, System
 
-__all__ = ["RULES", "control_file", "controllers_of"]
+__all__ = ["RULES", "check_code_allowed", "control_file", "controllers_of"]
 
 _FORM = 'control = "controller.py:function"'
 
@@ -29,20 +30,11 @@ def controllers_of(
     """
     if control is None:
         return ()
-    if not allow_code:
-        raise CaseError(
-            f"{_at(control)} runs arbitrary Python code on this computer: read it, then give --allow-code "
-            "(in Python, allow_code=True)"
-        )
+    check_code_allowed(control, allow_code=allow_code)
     name, _, function = control.partition(":")
     path = folder / name
-    spec = spec_from_file_location(f"control_of_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise CaseError(f"{_at(control)}: {path} is no Python file")
-    module = module_from_spec(spec)
     try:
-        spec.loader.exec_module(module)
-        made = getattr(module, function)(system)
+        made = getattr(_module(path, path.read_bytes()), function)(system)
     except Exception as error:  # whatever a program of somebody else's may run into
         raise CaseError(f"{_at(control)} fails: {type(error).__name__}: {error}") from error
     every: Sequence[Any] = made if isinstance(made, list | tuple) else (made,)
@@ -53,6 +45,24 @@ def controllers_of(
                 f"{type(each).__name__}"
             )
     return tuple(every)
+
+
+def check_code_allowed(control: str | None, *, allow_code: bool) -> None:
+    """CaseError where a case names code that may not run."""
+    if control is not None and not allow_code:
+        raise CaseError(
+            f"{_at(control)} runs arbitrary Python code on this computer: read it, then give --allow-code "
+            "(in Python, allow_code=True)"
+        )
+
+
+@lru_cache(maxsize=8)
+def _module(path: Path, source: bytes) -> ModuleType:
+    """The module of a file, once for all cases: its functions are the same objects, hence one program."""
+    module = ModuleType(f"control_of_{path.stem}")
+    module.__file__ = str(path)
+    exec(compile(source, path, "exec"), vars(module))
+    return module
 
 
 def control_file(control: Any) -> Any:

@@ -95,7 +95,7 @@ def run_case(
         raise CaseError("--resume continues a result and --force replaces it: give one of them")
     check_outputs(case, folder)
     check_drawing(case)
-    _check_control(case, allow_code=allow_code)
+    case.check_control(allow_code=allow_code)
     with file_errors("make the folder", folder):
         folder.mkdir(parents=True, exist_ok=True)
     with ExclusiveLock(folder), DrawingBeside() as beside:
@@ -110,20 +110,6 @@ def run_case(
             errors=errors,
             allow_code=allow_code,
             progress=progress,
-        )
-
-
-def _check_control(case: Case, *, allow_code: bool) -> None:
-    """CaseError where a controller may not run, or cannot: before anything is computed."""
-    control = case.tables.control
-    if control is None:
-        return
-    if not allow_code:
-        case.controlled(case.system, allow_code=False)
-    if case.starts:
-        raise CaseError(
-            f"{case.path}: body '{next(iter(case.starts))}' is reduced to an accuracy, whose error is not "
-            "known with a controller: give it a basis of fixed size (remove accuracy), or remove control"
         )
 
 

@@ -133,6 +133,7 @@ def sweep(
         str | None, typer.Option(help="K/N: run the part of job K of N in this process (job arrays).")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Start anew; replaces the folder.")] = False,
+    allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
     """Simulate the cases of a table; the same command does what was left undone.
@@ -145,7 +146,8 @@ def sweep(
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
         executors = chosen_executors(workers, cluster, mpi)
-        sweep_cases(path, output or Path("results") / path.stem, executors, share, force=force)
+        folder = output or Path("results") / path.stem
+        sweep_cases(path, folder, executors, share, force=force, allow_code=allow_code)
 
 
 @sweep_app.command("status")
@@ -166,6 +168,7 @@ def sweep_page(
     reports: Annotated[
         int, typer.Option(min=0, help="Cases, those with the most extremes, to simulate for a report.")
     ] = 3,
+    allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
     """Write the page of a sweep (HTML): table, plots, extremes, and reports of the extreme cases."""
@@ -174,7 +177,7 @@ def sweep_page(
 
     with reported_errors(debug=debug), reported_warnings():
         keep_compiled_programs()
-        write_page(folder, reports)
+        write_page(folder, reports, allow_code=allow_code)
 
 
 @app.command()

@@ -52,14 +52,22 @@ def share_of(text: str) -> tuple[int, int]:
     return number, of
 
 
-def sweep_cases(path: Path, folder: Path, executors: Executors, share: str | None, *, force: bool) -> None:
+def sweep_cases(
+    path: Path,
+    folder: Path,
+    executors: Executors,
+    share: str | None,
+    *,
+    force: bool,
+    allow_code: bool,
+) -> None:
     """Run the cases of a file of a sweep, those that are not done; exit with 3 or 4 as in `SweepStatus`.
 
     Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is done, and exits with 130 or 143.
     """
     with raising_terminated():
         try:
-            status = _run(path, folder, executors, share, force=force)
+            status = _run(path, folder, executors, share, force=force, allow_code=allow_code)
         except INTERRUPTIONS as error:
             error_console.print(
                 words("stopped: ", "bold red")
@@ -75,10 +83,12 @@ def sweep_cases(path: Path, folder: Path, executors: Executors, share: str | Non
         raise typer.Exit(status.exit_code)
 
 
-def _run(path: Path, folder: Path, executors: Executors, share: str | None, *, force: bool) -> SweepStatus:
+def _run(
+    path: Path, folder: Path, executors: Executors, share: str | None, *, force: bool, allow_code: bool
+) -> SweepStatus:
     job = None if share is None else share_of(share)
     given = read_sweep_file(path)
-    plan = make_plan(given.case, given.table, given.output)
+    plan = make_plan(given.case, given.table, given.output, allow_code=allow_code)
     plan_sweep(plan, folder, force=force)
     groups = "one group" if not plan.group.any() else f"{plan.group.max() + 1} groups"
     say(f"{plan.n_cases} cases in {plan.n_shares} shares, {groups} of bodies and runs")
@@ -86,16 +96,18 @@ def _run(path: Path, folder: Path, executors: Executors, share: str | None, *, f
     with bars:
         report = bar(bars, "simulating cases")
         if job is None:
-            return run_sweep(folder, executors, report)
-        run_part_of_sweep(folder, *job, report)
+            return run_sweep(folder, executors, report, allow_code=allow_code)
+        run_part_of_sweep(folder, *job, report, allow_code=allow_code)
     return sweep_status(folder)
 
 
-def write_page(folder: Path, n_reports: int) -> None:
+def write_page(folder: Path, n_reports: int, *, allow_code: bool) -> None:
     """Write the page of the sweep in a folder, and the reports of the cases with the most extremes."""
     bars = progress_bars()
     with bars:
-        path = write_sweep_report(folder, n_reports, progress=bar(bars, "writing the page"))
+        path = write_sweep_report(
+            folder, n_reports, allow_code=allow_code, progress=bar(bars, "writing the page")
+        )
     say(f"The page is {path}")
 
 
@@ -128,6 +140,6 @@ def _print(status: SweepStatus, folder: Path) -> None:
             f"{status.n_again} run again"
             + (f", {errors.n_above} above their accuracy" if errors.n_above else "")
         )
-    else:
-        say("The errors of the cases are not estimated")
+    for reason, number in errors.reasons.items():
+        say(f"The errors of {number} cases are not estimated: {reason}")
     say(f"Results are in {folder}/")

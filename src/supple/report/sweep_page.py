@@ -66,7 +66,7 @@ class SweepPage:
     parameters : (n,) numbers or words by path;   results : (n,) of each case, such as its status
     channels : what was read;   spectra : of channels, with exponents for their shares of damage
     sections : above the plots;   reports : addresses of pages of single cases, by number
-    time : unit of the instants
+    time : unit of the instants;   row : what a row of the table is
     """
 
     title: str
@@ -78,6 +78,7 @@ class SweepPage:
     sections: Sequence[Section] = ()
     reports: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
     time: str = ""
+    row: str = "case"
 
     @property
     def n_cases(self) -> int:
@@ -108,7 +109,7 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
     """
     arrays = PackedArrays()
     n = page.n_cases
-    columns = [_Column("case", "case", range(n))]
+    columns = [_Column(page.row, "case", range(n))]
     columns += [_Column(name, "result", column) for name, column in page.results.items()]
     columns += [_Column(name, "parameter", column) for name, column in page.parameters.items()]
     shown: list[dict[str, Any]] = []
@@ -130,6 +131,7 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
         "time": page.time,
         "sweep": {
             "number": n,
+            "rows": f"{page.row}s",
             "columns": [column.plain(arrays) for column in columns],
             "channels": shown,
             "spectra": [_plain(each, arrays) for each in page.spectra],

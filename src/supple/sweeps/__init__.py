@@ -1,5 +1,6 @@
 """Sweeps: many cases of one case file, run anywhere, kept in one folder, read by the column."""
 
+from supple.sweeps.case_parameters import *
 from supple.sweeps.case_table import *
 from supple.sweeps.certified_group import *
 from supple.sweeps.executors import *

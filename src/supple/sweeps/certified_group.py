@@ -72,16 +72,17 @@ def certified_group(folder: Path, plan: SweepPlan, number: int, level: int = 0) 
     return CertifiedGroup(group, read_certificate(own / _CERTIFICATE, fulls, targets))
 
 
-def swept_case(folder: Path | str, number: int) -> SweptCase:
+def swept_case(folder: Path | str, number: int, *, allow_code: bool = False) -> SweptCase:
     """A case of the sweep in a folder, as it was simulated there, the last time.
 
         swept = swept_case("results/sweep", 17)
         solution = simulate(swept.system, swept.run)
 
+    allow_code : run the Python file of `control`, if the case names one
     Raises ResultFileError without such a case; SuppleError as for building it.
     """
     folder = Path(folder).resolve()
-    plan = read_plan(folder)
+    plan = read_plan(folder, allow_code=allow_code)
     if not 0 <= number < plan.n_cases:
         raise ResultFileError(f"{folder} has no case {number}: its cases are 0 to {plan.n_cases - 1}")
     level = sweep_shares(folder, plan).level_of(number)
@@ -93,17 +94,20 @@ def _why_not(group: SweptGroup) -> str:
     case: Case = group.like
     elastic = [placed.body.name for placed in case.system.bodies if placed.body.n_coordinates]
     others = [name for name in elastic if name not in group.bodies.reduced]
-    if isinstance(case.run.method, Kinematic):
-        return "a kinematic run integrates nothing, and no body deforms"
-    if is_explicit(case.system, case.run):
-        return "the error of an explicit march is not estimated"
-    if not elastic:
-        return "no body is elastic: bases cost nothing, and the integration of rigid machines is not assessed"
-    if others:
-        return f"body '{others[0]}' is not reduced here from elements: its error is stated of single runs"
-    if not group.asks_for_errors:
-        return "the bases are of a fixed size: [error] with basis = true estimates their errors"
-    return ""
+    named = f"body '{others[0]}'" if others else ""
+    reasons = {
+        "the error of a basis is not known with a controller": case.tables.control is not None,
+        "a kinematic run integrates nothing, and no body deforms": isinstance(case.run.method, Kinematic),
+        "the error of an explicit march is not estimated": is_explicit(case.system, case.run),
+        "no body is elastic: bases cost nothing, and the integration of rigid machines is not assessed": (
+            not elastic
+        ),
+        f"{named} is not reduced here from elements: its error is stated of single runs": bool(others),
+        "the bases are of a fixed size: [error] with basis = true estimates their errors": (
+            not group.asks_for_errors
+        ),
+    }
+    return next((reason for reason, holds in reasons.items() if holds), "")
 
 
 def _certify(folder: Path, group: SweptGroup, number: int, level: int, own: Path) -> None:

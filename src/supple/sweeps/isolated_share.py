@@ -23,23 +23,23 @@ _REFUSED = 3
 """Exit code of a process that states an error that is of no case."""
 
 
-def isolated_share(folder: Path, cases: Sequence[int], level: int) -> Part:
+def isolated_share(folder: Path, cases: Sequence[int], level: int, *, allow_code: bool = False) -> Part:
     """What cases come to, run by other processes: by one together, by two halves where it ends, and so on.
 
-    level : as for `run_cases`
+    level, allow_code : as for `run_cases`
     Raises ResultFileError where a process states an error of the machine or the disk.
     """
     with tempfile.TemporaryDirectory(prefix="supple-sweep-") as place:
-        part = _found(folder, cases, level, Path(place))
+        part = _found(folder, cases, [str(level), str(int(allow_code))], Path(place))
     in_order = sorted(part.results, key=lambda each: each.case)
     names = read_plan(folder).output.statistics
     return Part(in_order, tuple(dict.fromkeys(part.warnings)), names, part.spectrum)
 
 
-def _found(folder: Path, cases: Sequence[int], level: int, place: Path) -> Part:
+def _found(folder: Path, cases: Sequence[int], options: Sequence[str], place: Path) -> Part:
     target, code, words = place / f"{cases[0]}-{cases[-1]}.h5", 0, ""
     for _ in range(TRIES if len(cases) == 1 else 1):
-        code, words = _process(folder, cases, level, target)
+        code, words = _process(folder, cases, options, target)
         if code == 0:
             return read_part(target)
         if code == _REFUSED:
@@ -47,7 +47,7 @@ def _found(folder: Path, cases: Sequence[int], level: int, place: Path) -> Part:
     if len(cases) == 1:
         return Part([CaseResult(cases[0], CaseStatus.KILLED, _cause(code, words))])
     half = len(cases) // 2
-    parts = [_found(folder, own, level, place) for own in (cases[:half], cases[half:])]
+    parts = [_found(folder, own, options, place) for own in (cases[:half], cases[half:])]
     return Part(
         [each for own in parts for each in own.results],
         [each for own in parts for each in own.warnings],
@@ -55,9 +55,9 @@ def _found(folder: Path, cases: Sequence[int], level: int, place: Path) -> Part:
     )
 
 
-def _process(folder: Path, cases: Sequence[int], level: int, target: Path) -> tuple[int, str]:
+def _process(folder: Path, cases: Sequence[int], options: Sequence[str], target: Path) -> tuple[int, str]:
     """Exit code of a process that runs cases into a file, and the end of what it states."""
-    words = [str(folder), str(target), str(level), *map(str, cases)]
+    words = [str(folder), str(target), *options, *map(str, cases)]
     done = subprocess.run(
         python_command("-m", __name__, *words),
         env=python_environment(),
@@ -81,13 +81,15 @@ def _cause(code: int, words: str) -> str:
     return f"its process was ended by signal {-code} ({name}){memory}"
 
 
-def _main(folder: str, target: str, level: str, *cases: str) -> None:
+def _main(folder: str, target: str, level: str, allow_code: str, *cases: str) -> None:
     from supple.errors import SuppleError
     from supple.sweeps.part_file import write_part
     from supple.sweeps.run_share import run_cases
 
     try:
-        write_part(Path(target), run_cases(Path(folder), [int(case) for case in cases], int(level)))
+        numbers, allowed = [int(case) for case in cases], bool(int(allow_code))
+        part = run_cases(Path(folder), numbers, int(level), allow_code=allowed)
+        write_part(Path(target), part)
     except SuppleError as error:
         sys.stderr.write(f"{error}\n")
         sys.exit(_REFUSED)

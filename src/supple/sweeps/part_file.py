@@ -4,6 +4,7 @@ attributes      format, version, share; statistics: names, of the axis of that n
 cases           (k,) numbers
 status          (k,) of `CaseStatus`;  cause (k,) words, "" where it ran
 seconds         (k,) of its processor;  end_time (k,) that it reached
+no_estimate     (k,) words: why there is no estimate of the error, "" where there is one
 estimated_error (k,) by all parts;  basis_error (k,) by the bases alone;  allowed_error (k,): NaN if unknown
 steps, iterations (k,)
 statistics      (s, c, k): a statistic of a channel lies together
@@ -59,6 +60,7 @@ class Channels:
 class CaseResult:
     """What a case came to.
 
+    no_estimate : why there is no estimate of its error; "" where there is one
     statistics : (s, c); None of a case that did not run to its end
     spectrum : (m, 3) of its cycles; of a case read back it is within that of the part
     motion : of a kept case, arrays by path
@@ -72,12 +74,18 @@ class CaseResult:
     estimated_error: float = np.nan
     basis_error: float = np.nan
     allowed_error: float = np.nan
+    no_estimate: str = ""
     steps: int = 0
     iterations: int = 0
     statistics: Array | None = None
     spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
     channels: Channels = field(default_factory=Channels)
     motion: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def lacks_estimate(self) -> bool:
+        """Whether it ran, and its error is not estimated."""
+        return self.status is CaseStatus.RAN and bool(np.isnan(self.estimated_error))
 
     @property
     def needs_richer(self) -> bool:
@@ -101,6 +109,8 @@ class Part:
 CHANNEL_KINDS = tuple(each.name for each in fields(Channels))
 """Data sets below `channels/`."""
 
+WORDS = ("cause", "no_estimate")
+"""Data sets with words for each case."""
 _NUMBERS = {
     "cases": ("case", np.int64),
     "status": ("status", np.int8),
@@ -130,7 +140,8 @@ def write_part(path: Path, part: Part) -> None:
         _store_words(file, "statistic", part.statistic)
         for name, (own, kind) in _NUMBERS.items():
             file.create_dataset(name, data=np.array([getattr(each, own) for each in results], dtype=kind))
-        _store_words(file, "cause", [each.cause for each in results])
+        for name in WORDS:
+            _store_words(file, name, [getattr(each, name) for each in results])
         _store_words(file, "warnings", part.warnings)
         file.create_dataset("statistics", data=np.stack(numbers, axis=-1))
         file.create_dataset("spectrum", data=part.spectrum)
@@ -158,20 +169,20 @@ def read_part(path: Path) -> Part:
         if file.attrs.get("format") != FORMAT or int(file.attrs["version"]) > VERSION:
             raise ResultFileError(f"{path} is no part of a sweep that this supple reads")
         channels = Channels(**{name: tuple(file[f"channels/{name}"].asstr()[()]) for name in CHANNEL_KINDS})
-        # Of the first sweeps parts have no errors.
-        columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items() if name in file}
-        cause, statistics = file["cause"].asstr()[()], file["statistics"][()]
+        columns = {own: file[name][()] for name, (own, _) in _NUMBERS.items()}
+        words, statistics = {name: file[name].asstr()[()] for name in WORDS}, file["statistics"][()]
         results = []
         for row, status in enumerate(columns["status"]):
             known = {own: column[row].item() for own, column in columns.items()}
-            known |= {"status": CaseStatus(status), "cause": cause[row], "channels": channels}
+            known |= {name: column[row] for name, column in words.items()}
+            known |= {"status": CaseStatus(status), "channels": channels}
             ran = status == CaseStatus.RAN
             motion = motion_in(file, known["case"])
             results.append(
                 CaseResult(**known, statistics=statistics[..., row] if ran else None, motion=motion)
             )
-        words, names = (tuple(file[name].asstr()[()]) for name in ("warnings", "statistic"))
-        return Part(results, words, names, file["spectrum"][()])
+        warned, names = (tuple(file[name].asstr()[()]) for name in ("warnings", "statistic"))
+        return Part(results, warned, names, file["spectrum"][()])
 
 
 def motion_in(file: h5py.File, case: int) -> dict[str, Array]:

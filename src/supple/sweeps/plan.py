@@ -56,6 +56,7 @@ class SweepPlan:
     output : what is kept
     inputs : what the sweep depends on, by name
     units : of the case
+    allow_code : whether controllers that the case names may run; given with each task, never read of a folder
     """
 
     case_file: Path
@@ -67,6 +68,7 @@ class SweepPlan:
     output: SweepOutput
     inputs: Inputs
     units: UnitSystem
+    allow_code: bool = False
 
     @property
     def n_cases(self) -> int:
@@ -135,23 +137,25 @@ def plan_path(folder: Path) -> Path:
 
 
 def make_plan(
-    case_file: Path, table: CaseTable, output: SweepOutput, texts: Mapping[str, str] | None = None
+    case_file: Path,
+    table: CaseTable,
+    output: SweepOutput,
+    texts: Mapping[str, str] | None = None,
+    *,
+    allow_code: bool = False,
 ) -> SweepPlan:
     """The plan of a table of cases; the same for the same inputs.
 
     texts : of other files that were read for it, by name
+    allow_code : run the Python file of `control`, if the case names one
 
     Raises
     ------
-    CaseError   a path that leads nowhere; controllers, which have no place in a plan; a number to keep that
-                is no case; channels, nodes or a speed of `output.fatigue` that are not there
+    CaseError   a path that leads nowhere; a controller without `allow_code`, or beside an accuracy; a number
+                to keep that is no case; channels, nodes or a speed of `output.fatigue` that are not there
     """
     family = case_family(case_file)
-    if family.case.tables.control is not None:
-        raise CaseError(
-            f"{case_file}: control names Python code, which workers of a sweep have no permission to run; "
-            "remove control, or give machines with controllers of the same functions to simulate_batch"
-        )
+    family.case.check_control(allow_code=allow_code)
     if not len(table):
         raise CaseError("a sweep needs at least one case")
     if isinstance(output.keep, tuple) and (beyond := [each for each in output.keep if each >= len(table)]):
@@ -175,7 +179,9 @@ def make_plan(
     }
     inputs |= {"what is kept": output.model_dump_json()}
     units = family.case.units
-    return SweepPlan(case_file.resolve(), family.text, table, places, group, share, output, inputs, units)
+    return SweepPlan(
+        case_file.resolve(), family.text, table, places, group, share, output, inputs, units, allow_code
+    )
 
 
 def _check_columns(table: CaseTable, output: SweepOutput, raw: Raw) -> None:
@@ -274,16 +280,19 @@ def _read_column(dataset: h5py.Dataset) -> Sequence[Any]:
     return [json.loads(text) for text in dataset.asstr()[()]]
 
 
-def read_plan(folder: Path) -> SweepPlan:
-    """The plan in a folder; ResultFileError where there is none."""
+def read_plan(folder: Path, *, allow_code: bool = False) -> SweepPlan:
+    """The plan in a folder; ResultFileError where there is none.
+
+    allow_code : whether controllers that its case names may run
+    """
     path = plan_path(folder)
     if not path.is_file():
         raise ResultFileError(f"{folder} holds no sweep (no plan.h5); check the folder")
-    return _plan(path, seal_of(path))
+    return _plan(path, seal_of(path), allow_code)
 
 
-@lru_cache(maxsize=2)
-def _plan(path: Path, _: bytes) -> SweepPlan:
+@lru_cache(maxsize=4)
+def _plan(path: Path, _: bytes, allow_code: bool) -> SweepPlan:
     """The plan in a file with a seal: another one in its place has another."""
     folder = path.parent
     with open_sealed(path) as file:
@@ -309,6 +318,7 @@ def _plan(path: Path, _: bytes) -> SweepPlan:
             SweepOutput.model_validate_json(known["output"]),
             json.loads(known["inputs"]),
             UnitSystem.parsed(known["units"]),
+            allow_code,
         )
 
 

@@ -13,7 +13,7 @@ from supple.optional_packages import optional_package
 from supple.storage.sealed_hdf5 import open_sealed
 from supple.sweeps.case_table import CaseTable
 from supple.sweeps.fatigue_loads import DAMAGE, range_of, summed_spectra
-from supple.sweeps.part_file import CHANNEL_KINDS, CaseStatus, motion_in, part_path
+from supple.sweeps.part_file import CHANNEL_KINDS, WORDS, motion_in, part_path
 from supple.sweeps.plan import SweepPlan, read_plan
 from supple.sweeps.sweep_shares import sweep_shares
 
@@ -30,6 +30,8 @@ _OF_CASES = (
     "steps",
     "iterations",
 )
+_MISSING = {"cause": "not run yet", "no_estimate": "", "status": -1, "steps": 0, "iterations": 0}
+"""Of cases that have not run; NaN of all else"""
 _IN_CASE_UNITS = ("estimated_error", "basis_error", "allowed_error")
 
 
@@ -132,13 +134,12 @@ class SweepColumns:
 
     def of_cases(self, name: str) -> NDArray[Any]:
         """A number or word of each case, by the name of its data set in a part."""
-        words = name == "cause"
-        missing: Any = {"cause": "not run yet", "status": -1, "steps": 0, "iterations": 0}.get(name, np.nan)
+        words = name in WORDS
+        missing: Any = _MISSING.get(name, np.nan)
         found = np.full(self.plan.n_cases, missing, dtype=object if words else None)
         for share in self.shares:
             with open_sealed(part_path(self.folder, share), verify=False) as file:
-                if name in file:  # the first sweeps had no errors
-                    found[self._cases[share]] = file[name].asstr()[()] if words else file[name][()]
+                found[self._cases[share]] = file[name].asstr()[()] if words else file[name][()]
         return found
 
     def motion(self, case: int) -> dict[str, Array]:
@@ -182,9 +183,10 @@ def read_sweep(folder: Path | str) -> Any:
         tip = ds.statistics.sel(channel="deflection blade.TIP.x", statistic="maximum")
 
     statistics (case, channel, statistic), with unit, quantity, axes and place of each channel; per case
-    status (0 ran, 1 failed, 2 killed, -1 missing), cause, seconds, end_time, estimated_error, basis_error,
-    allowed_error, runs, steps and iterations; parameters are coordinates by their paths. Cases without
-    results are NaN. With a lifetime in `output.fatigue` its loads and damage are lifetime (fatigue, channel).
+    status (0 ran, 1 failed, 2 killed, -1 missing), cause, no_estimate (the reason), seconds, end_time,
+    estimated_error, basis_error, allowed_error, runs, steps and iterations; parameters are coordinates by
+    their paths. Cases without results are NaN. With a lifetime in `output.fatigue` its loads and damage are
+    lifetime (fatigue, channel).
 
     Raises
     ------
@@ -202,7 +204,7 @@ def read_sweep(folder: Path | str) -> Any:
             columns.of_cases("status"),
             {"meaning": "0 ran, 1 failed, 2 killed, -1 not run yet"},
         ),
-        "cause": ("case", columns.of_cases("cause")),
+        **{name: ("case", columns.of_cases(name)) for name in WORDS},
     }
     length = {"units": columns.plan.units.length} if columns.plan.units.length else {}
     units = {"seconds": {"units": "s", "of": "processor"}, "end_time": time}
@@ -278,6 +280,3 @@ def write_parquet(dataset: Any, path: Path | str) -> None:
             f"{name} {statistic}": own for name, own in zip(dataset.channel.values, values.T, strict=True)
         }
     parquet.write_table(pyarrow.table(columns), Path(path))
-
-
-_ = CaseStatus

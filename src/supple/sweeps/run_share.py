@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from supple.errors import ResultFileError, SuppleError, SuppleWarning
@@ -21,12 +22,14 @@ from supple.sweeps.sweep_shares import MOST_LEVELS, sweep_shares
 __all__ = ["run_cases", "run_share"]
 
 
-def run_share(folder: str, share: int) -> None:
+def run_share(folder: str, share: int, allow_code: bool = False) -> None:
     """Simulate the cases of a share and write their part; nothing where it is there already.
 
     Any process that sees the folder can do it: what it needs is there. Words and numbers go in, and nothing
     comes back. A share whose process ended twice is run by processes of its own, until the case at fault is
     found (`isolated_share`).
+
+    allow_code : run the Python file of `control`, if the case names one
 
     Raises
     ------
@@ -41,9 +44,9 @@ def run_share(folder: str, share: int) -> None:
     cases, level = _cases_of(where, share)
     try:
         if attempts.are_many:
-            part = isolated_share(where, cases, level)
+            part = isolated_share(where, cases, level, allow_code=allow_code)
         else:
-            part = run_cases(where, cases, level, attempts.begin)
+            part = run_cases(where, cases, level, attempts.begin, allow_code=allow_code)
         write_part(target, part)
     except BaseException:
         attempts.withdraw()
@@ -68,12 +71,19 @@ def _unmarked(_: Sequence[int]) -> None:
     """No mark: whoever started this process sees how it ends."""
 
 
-def run_cases(folder: Path, cases: Sequence[int], level: int = 0, began: Began = _unmarked) -> Part:
+def run_cases(
+    folder: Path,
+    cases: Sequence[int],
+    level: int = 0,
+    began: Began = _unmarked,
+    *,
+    allow_code: bool = False,
+) -> Part:
     """What cases of one group come to, found by this process alone.
 
     level : times that they have run before, with poorer bases
     """
-    plan = read_plan(folder)
+    plan = read_plan(folder, allow_code=allow_code)
     words: dict[str, None] = {}
     with one_core(), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", SuppleWarning)
@@ -86,7 +96,11 @@ def run_cases(folder: Path, cases: Sequence[int], level: int = 0, began: Began =
                     SuppleWarning,
                     stacklevel=1,
                 )
-            results = list(march_cases(group, cases, began))
+            reason = group.certificate.reason or "the indicator of its error was not found"
+            results = [
+                replace(each, no_estimate=reason) if each.lacks_estimate else each
+                for each in march_cases(group, cases, began)
+            ]
         except NOT_OF_A_CASE:
             raise
         except SuppleError as error:  # of the bodies of all of them

@@ -40,6 +40,7 @@ def sweep(
     labels: Sequence[str] = (),
     seeds: Sequence[str] = (),
     force: bool = False,
+    allow_code: bool = False,
     progress: Progress | None = None,
 ) -> SweepStatus:
     """Simulate a case file with many values; the same call does what an earlier one has left undone.
@@ -58,6 +59,7 @@ def sweep(
     labels : columns of the table that are no paths and change nothing, such as a wind speed
     seeds : columns whose values are realisations, over which the page has statistics
     force : begin anew, whatever the folder holds
+    allow_code : run the Python file of `control`, if the case names one
     progress : called with the finished fraction of the cases
 
     Returns
@@ -78,8 +80,9 @@ def sweep(
     output = SweepOutput.model_validate(
         {"keep": kept, "fatigue": fatigue, "labels": list(labels), "seeds": list(seeds)}
     )
-    plan_sweep(make_plan(Path(case), table, output), folder, force=force)
-    return run_sweep(folder, LocalProcesses() if executor is None else Given(executor), progress)
+    plan_sweep(make_plan(Path(case), table, output, allow_code=allow_code), folder, force=force)
+    executors = LocalProcesses() if executor is None else Given(executor)
+    return run_sweep(folder, executors, progress, allow_code=allow_code)
 
 
 def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
@@ -103,7 +106,9 @@ def plan_sweep(plan: SweepPlan, folder: Path, *, force: bool = False) -> None:
         write_plan(folder, plan)
 
 
-def run_sweep(folder: Path, executors: Executors, progress: Progress | None = None) -> SweepStatus:
+def run_sweep(
+    folder: Path, executors: Executors, progress: Progress | None = None, *, allow_code: bool = False
+) -> SweepStatus:
     """Do what is missing of the sweep in a folder.
 
     Parameters, results and errors as for `sweep`.
@@ -124,7 +129,7 @@ def run_sweep(folder: Path, executors: Executors, progress: Progress | None = No
         before = len(done)
         errors: list[BaseException] = []
         with executors.opened() as executor:
-            for share, error in _shares_run(executor, folder, missing):
+            for share, error in _shares_run(executor, folder, missing, allow_code=allow_code):
                 if error is None:
                     done.add(share)
                     report()
@@ -160,13 +165,13 @@ def _marks(folder: Path, shares: Iterable[int]) -> int:
 
 
 def _shares_run(
-    executor: Executor, folder: Path, shares: Sequence[int]
+    executor: Executor, folder: Path, shares: Sequence[int], *, allow_code: bool
 ) -> Iterable[tuple[int, BaseException | None]]:
     """Shares as they are finished, each with the error that ended it."""
     tasks: dict[Future[None], int] = {}
     try:
         for share in shares:
-            tasks[executor.submit(run_share, str(folder.resolve()), share)] = share
+            tasks[executor.submit(run_share, str(folder.resolve()), share, allow_code)] = share
     except BrokenExecutor as error:  # while they were handed out
         if not tasks:
             yield shares[0], error
@@ -174,12 +179,14 @@ def _shares_run(
         yield tasks[task], CancelledError() if task.cancelled() else task.exception()
 
 
-def run_part_of_sweep(folder: Path, number: int, of: int, progress: Progress | None = None) -> None:
+def run_part_of_sweep(
+    folder: Path, number: int, of: int, progress: Progress | None = None, *, allow_code: bool = False
+) -> None:
     """Do what one of several jobs has to do of the sweep in a folder, in this process: shares k, k + n, ...
 
     The job that ends last does what is to run again as well.
 
-    number : k, from 1;  of : n
+    number : k, from 1;  of : n;  allow_code : as for `sweep`
     Raises ResultFileError as `run_share`.
     """
     plan = read_plan(folder)
@@ -187,7 +194,7 @@ def run_part_of_sweep(folder: Path, number: int, of: int, progress: Progress | N
     own = list(range(number - 1, len(shares.cases), of))
     while own:
         for place, share in enumerate(own):
-            run_share(str(folder), share)
+            run_share(str(folder), share, allow_code)
             if progress is not None:
                 progress((place + 1) / len(own))
         known, shares = len(shares.cases), sweep_shares(folder, plan)

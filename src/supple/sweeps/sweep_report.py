@@ -33,6 +33,7 @@ from supple.sweeps.over_seeds import conditions_of, over_conditions
 from supple.sweeps.part_file import CaseStatus
 from supple.sweeps.read_sweep import SweepColumns
 from supple.sweeps.sweep_status import case_errors
+from supple.units import labelled
 
 __all__ = ["Extreme", "sweep_extremes", "write_sweep_report"]
 
@@ -97,7 +98,9 @@ def _moves(units: NDArray[Any], low: Array, high: Array) -> NDArray[np.bool_]:
 
 
 @checked_arguments
-def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Progress | None = None) -> Path:
+def write_sweep_report(
+    folder: Path | str, n_reports: int = 0, *, allow_code: bool = False, progress: Progress | None = None
+) -> Path:
     """Write `sweep.html` into the folder of a sweep: its cases with plots, extremes and spectra.
 
     Where the file of the sweep names seeds, `conditions.html` holds the statistics over them.
@@ -108,6 +111,7 @@ def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Prog
     Parameters
     ----------
     n_reports : cases to be simulated again
+    allow_code : run for them the Python file of `control`, if the case names one
     progress : called with the finished fraction of them
 
     Raises
@@ -126,7 +130,7 @@ def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Prog
             varied = "\n".join(f"{path} = {value}" for path, value in columns.table.row(case).items())
             with file_errors("make the folder", target.parent):
                 target.parent.mkdir(exist_ok=True)
-            _write_case_report(folder, case, target, varied)
+            _write_case_report(folder, case, target, varied, allow_code=allow_code)
     reports = {int(own.stem): f"{_REPORTS}/{own.name}" for own in sorted((folder / _REPORTS).glob("*.html"))}
     if columns.plan.output.seeds:
         write_sweep_page(folder / "conditions.html", _page_of_conditions(columns))
@@ -136,9 +140,9 @@ def write_sweep_report(folder: Path | str, n_reports: int = 0, *, progress: Prog
     return write_sweep_page(folder / "sweep.html", _page(columns, reports))
 
 
-def _write_case_report(folder: Path, number: int, target: Path, varied: str) -> None:
+def _write_case_report(folder: Path, number: int, target: Path, varied: str, *, allow_code: bool) -> None:
     """Simulate a case again, and write its report."""
-    swept = swept_case(folder, number)
+    swept = swept_case(folder, number, allow_code=allow_code)
     case, system = swept.case, swept.system
     solution = simulate(system, swept.run, check=False)
     places = {name: case.place(name) for name in case.parts.output.track}
@@ -163,7 +167,7 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     results = {
         "status": [_STATES.get(code, _NOT_RUN) for code in status.tolist()],
         "seconds of a processor": columns.of_cases("seconds"),
-        **({} if np.isnan(errors).all() else {"estimated error": errors, "runs": columns.runs.astype(float)}),
+        **_columns_of_errors(columns, errors),
     }
     fatigue = plan.output.fatigue
     names = [*_FIRST, *(name for name in columns.statistics if name not in _FIRST)]
@@ -194,6 +198,19 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     )
 
 
+def _columns_of_errors(columns: SweepColumns, errors: Array) -> dict[str, Any]:
+    """Estimates with their ratio to what is allowed, and why others have none: those that differ."""
+    allowed, reasons = columns.of_cases("allowed_error"), columns.of_cases("no_estimate")
+    unit = columns.plan.units.length or ""
+    found: dict[str, Any] = {}
+    if not np.isnan(errors).all():
+        found = {labelled("estimated error", unit): errors, "runs": columns.runs.astype(float)}
+    if not np.isnan(ratios := _ratios(errors, allowed)).all():
+        found |= {labelled("allowed error", unit): allowed, "estimated / allowed": ratios}
+    # One reason for all cases stands above the table.
+    return found | ({"why no estimate": reasons.tolist()} if len(set(reasons)) > 1 else {})
+
+
 def _of_channel(numbers: dict[str, Array], place: int) -> dict[str, Array]:
     """Statistics of a channel but those of fatigue or of hot spots that it has in no case."""
     known = {name: own[:, place] for name, own in numbers.items() if not np.isnan(own[:, place]).all()}
@@ -218,9 +235,11 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
                 own |= {f"{name}, {part} over seeds": values[:, place] for part, values in parts.items()}
     ran = np.bincount(numbers, weights=columns.of_cases("status") == CaseStatus.RAN).astype(np.int64)
     sizes = np.bincount(numbers)
+    least, most = sizes.min(), sizes.max()
+    each = f"{least}" if least == most else f"{least} to {most}"
     lines = [
         f"{n_conditions} conditions of {plan.n_cases} cases, which differ in {', '.join(plan.output.seeds)} "
-        f"alone: {sizes.min()} to {sizes.max()} cases each. Deviations are those of samples (n - 1)."
+        f"alone: {each} cases each. Deviations are those of samples (n - 1)."
     ]
     channels = zip(columns.channels["name"][kept], columns.channels["unit"][kept], by_channel, strict=True)
     return SweepPage(
@@ -229,6 +248,7 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
         channels=[ChannelOfCases(*own, has_extremes=False) for own in channels],
         results={"cases with results": ran},
         sections=[Section("Conditions", lines)],
+        row="condition",
         time=plan.family.case.units.time,
     )
 
@@ -254,21 +274,34 @@ def _lifetime(columns: SweepColumns) -> Iterator[Section]:
     yield Section("Lifetime", lines, [TextTable("", ("channel", "unit", *fatigue.statistics), rows)])
 
 
-def _words_of_errors(columns: SweepColumns, errors: Array) -> str:
-    found = case_errors(errors, columns.of_cases("allowed_error"))
-    if not found.n_estimated:
-        return "The errors of the cases were not estimated."
-    unit = columns.plan.units.length or ""
-    words = f"Largest estimated error {found.largest:.3g} {unit}".rstrip()
-    words += f", of {found.n_estimated} of {len(errors)} cases; {int((columns.runs > 1).sum())} run again"
-    return f"{words}, {found.n_above} above their accuracy." if found.n_above else f"{words}."
+def _ratios(errors: Array, allowed: Array) -> Array:
+    return np.divide(errors, allowed, out=np.full(errors.shape, np.nan), where=allowed > 0)
+
+
+def _lines_of_errors(columns: SweepColumns, errors: Array) -> Iterator[str]:
+    allowed = columns.of_cases("allowed_error")
+    found = case_errors(errors, allowed, columns.of_cases("no_estimate"))
+    if found.n_estimated:
+        largest = f"{found.largest:.3g} {columns.plan.units.length or ''}".rstrip()
+        words = f"{found.n_estimated} cases, largest estimated error {largest}"
+        words += f", {int((columns.runs > 1).sum())} run again"
+        yield f"{words}, {found.n_above} above their accuracy." if found.n_above else f"{words}."
+    ratios = _ratios(errors, allowed)
+    if len(known := ratios[~np.isnan(ratios)]):
+        low, middle, high = np.quantile(known, (0.0, 0.5, 1.0))
+        yield (
+            f"Estimated over allowed error: {low:.3g} to {high:.3g}, median {middle:.3g}; largest in case "
+            f"{int(np.nanargmax(ratios))}."
+        )
+    for reason, number in found.reasons.items():
+        yield f"{number} cases without an estimate of their error: {reason}."
 
 
 def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_channels: int) -> Section:
     counts = {word: int((status == code).sum()) for code, word in [*_STATES.items(), (-1, _NOT_RUN)]}
     said = ", ".join(f"{number} {word}" for word, number in counts.items() if number)
-    error = _words_of_errors(columns, errors)
-    lines = [f"{len(status)} cases of {columns.plan.case_file.name}: {said}.", error]
+    lines = [f"{len(status)} cases of {columns.plan.case_file.name}: {said}."]
+    lines += _lines_of_errors(columns, errors)
     if columns.plan.output.fatigue is not None:
         lines.append(f"Fatigue: {columns.plan.output.fatigue.conventions}.")
     left_out = len(columns.channels["name"]) - n_channels

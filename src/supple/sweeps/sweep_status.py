@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +21,7 @@ __all__ = ["CaseErrors", "FailedCase", "SweepStatus", "case_errors", "sweep_stat
 
 Array = NDArray[np.float64]
 
-_ERRORS = {"estimated_error", "allowed_error"}
+_ERRORS = ("estimated_error", "allowed_error")
 
 
 @dataclass(frozen=True)
@@ -38,11 +40,13 @@ class CaseErrors:
     n_estimated : cases that have an estimate
     largest : of all estimates; NaN without any
     n_above : cases whose estimate is above their accuracy
+    reasons : why others have none, with the number of cases of each
     """
 
     n_estimated: int = 0
     largest: float = np.nan
     n_above: int = 0
+    reasons: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class SweepStatus:
     begun: tuple[int, ...]
     failed: tuple[FailedCase, ...]
     warnings: tuple[tuple[str, int], ...] = ()
-    errors: CaseErrors = CaseErrors()
+    errors: CaseErrors = field(default_factory=CaseErrors)
 
     @property
     def n_recorded(self) -> int:
@@ -87,13 +91,15 @@ def sweep_status(folder: Path | str) -> SweepStatus:
     states = np.full(plan.n_cases, -1)
     errors = {name: np.full(plan.n_cases, np.nan) for name in _ERRORS}
     causes, warned = dict[int, str](), Counter[str]()
+    reasons = np.full(plan.n_cases, "", dtype=object)
     for share in shares.whole:
         with open_sealed(part_path(folder, share), verify=False) as file:
             cases, own = file["cases"][()], file["status"][()]
             states[cases] = own
             warned.update(file["warnings"].asstr()[()])
-            for name in _ERRORS & file.keys():
-                errors[name][cases] = file[name][()]
+            reasons[cases] = file["no_estimate"].asstr()[()]
+            for name, own_errors in errors.items():
+                own_errors[cases] = file[name][()]
             if (own != CaseStatus.RAN).any():
                 causes |= dict(zip(cases.tolist(), file["cause"].asstr()[()], strict=True))
     failed = tuple(
@@ -110,13 +116,17 @@ def sweep_status(folder: Path | str) -> SweepStatus:
         begun,
         failed,
         tuple(warned.items()),
-        case_errors(errors["estimated_error"], errors["allowed_error"]),
+        case_errors(errors["estimated_error"], errors["allowed_error"], reasons),
     )
 
 
-def case_errors(estimated: Array, allowed: Array) -> CaseErrors:
-    """Of the estimates of all cases and what they are allowed, (n,) each, NaN where not known."""
+def case_errors(estimated: Array, allowed: Array, reasons: NDArray[Any]) -> CaseErrors:
+    """Of the estimates of all cases, what they are allowed, and why there is none, (n,) each.
+
+    NaN where not known, "" where there is no reason.
+    """
     known = ~np.isnan(estimated)
     above = estimated > allowed
     largest = float(estimated[known].max()) if known.any() else np.nan
-    return CaseErrors(int(known.sum()), largest, int(above.sum()))
+    counts = Counter(reason for reason in reasons.tolist() if reason)
+    return CaseErrors(int(known.sum()), largest, int(above.sum()), counts)

@@ -16,10 +16,10 @@ from supple.cases.condense import with_modes_enough
 from supple.cases.notify import silent
 from supple.cases.result_tables import recorded_quantities
 from supple.cases.static_case import starting_system
-from supple.errors import ResultFileError
+from supple.errors import CaseError, ResultFileError
 from supple.importers.toml import KeyPath
 from supple.integrate import Run
-from supple.machine import System
+from supple.machine import Controller, System
 from supple.quantities import Quantity
 from supple.reduction import ReducedBody
 from supple.reduction.projection import counted_damping
@@ -89,7 +89,7 @@ class SweptGroup:
                 # The same object again: cases that start alike are started together (`batch_start`).
                 made[table.name] = self._rigid[table.name][1]
         case = self.like.varied(case.tables, made)
-        return SweptCase(case, starting_system(case))
+        return SweptCase(case, self._started(case))
 
     @property
     def asks_for_errors(self) -> bool:
@@ -111,12 +111,15 @@ class SweptGroup:
 
     def in_full(self, case: Case, fulls: Mapping[str, FullBody]) -> System:
         """The machine of a case as its run starts, some bodies with all their coordinates."""
-        return starting_system(case.varied(case.tables, {**self._made, **case.made, **fulls}))
+        return self._started(case.varied(case.tables, {**self._made, **case.made, **fulls}))
 
     def with_bodies(self, reduced: Mapping[str, ReducedBody]) -> SweptGroup:
         """The group with other reduced bodies."""
         bodies = replace(self.bodies, reduced={**self.bodies.reduced, **reduced})
         return SweptGroup(self.plan, self.like.varied(self.like.tables, bodies.reduced), bodies, self.fresh)
+
+    def _started(self, case: Case) -> System:
+        return starting_system(case, allow_code=self.plan.allow_code)
 
     @cached_property
     def _rigid(self) -> Mapping[str, tuple[str, BodyForm]]:
@@ -134,7 +137,7 @@ class SweptGroup:
         recorded_quantities(case, case.system)
         condensed = {body.name: body.condense for body in case.tables.body if body.condense is not None}
         if condensed:
-            placed = with_modes_enough(starting_system(case), case.run, condensed, silent).bodies
+            placed = with_modes_enough(self._started(case), case.run, condensed, silent).bodies
         return {each.body.name: each.body for each in placed if each.body.kind != "rigid"}
 
 
@@ -150,6 +153,7 @@ def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
     Raises
     ------
     ResultFileError     a file that is not as it was when the sweep was planned
+    CaseError           controllers that may not run, or whose functions are made anew for every case
     SuppleError         whatever its bodies and reductions find wrong
     """
     values = plan.values(plan.representative(number))
@@ -161,4 +165,24 @@ def swept_group(folder: Path, plan: SweepPlan, number: int) -> SweptGroup:
         )
     fresh = plan.family.variant(values)
     bodies = bodies_of_group(fresh, folder)
-    return SweptGroup(plan, fresh.varied(fresh.tables, bodies.reduced), bodies, fresh)
+    like = fresh.varied(fresh.tables, bodies.reduced)
+    _check_functions(like, allow_code=plan.allow_code)
+    return SweptGroup(plan, like, bodies, fresh)
+
+
+def _check_functions(case: Case, *, allow_code: bool) -> None:
+    """CaseError for controllers whose functions are made anew for every case, each a program of its own."""
+    first, second = (
+        [
+            (own.outputs, own.rates)
+            for own in case.controlled(case.system, allow_code=allow_code).controllers
+            if isinstance(own, Controller)
+        ]
+        for _ in range(2)
+    )
+    if first != second:
+        raise CaseError(
+            f'{case.path}: control = "{case.tables.control}" makes new functions at every call, so that each '
+            "case would be compiled by itself: write `outputs` and `rates` as functions of the file itself, "
+            "not within another function"
+        )

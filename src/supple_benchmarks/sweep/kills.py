@@ -15,9 +15,10 @@ import numpy as np
 
 from supple.other_processes import python_command, python_environment
 from supple.storage.sealed_hdf5 import is_whole
-from supple.sweeps import CaseTable, read_sweep, sweep_status
+from supple.sweeps import CaseTable, make_plan, read_sweep, read_sweep_file, sweep_status
 from supple.sweeps.part_file import part_path
 from supple.sweeps.plan import read_plan
+from supple_benchmarks.sweep.certificate_once import plan_with_certificate
 
 __all__ = ["killed_sweep"]
 
@@ -30,11 +31,13 @@ Stamp = tuple[int, int]
 """Number of a file, and when it was written: another one in its place has others."""
 
 
-def killed_sweep(case: Path, table: CaseTable, folder: Path) -> dict[str, int | list[str]]:
+def killed_sweep(case: Path, table: CaseTable, folder: Path, certified: Path) -> dict[str, int | list[str]]:
     """Run a sweep by its command, kill it in three ways, and count the cases that this costs.
 
     The worker is killed within its first share, and the command goes on. The command is killed with all its
     processes once two shares are done, one of which is then cut off. The same command does the rest.
+
+    certified : folder with the bodies and the certificate of the same cases
 
     Returns
     -------
@@ -43,6 +46,8 @@ def killed_sweep(case: Path, table: CaseTable, folder: Path) -> dict[str, int | 
     """
     shutil.rmtree(folder, ignore_errors=True)
     file, results = _sweep_file(case, table, folder), folder / "results"
+    given = read_sweep_file(file)
+    plan_with_certificate(make_plan(given.case, given.table, given.output), results, certified)
     command = _started(file, results)
     try:
         worker = _awaited(command, lambda: _worker_of(results))

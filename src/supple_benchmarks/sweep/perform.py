@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from supple_benchmarks.growing_report import keep_report
+from supple.storage import write_json
+from supple_benchmarks.growing_report import StudyBar, keep_report
 from supple_benchmarks.sweep.run import run_benchmark
 from supple_benchmarks.table import Table
 
@@ -14,9 +15,16 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark, its report in the folder unless a file is named."""
-    target = json or folder / "sweep.json"
-    keep_report(target, lambda started: run_benchmark(quick, folder, started), _tables)
+    """Run the benchmark, its report in the folder unless a file is named; details beside, `details.json`."""
+    details: dict[str, Any] = {}
+
+    def contract(started: StudyBar) -> Iterator[dict[str, Any]]:
+        for report, found in run_benchmark(quick, folder, started):
+            details.update(found)
+            write_json(folder / "details.json", details)
+            yield report
+
+    keep_report(json or folder / "sweep.json", contract, lambda report: _tables(report | details))
 
 
 def _tables(report: Mapping[str, Any]) -> Iterator[Table]:

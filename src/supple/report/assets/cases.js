@@ -4,6 +4,7 @@ class Cases {
   constructor(sweep, block) {
     this.columns = sweep.columns.map((column) => ({ ...column, values: arrayOf(block, column.values) }));
     this.number = sweep.number;
+    this.rowName = sweep.rows;
     this.reports = sweep.reports;
     this.filters = new Map();
     this.order = { column: 0, rises: true };

@@ -21,6 +21,8 @@ class Sweep {
   constructor(data, block) {
     this.cases = new Cases(data, block);
     this.channels = data.channels;
+    for (const own of document.querySelectorAll(".rows")) own.textContent = data.rows;
+    element("extremes").hidden = !data.channels.length;
     const { columns } = this.cases,
       entries = columns.map((column, place) => [place, column.label]);
     options(choice("x"), entries);

@@ -164,7 +164,7 @@ class Exceedance extends Plot {
     this.draw(
       {
         scales: { x: { time: false, range: rangeOf }, y: { distr: 3 } },
-        axes: [axisOf(column.label, 40), axisOf("share of cases", 68)],
+        axes: [axisOf(column.label, 40), axisOf(`share of ${this.cases.rowName}`, 68)],
         series: [
           { label: column.label },
           { label: "exceedance", stroke: CURVES[1], width: 1.5, points: { show: n < 60, size: 5 } },

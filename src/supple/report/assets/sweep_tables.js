@@ -121,7 +121,7 @@ class CaseTable {
     const { rows, columns, number } = this.cases,
       pages = Math.max(1, Math.ceil(rows.length / PAGE));
     this.page = Math.min(Math.max(this.page, 0), pages - 1);
-    element("count").textContent = `${rows.length} of ${number} cases`;
+    element("count").textContent = `${rows.length} of ${number} ${this.cases.rowName}`;
     element("page").textContent = `page ${this.page + 1} of ${pages}`;
     const shown = rows.slice(this.page * PAGE, (this.page + 1) * PAGE).map((row) => {
       const line = document.createElement("tr");
