@@ -187,3 +187,20 @@ def test_frequencies_are_those_of_the_modes_and_are_sought_once(body, monkeypatc
     np.testing.assert_array_equal(body.lowest_frequencies(4, mean), in_mean_axes)
     with pytest.raises(TypeError):
         copy.lowest_frequencies(2, held)
+
+
+def test_the_first_modes_are_sought_once_whatever_was_asked_before(body, monkeypatch):
+    """Two after five are those of a body that was asked for two; what a caller writes into them stays his."""
+    held, again = NodalFixedFrame("root").constraint(body), pickle.loads(pickle.dumps(body))
+    five, two = body.lowest_modes(5, held), again.lowest_modes(2, held)
+    exact = lowest_modes(body.stiffness, body.mass, 5, constraint=held)
+    np.testing.assert_allclose(five.values, exact.values, rtol=1e-9)
+    np.testing.assert_allclose(five.vectors, exact.vectors, atol=1e-6 * abs(exact.vectors).max())
+    monkeypatch.setattr(sys.modules["supple.body.flexible_body"], "lowest_modes", None)
+    shared = body.lowest_modes(2, held)
+    np.testing.assert_array_equal(shared.values, two.values)
+    np.testing.assert_array_equal(shared.vectors, two.vectors)
+    shared.vectors[:] = 0.0
+    np.testing.assert_array_equal(body.lowest_modes(5, held).vectors, five.vectors)
+    with pytest.raises(TypeError):  # that is another clamp
+        again.lowest_modes(2, MeanAxisFrame().constraint(body))

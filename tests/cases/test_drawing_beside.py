@@ -29,7 +29,11 @@ def swing():
 
 @pytest.fixture
 def drawing(swing, tmp_path):
-    return Drawing(tmp_path, *swing, {}, {}, {}, None, {}, UNNAMED, pictures=True, animation=True)
+    errors = {"estimated_error": 1e-3, "indicator": 2e-3, "allowed": 5e-4}
+    rounds = [{"body": "rod", "size": size, **errors} for size in (4, 8)]
+    return Drawing(
+        tmp_path, *swing, {}, {}, {}, None, {}, UNNAMED, pictures=True, animation=True, rounds=rounds
+    )
 
 
 @pytest.fixture
@@ -38,7 +42,7 @@ def worth(monkeypatch):
     monkeypatch.setattr(drawing_beside, "available_cores", lambda: 2)
 
 
-PICTURES = {"machine.png", "joint-forces.png", "motion.gif"}
+PICTURES = {"machine.png", "joint-forces.png", "self_correction.png", "motion.gif"}
 
 
 @pytest.mark.slow

@@ -110,11 +110,13 @@ def test_pair_forces_are_second_differences_of_the_force(model, rigid_end, rng):
         assert_close(pairs[:, column], reduced.tangent_derivative(X[:, j]) @ X[:, k])
 
 
-def test_pair_forces_do_not_depend_on_the_chunks(model, rng, monkeypatch):
+def test_pair_forces_and_works_do_not_depend_on_the_chunks(model, rng, monkeypatch):
     X = rng.normal(size=(model.n_dofs, 4))
-    whole = assemble(model).pair_forces(X)
+    whole, works = assemble(model).pair_forces(X), assemble(model).works(X, X[:, ::-1])
     monkeypatch.setattr(assembly, "CHUNK", 1)
     assert_close(assemble(model).pair_forces(X), whole)
+    for each, expected in zip(assemble(model).works(X, X[:, ::-1]), works, strict=True):
+        assert_close(each, expected)
 
 
 def test_energies_are_those_of_the_columns(model, rigid_end, rng, monkeypatch):

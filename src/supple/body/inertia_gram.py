@@ -12,6 +12,9 @@ from supple.errors import ModelError
 
 __all__ = ["inertia_gram"]
 
+HELD = 2**22
+"""Numbers of the nine fields of some columns that are held at once."""
+
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     """The matrix of the kinetic energy of a body that moves as a basis allows.
@@ -43,9 +46,12 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
     turned[:3] = np.moveaxis(cross_of_axes(by_basis[:3].T), 0, 1)
     turned[3:] = (energy.by_both @ V).swapaxes(1, 2)
     among, rates = np.zeros((r, 3, r, 3)), np.zeros((r, 3, r))
-    for number, column in enumerate(V.T):  # by columns, to save memory
-        rates[:, :, number] = (energy.rate_products(column)[1] @ V).T
-        among[:, :, number] = np.moveaxis(energy.spin_products(column) @ V, 2, 0)
+    at_once = max(1, HELD // (9 * max(body.n, 1)))
+    for start in range(0, r, at_once):
+        some = slice(start, start + at_once)
+        fields = V[:, some]
+        rates[:, :, some] = np.tensordot(V, energy.rate_products(fields)[1], axes=(0, 1))
+        among[:, :, some] = np.tensordot(V, energy.spin_products(fields), axes=(0, 2)).swapaxes(2, 3)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
     # From the nodes, which shows where the two masses disagree; modal coordinates are no part of it.

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
@@ -21,7 +22,9 @@ from supple.results.film import WHOLE_RUN, Film, film_rows
 from supple.results.view import AS_IT_IS, View
 from supple.units import UnitSystem
 
-__all__ = ["Drawing", "check_drawing", "drawing_of"]
+__all__ = ["ROUNDS_PICTURE", "Drawing", "check_drawing", "drawing_of"]
+
+ROUNDS_PICTURE = "self_correction.png"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +32,7 @@ class Drawing:
     """Pictures and an animation of a run, by the settings of its case; fields as for `draw_run`.
 
     pictures, animation : whether they are drawn
+    rounds : of a self-correction in numbers, as `correction_numbers` gives them, which are pictures as well
     colour : of the animation
     format : of its file
     """
@@ -44,6 +48,7 @@ class Drawing:
     units: UnitSystem
     pictures: bool
     animation: bool
+    rounds: Sequence[Mapping[str, Any]] = ()
     colour: str = "deflection"
     view: View = AS_IT_IS
     film: Film = WHOLE_RUN
@@ -53,7 +58,7 @@ class Drawing:
         """Draw them into the folder."""
         # Imported here: a run without pictures does not wait for the drawing library.
         from supple.results.colouring import PLASTIC_STRAIN
-        from supple.viz import animate_run, draw_run
+        from supple.viz import animate_run, draw_run, plot_rounds
 
         run = (self.system, self.solution, self.meshes)
         if self.pictures:
@@ -68,6 +73,8 @@ class Drawing:
                 view=self.view,
                 units=self.units,
             )
+            if self.rounds:
+                plot_rounds(self.folder / ROUNDS_PICTURE, self.rounds, units=self.units)
             progress("drawing pictures", 1.0)
         if self.animation:
             animate_run(
@@ -114,6 +121,7 @@ def drawing_of(
     solution: Solution,
     tracked: Mapping[str, TrackedMotion],
     folder: Path,
+    rounds: Sequence[Mapping[str, Any]],
 ) -> Drawing | None:
     """The drawings of the motion that a case selects; None if there are none."""
     output = case.tables.output
@@ -131,6 +139,7 @@ def drawing_of(
         case.units,
         pictures=output.pictures,
         animation=output.animation,
+        rounds=rounds,
         colour=output.colour,
         view=output.view,
         film=output.film.build(),

@@ -10,7 +10,7 @@ from typing import Any
 from supple.cases.case import Case
 from supple.cases.condense import with_modes_enough
 from supple.cases.damping import warn_of_ratios
-from supple.cases.drawing import check_drawing, drawing_of
+from supple.cases.drawing import ROUNDS_PICTURE, Drawing, check_drawing, drawing_of
 from supple.cases.drawing_beside import DrawingBeside
 from supple.cases.existing_results import readings_paths, refuse_overwrite, report_path, result_path
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
@@ -139,7 +139,10 @@ def _run_case(
         report_path(case, folder).unlink(missing_ok=True)
 
     def known(system: System, solution: Solution) -> None:
-        beside.begin(lambda: drawing_of(case, system, solution, _tracked(case, system, solution), folder))
+        beside.begin(lambda: drawn(system, solution, _tracked(case, system, solution)))
+
+    def drawn(system: System, solution: Solution, tracked: Mapping[str, TrackedMotion]) -> Drawing | None:
+        return drawing_of(case, system, solution, tracked, folder, correction_numbers(rounds))
 
     try:
         system, solution = _simulated(
@@ -161,6 +164,11 @@ def _run_case(
         )
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
+        if rounds and case.tables.output.pictures:
+            # Imported here: a run without pictures does not wait for the drawing library.
+            from supple.viz import plot_rounds
+
+            plot_rounds(folder / ROUNDS_PICTURE, correction_numbers(rounds), units=case.units)
         raise
     warn_of_frequencies(case.units, reduced_bodies(system, case.made_here))
     _warn_of_damping(case, system)
@@ -184,7 +192,7 @@ def _run_case(
         inputs=inputs,
         progress=progress,
     )
-    beside.finish(drawing_of(case, system, solution, tracked, folder), progress)
+    beside.finish(drawn(system, solution, tracked), progress)
     return result
 
 
@@ -268,11 +276,6 @@ def _metadata(case: Case, folder: Path) -> dict[str, str]:
 def _write_report(
     case: Case, folder: Path, rounds: Sequence[Mapping[str, Any]], numbers: Mapping[str, Any]
 ) -> None:
-    """Write the numbers of a run; draw the rounds, if there are any, unless pictures are off."""
+    """Write the numbers of a run."""
     report = {"title": case.title, "self_correction": rounds, **numbers}
     write_json(report_path(case, folder), report)
-    if rounds and case.tables.output.pictures:
-        # Imported here: a run without pictures does not wait for the drawing library.
-        from supple.viz import plot_rounds
-
-        plot_rounds(folder / "self_correction.png", rounds, units=case.units)

@@ -34,6 +34,8 @@ SparseArray = Any
 
 # Numbers held at once while many elements are evaluated: 2 MiB, within a processor's cache.
 CHUNK = 2**18
+# Times as large for works: a larger portion shares more nodes, whose forces all columns see once.
+LARGER_FOR_WORKS = 4
 
 
 class StrainWorks(NamedTuple):
@@ -171,7 +173,7 @@ class Assembly:
             _, n_points, s, n_e = block.B.shape
             return n_points * s * (n_pairs + m * n_e) + n_e * n_pairs
 
-        for own in self._along(X, numbers):
+        for own in self._along(X, numbers, larger=LARGER_FOR_WORKS):
             seen = onto[own.reached].T
             parts = quadratic_strain.force_parts(own.block, own.directions)
             for total, part in zip(sums, parts, strict=True):
@@ -234,11 +236,13 @@ class Assembly:
             portions.append(tuple(block.of(elements) for elements in _ranges(n_elements, each)))
         return tuple(portions)
 
-    def _along(self, X: FloatArray, numbers: Callable[[QuadraticStrain], int]) -> Iterator[_Portion]:
+    def _along(
+        self, X: FloatArray, numbers: Callable[[QuadraticStrain], int], *, larger: int = 1
+    ) -> Iterator[_Portion]:
         """All elements in portions, along the columns of X (n, m); `numbers` held for each of a block."""
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, _, _, n_e = block.B.shape
-            for elements in _ranges(n_elements, numbers(block)):
+            for elements in _ranges(n_elements, numbers(block), larger):
                 rows = gather[elements.start * n_e : elements.stop * n_e]
                 reached = np.unique(rows.indices)
                 directions = (rows @ X).reshape(-1, n_e, X.shape[1])
@@ -349,9 +353,9 @@ def _pair_numbers(block: QuadraticStrain, m: int, n_pairs: int) -> int:
     return n_points * (s + d) * (d + 3 * m) + n_e * n_pairs
 
 
-def _ranges(n_elements: int, each: int) -> Iterator[slice]:
-    """Elements, `each` numbers of work apiece, in portions of about `CHUNK` numbers."""
-    bounds = np.append(np.arange(0, n_elements, max(1, CHUNK // each)), n_elements)
+def _ranges(n_elements: int, each: int, larger: int = 1) -> Iterator[slice]:
+    """Elements, `each` numbers of work apiece, in portions of about `CHUNK` numbers, or of so many times."""
+    bounds = np.append(np.arange(0, n_elements, max(1, larger * CHUNK // each)), n_elements)
     return (slice(first, last) for first, last in pairwise(bounds))
 
 
