@@ -1,4 +1,4 @@
-"""Laws of time that become inputs of an exported machine: their values come from outside."""
+"""Laws of time that become inputs of a step program: their values come from outside."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from supple.equations.model import Model
 from supple.errors import ModelError, SuppleError
-from supple.export.c.variables import Variable
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant
 from supple.machine.laws.time_law import as_time_law
 from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.stepping.variables import Variable
 
 __all__ = ["ExternalInputs", "external_inputs"]
 
