@@ -150,7 +150,7 @@ def _moves_along_axis(joint: Joint) -> bool:
 
 def _report(step: StepProgram) -> None:
     rows: Mapping[str, str] = {
-        "coordinates": f"{step.march.n_unknowns} velocities, {step.n_equations} equations of joints",
+        "coordinates": f"{step.march.n_velocities} velocities, {step.n_equations} equations of joints",
         "step": f"{step.size:g}",
         "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none: the time alone",
         "outputs": ", ".join(variable.name for variable in step.outputs.variables) or "none",

@@ -62,6 +62,17 @@ class ExternalInputs:
 
         return jax.tree.map(constant, model, is_leaf=_is_external)
 
+    def check_read(self, arrays: Any) -> None:
+        """ModelError for an input that the numbers of the equations do not read."""
+        laws = [leaf for leaf in jax.tree.leaves(arrays, is_leaf=_is_external) if _is_external(leaf)]
+        read = {int(place) for law in laws for place in np.ravel(law.places)}
+        for place, variable in enumerate(self.variables):
+            if place not in read:
+                raise ModelError(
+                    f"'{variable.name}' cannot be an input: the equations of its body read its law when they "
+                    "are made; drive another element, or reduce the body"
+                )
+
 
 def external_inputs(
     system: System, elements: Mapping[str, Any], units: Mapping[str, str], time: float

@@ -25,7 +25,7 @@ class FloatingSteps:
 
     controls: Controls
     size: float
-    n_unknowns: int
+    n_velocities: int
 
     def reached(self, arrays: Model, state: State, end: Any) -> State:
         """The state at a time; its derivatives in forward mode are those of the discrete motion."""

@@ -23,7 +23,7 @@ from supple.methods.intrinsic.joined_step import JoinedState, joined_step
 __all__ = ["JoinedSteps", "joined_steps"]
 
 
-class LineState(NamedTuple):
+class SteppedState(NamedTuple):
     """A `MarchingState` around that of the march."""
 
     time: Any
@@ -37,18 +37,18 @@ class JoinedSteps:
 
     stepping: JoinedStepping
     size: float
-    n_unknowns: int
+    n_velocities: int
 
-    def reached(self, arrays: JoinedArrays, state: LineState, end: Any) -> LineState:
+    def reached(self, arrays: JoinedArrays, state: SteppedState, end: Any) -> SteppedState:
         """The state at a time; after a step that does not converge, the state before it."""
         coefficients, tolerance, most, limit = self.stepping
         number = jnp.ceil((end - state.time) / self.size * (1 - 1e-9))
         h = (end - state.time) / jnp.maximum(number, 1.0)
 
-        def goes_on(carry: tuple[Any, LineState]) -> Any:
+        def goes_on(carry: tuple[Any, SteppedState]) -> Any:
             return (carry[0] < number) & ~carry[1].failed
 
-        def one(carry: tuple[Any, LineState]) -> tuple[Any, LineState]:
+        def one(carry: tuple[Any, SteppedState]) -> tuple[Any, SteppedState]:
             count, before = carry
             march = joined_step(arrays, coefficients, tolerance, most, before.march, h)
             time = jnp.where(count + 1 < number, before.time + h, end)
@@ -56,12 +56,12 @@ class JoinedSteps:
             finite = jnp.stack([jnp.isfinite(leaf).all() for leaf in jax.tree.leaves(march.now)]).all()
             good = finite & (march.worst <= limit)
             kept = jax.tree.map(lambda a, b: jnp.where(good, a, b), march, before.march)
-            return count + 1, LineState(jnp.where(good, time, before.time), ~good, kept)
+            return count + 1, SteppedState(jnp.where(good, time, before.time), ~good, kept)
 
         state = jax.tree.map(jnp.asarray, state)
         return jax.lax.while_loop(goes_on, one, (jnp.zeros(()), state))[1]
 
-    def motion(self, arrays: JoinedArrays, state: LineState) -> SystemMotion:
+    def motion(self, arrays: JoinedArrays, state: SteppedState) -> SystemMotion:
         """With accelerations and joint forces of the very instant."""
         march: JoinedState = state.march
         now, lines = march.now, march.now.lines
@@ -86,7 +86,7 @@ class JoinedSteps:
 
 def joined_steps(
     system: System, run: Run, also: Sequence[At]
-) -> tuple[JoinedSteps, JoinedMachine, LineState]:
+) -> tuple[JoinedSteps, JoinedMachine, SteppedState]:
     """The steps of a machine, the machine made ready, and the consistent state in which its run starts.
 
     also : stations that sensors look at
@@ -94,5 +94,5 @@ def joined_steps(
     engine = JoinedEngine(system, run, also)
     march = jax.tree.map(np.asarray, engine.start(run.start))
     n = engine.machine.arrays.n_floating + sum(len(line.q1) for line in march.now.lines)
-    start = LineState(np.asarray(march.now.time, dtype=float), np.zeros((), dtype=bool), march)
+    start = SteppedState(np.asarray(march.now.time, dtype=float), np.zeros((), dtype=bool), march)
     return JoinedSteps(engine.stepping, engine.step, n), engine.machine, start

@@ -33,7 +33,7 @@ class Marching(Protocol):
         ...
 
     @property
-    def n_unknowns(self) -> int:
+    def n_velocities(self) -> int:
         """Number of velocities of the machine, as the march has them."""
         ...
 

@@ -112,6 +112,7 @@ def step_program(
     _check(system, run, inputs)
     external = external_inputs(system, inputs, input_units, run.start)
     march, arrays, state, seen = _made_ready(external.system, run, sensors)
+    external.check_read(arrays)
     sensed = sensed_outputs(seen, sensors, units)
     _check_names(external, sensed)
     begin = state, np.zeros(len(sensed.variables))
