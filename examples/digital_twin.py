@@ -4,7 +4,7 @@ A blade of 10 m rotates at 4 rad/s about its root. An unknown force pushes its t
 rotation. The true motion is a run with all coordinates of its mesh. The twin uses twenty strain gauges with
 2 % noise, fifty samples a second. It is the reduced blade, integrated from sample to sample: an extended
 Kalman filter corrects its coordinates, their rates, the force and the rate of the force. The derivatives of a
-step are those of the integrator itself (forward mode of JAX, `supple.methods.floating`).
+step are those of the integrator itself (`supple.step_program`, in forward mode of JAX).
 
 Expected: the deflection of the tip, which no gauge measures, within 1 % of its largest value at every sample
 after the first half second, and the force within 10 % of its largest value (root mean square). The program
@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,12 +27,8 @@ import supple as sp
 from supple import machine as m
 from supple.body import FullBody
 from supple.machine.laws.spin_up import SpinUp
-from supple.methods.floating.compiled.engine import controls
-from supple.methods.floating.compiled.sensitivity_march import Changes, march_with_changes
-from supple.methods.floating.compiled.sensitivity_step import state_change
 from supple.quantities import Component, DeflectionSensor, Place, StrainSensor, strain_modes
 from supple.reduction import CraigBampton, ReducedBody
-from supple.simulation.batch import batch_start
 from supple.units import SI
 from supple.viz import Panel, Series, plot_time_history
 
@@ -48,7 +45,6 @@ OUTER, ALONG = [0, 2], 0
 DRIFT_OF_RATES, DRIFT_OF_FORCE = 0.05, 30.0
 """What the twin's equations may miss, per root of a second: of rates, and of the rate of the force, N/s"""
 RUN = sp.Run(duration=DURATION, output_step=STEP, step=sp.FixedStep(STEP))
-CONTROLS = controls(RUN)
 FRAME = sp.NodalFixedFrame("root")
 
 WALL = sp.HomogeneousSection(sp.Isotropic(youngs_modulus=3.6e8, poissons_ratio=0.0, density=15.5), 0.0775)
@@ -112,55 +108,43 @@ class Twin:
     """The reduced blade, its march with derivatives, and the extended Kalman filter about it."""
 
     def __init__(self, body: ReducedBody, noise: Array) -> None:
-        start = batch_start([turning(body, [0.0, 0.0, 0.0])], RUN)
-        pushed = batch_start([turning(body, [0.0, 0.0, 1.0])], RUN)
-        self.body, self.state, self.model = body, start.states[0], start.models[0]
-        leaves, self._structure = jax.tree.flatten(self.model)
-        # The equations are linear in the force: what one newton changes is its derivative.
-        pushed_leaves = jax.tree.leaves(pushed.models[0])
-        self._leaves = leaves
-        self._of_force = [
-            None if np.array_equal(a, b) else np.asarray(b) - a
-            for a, b in zip(leaves, pushed_leaves, strict=True)
-        ]
+        system = turning(body, [0.0, 0.0, 0.0])
+        tip = DeflectionSensor("tip", Place("blade", "tip"), m.At("blade", "root"))
+        self._program = sp.step_program(system, RUN, [tip], {"gust": system.loads[0]})
+        self.body, self.now = body, self._program.start
+        self._ahead = jax.jit(jax.jacfwd(self._marched, has_aux=True))
         self._gauges = strain_modes(body, SHELL, GAUGES)
         self._noise = np.diag(noise**2)
         n, r = 2 * body.r + 2, body.r
-        self._directions = state_change(jax.tree.map(lambda leaf: np.zeros((n, *np.shape(leaf))), self.state))
-        carried = self._directions.carried
-        carried.configuration.coordinates[:r] = np.eye(r)
-        carried.velocity[r : 2 * r, 6:] = np.eye(r)
         self._drift = np.diag(
             np.concatenate([np.zeros(r), np.full(r, DRIFT_OF_RATES**2), [0.0, DRIFT_OF_FORCE**2]])
         )
         self.estimate = Estimate(np.zeros(n), np.diag(np.r_[np.full(2 * r, 1e-8), 1.0, 100.0]))
 
+    def _marched(self, mean, now, until):
+        """The mean at the next sample, twice: its derivatives are asked for as well; and the blade there."""
+        r = self.body.r
+        force = mean[-2] + 0.5 * STEP * mean[-1]  # its mean over the step
+        given = now._replace(input=jnp.stack([0.0, 0.0, force]), state=self._with(mean, now.state))
+        after = self._program.advanced(given, until)
+        coordinates, rates = after.state.configuration.coordinates, after.state.velocity[6:]
+        ahead = jnp.concatenate(
+            [coordinates[:r], rates[:r], jnp.stack([mean[-2] + STEP * mean[-1], mean[-1]])]
+        )
+        return ahead, (ahead, after)
+
+    def _with(self, mean, state):
+        """The state with coordinates and rates of the mean."""
+        r = self.body.r
+        configuration = state.configuration._replace(coordinates=mean[:r])
+        return state._replace(
+            configuration=configuration, velocity=jnp.concatenate([state.velocity[:6], mean[r : 2 * r]])
+        )
+
     def predict(self, until: float) -> None:
         """March to the next sample; the covariance goes along the derivatives of the march."""
-        r, mean = self.body.r, self.estimate.mean
-        n = len(mean)
-        force = mean[-2] + 0.5 * STEP * mean[-1]  # its mean over the step
-        of_force, pairs = self._of_force, zip(self._leaves, self._of_force, strict=True)
-        leaves = [a if b is None else a + force * b for a, b in pairs]
-        share = np.zeros(n)
-        share[-2:] = 1.0, 0.5 * STEP
-        changes = [None if b is None else np.multiply.outer(share, b) for b in of_force]
-        moved = march_with_changes(
-            jax.tree.unflatten(self._structure, leaves),
-            CONTROLS,
-            self.state,
-            np.array([until]),
-            Changes(changes, self._directions, np.zeros((n, 1))),
-            RUN.n_steps,
-        )
-        assert not moved.last.failed
-        self.state = moved.last
-        of = moved.changes.carried
-        transition = np.eye(n)
-        transition[:r] = of.configuration.coordinates[0].T
-        transition[r : 2 * r] = of.velocity[0][:, 6:].T
-        transition[-2, -1] = STEP
-        ahead = np.r_[self.coordinates, self.state.velocity[6:], mean[-2] + STEP * mean[-1], mean[-1]]
+        transition, (ahead, self.now) = jax.device_get(self._ahead(self.estimate.mean, self.now, until))
+        assert not self.now.state.failed
         spread = transition @ self.estimate.covariance @ transition.T + STEP * self._drift
         self.estimate = Estimate(ahead, spread)
 
@@ -176,15 +160,11 @@ class Twin:
         kept = np.eye(len(mean)) - gain @ H
         spread = kept @ P @ kept.T + gain @ self._noise @ gain.T
         self.estimate = Estimate(mean, spread)
-        velocity = np.array(self.state.velocity)
-        velocity[6:] = mean[r : 2 * r]
-        configuration = self.state.configuration._replace(coordinates=mean[:r])
-        self.state = self.state._replace(configuration=configuration, velocity=velocity)
 
     @property
     def coordinates(self) -> Array:
         """(r,) of the reduced blade."""
-        return np.asarray(self.state.configuration.coordinates)
+        return self.estimate.mean[: self.body.r]
 
     @property
     def tip(self) -> float:

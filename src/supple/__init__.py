@@ -113,6 +113,7 @@ if TYPE_CHECKING:  # the same names once more, for editors and type checkers
     from supple.simulation import equilibrium as equilibrium
     from supple.simulation import simulate as simulate
     from supple.simulation import simulate_batch as simulate_batch
+    from supple.stepping import step_program as step_program
     from supple.storage import read_reduced_body as read_reduced_body
     from supple.storage import read_solution as read_solution
     from supple.storage import write_reduced_body as write_reduced_body
@@ -153,6 +154,7 @@ _NAMES = {
     "supple.simulation": "simulate simulate_batch equilibrium Start",
     "supple.linearization": "linearize machine_modes",
     "supple.sensitivity": "sensitivities calibrate Measurement",
+    "supple.stepping": "step_program",
     "supple.error": "self_correct SelfCorrection ReductionStart state_errors ErrorStudy",
     "supple.results": "rms_error",
     "supple.report": "write_report player",

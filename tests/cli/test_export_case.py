@@ -57,7 +57,7 @@ def refused(case, tmp_path, *arguments):
 
 def test_a_body_that_is_not_there_is_refused(case_folder, tmp_path):
     message = refused(case_folder / "strip.toml", tmp_path, "--body", "strap")
-    assert "has no body 'strap' with elements" in message
+    assert "'strap' is none of the bodies with elements; did you mean 'strip'?" in message
 
 
 def test_a_body_that_no_joint_holds_is_refused(case_folder, tmp_path):

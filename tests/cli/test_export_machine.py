@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import zipfile
 
+import numpy as np
 import pytest
-from fixtures.compiled_c import needs_compiler
+from fixtures.compiled_c import MachineInC, needs_compiler
 from typer.testing import CliRunner
 
+from supple.cases.result_machine import result_machine
 from supple.cli.main import app
+from supple.quantities import PositionSensor
+from supple.storage import read_solution
 
 PENDULUM = """
 title = "a rod on a hinge, driven"
@@ -77,6 +82,58 @@ def test_a_machine_is_written_as_c_and_as_an_fmu(case, tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
     with zipfile.ZipFile(tmp_path / "rod.fmu") as archive:
         assert {"modelDescription.xml", "sources/machine.c", "sources/fmi2.c"} <= set(archive.namelist())
+
+
+PUSHED = """
+[[load]]
+kind = "force"
+at = "strip.TIP"
+vector = [0.0, 0.0, 900.0]
+law = { kind = "ramp", value = 1.0, duration = 0.4 }
+
+[simulation]
+start = "equilibrium"
+"""
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_a_result_is_written_with_the_bases_and_the_rest_that_its_run_found(case_folder, tmp_path):
+    path = case_folder / "strip.toml"
+    text = re.sub(r"reduction = .*\n", "", path.read_text()).replace("[simulation]", PUSHED)
+    path.write_text(text.replace("_step = 0.002", "_step = 0.02").replace("step = 0.002", "step = 0.01"))
+    refused = exported(path, "--c", tmp_path / "c")
+    assert "is reduced to an accuracy, which its run finds" in " ".join(refused.output.split())
+    ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "out"), "--no-errors"])
+    assert ran.exit_code == 0, ran.output
+    result = tmp_path / "out" / "strip.h5"
+    done = exported(result, "--c", tmp_path / "c")
+    assert done.exit_code == 0, done.output
+    found = result_machine(result)
+    sensor = PositionSensor("tip", found.case.place("strip.TIP"))
+    expected = sensor.values(found.system, read_solution(result))
+    machine = MachineInC(tmp_path / "c")
+    own = [machine.output[:3]]
+    for time in found.run.times[1:]:
+        assert machine.advance(time)
+        own.append(machine.output[:3])
+    moved = np.abs(expected - expected[0]).max()
+    np.testing.assert_allclose(np.array(own) / moved, expected / moved, atol=1e-6)
+
+
+def test_options_that_mean_nothing_are_refused(case, tmp_path):
+    for arguments, message in (
+        (("--c", tmp_path / "c", "--fmi", 2), "--fmi is not for a machine as C: remove it"),
+        (
+            ("--c", tmp_path / "c", "--no-stress", "--time", 1),
+            "--time and --no-stress are not for a machine as C",
+        ),
+        (("-o", tmp_path / "rod.fmu", "--case", case), "--case is not for an FMU"),
+        (("-o", tmp_path / "rod.inp", "--allow-code"), "--allow-code is not for the deck of a case's body"),
+    ):
+        done = exported(case, *arguments)
+        assert done.exit_code == 2
+        assert message in " ".join(done.output.split())
 
 
 def test_mistakes_are_told_with_the_remedy(case, tmp_path):

@@ -164,15 +164,16 @@ def test_the_files_of_the_result_are_not_written_over(result, name):
     ("arguments", "cause"),
     [
         (("a.xls",), "files that end in .vtkhdf, .vtu, .csv"),
-        (("a.csv", "--body", "strip"), "a table has the whole machine"),
-        (("a.csv", "--time", "0.1"), "--times FROM:TO:NUMBER"),
-        (("a.vtu", "--times", "0:1:3"), "a .vtu holds one instant"),
+        (("a.csv", "--body", "strip"), "--body is not for a table of the whole machine: remove it"),
+        (("a.csv", "--time", "0.1"), "--time is not for a table of the whole machine"),
+        (("a.vtu", "--times", "0:1:3"), "--times is not for a .vtu, which holds one instant"),
+        (("a.csv", "--fmi", "2", "--allow-code"), "--fmi and --allow-code are not for a table"),
         (("a.csv", "--times", "0:1"), "takes FROM:TO:NUMBER"),
         (("a.csv", "--times", "0:1:3"), "no instant 0.5: it goes from 0 to 0.4"),
         (("a.vtu", "--time", "-1"), "no instant -1"),
         (("a.vtu", "--time", "nan"), "no instant nan"),
         (("a.vtkhdf", "--body", "strap"), "did you mean 'strip'"),
-        (("a.csv", "--abaqus"), "--abaqus is for the deck"),
+        (("a.csv", "--abaqus"), "--abaqus is not for a table"),
     ],
 )
 def test_mistakes_are_named(result, tmp_path, arguments, cause):
@@ -203,4 +204,4 @@ def test_a_mode_is_written_as_a_motion(case_folder, tmp_path):
 def test_options_of_results_are_refused_for_cases(case_folder, tmp_path):
     done = exported(case_folder / "strip.toml", "-o", tmp_path / "a.inp", "--times", "0:1:3")
     assert done.exit_code == 2
-    assert "are for results" in " ".join(done.output.split())
+    assert "--times is not for the deck of a case's body" in " ".join(done.output.split())

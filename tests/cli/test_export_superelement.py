@@ -64,8 +64,9 @@ def test_what_cannot_be_written_is_refused(strip_file, tmp_path):
         ("x.mnf", (), "MNF is a closed format of Adams; write .op4 or .pch"),
         ("x.dat", (), "give the case file for .dat"),
         ("x.op4", ("--superelement",), "--superelement is for a deck (.inp)"),
-        ("x.op4", ("--times", "0:1:3"), "a superelement takes --body and --abaqus alone"),
-        ("x.inp", ("--superelement", "--time", "1"), "a superelement takes --body and --abaqus alone"),
+        ("x.op4", ("--times", "0:1:3"), "is not for a superelement: remove it (options there: --body)"),
+        ("x.op4", ("--abaqus",), "--abaqus is not for a superelement"),
+        ("x.inp", ("--superelement", "--time", "1"), "--time is not for a deck with a superelement"),
     ):
         result = exported(strip_file, "-o", tmp_path / name, *arguments)
         assert result.exit_code != 0
@@ -87,7 +88,7 @@ def test_of_a_case_the_interface_that_no_joint_holds_is_where_a_tower_begins(cas
     refused = exported(case, "-o", tmp_path / "y.dat")
     assert "0 interfaces of 'strip' are not joined to the ground" in " ".join(refused.output.split())
     unknown = exported(case, "-o", tmp_path / "y.op4", "--body", "strap")
-    assert "has no reduced body 'strap'" in " ".join(unknown.output.split())
+    assert "'strap' is none of the reduced bodies; did you mean 'strip'" in " ".join(unknown.output.split())
 
 
 BLADE = """\

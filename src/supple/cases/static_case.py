@@ -69,9 +69,11 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
     return case.controlled(case.system, allow_code=allow_code)
 
 
-def starting_system(case: Case, *, allow_code: bool = False) -> System:
+def starting_system(case: Case, simulated: System | None = None, *, allow_code: bool = False) -> System:
     """The machine as its run starts: as it is placed, assembled if the case states so, at rest, or as an
     earlier run had it.
+
+    simulated : the machine with the bodies of a run, as `result_machine` finds it; that of the case when None
 
     Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
 
@@ -85,9 +87,10 @@ def starting_system(case: Case, *, allow_code: bool = False) -> System:
     ConvergenceError    no equilibrium; joints that do not fit
     """
     wanted = case.tables.simulation
-    if wanted.kinematic:
+    if wanted.kinematic and simulated is None:
         _check_fixed_sizes(case)
-    system = case.controlled(assembled_system(case), allow_code=allow_code)
+    placed = assembled_system(case) if simulated is None else simulated
+    system = case.controlled(placed, allow_code=allow_code)
     if isinstance(wanted.start, StartState):
         return gone_on(wanted.start, case, system)
     if wanted.start == "placed":

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from supple.cases import Case, read_case
+from supple.cases import read_case
 from supple.cases.outputs import check_not_an_input
-from supple.errors import CaseError, did_you_mean
+from supple.cli.chosen_body import chosen_body
+from supple.errors import CaseError
 from supple.export import ABAQUS, CALCULIX, resultant, static_load, write_static_deck
 from supple.terminal import console, print_rows, say, worded
 from supple.units import headed, measured
@@ -33,7 +34,14 @@ def export_case(
     with console.status("reading") as status:
         case = read_case(path, lambda step, detail="": status.update(worded(step, detail)))
         check_not_an_input(case, [target])
-        name = _chosen(case, body)
+        known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
+        name = chosen_body(
+            case,
+            body,
+            known,
+            "bodies with elements",
+            "only a mesh can be exported, and none that marches explicitly",
+        )
         flexible, model = case.flexible[name], case.elements[name]
         table = next(one for one in case.tables.body if one.name == name)
         instant = case.run.start + case.run.duration if time is None else time
@@ -71,30 +79,6 @@ def export_case(
         ],
     )
     say(f"written to {target} for {program.name}")
-
-
-def _chosen(case: Case, bodies: Sequence[str] | None) -> str:
-    known = [one.name for one in case.tables.body if one.name in case.elements and one.explicit is None]
-    if bodies and len(bodies) > 1:
-        raise CaseError(f"{case.path}: a deck contains one body, but {len(bodies)} are given: give one")
-    body = bodies[0] if bodies else None
-    if body is None and len(known) == 1:
-        return known[0]
-    if body in known:
-        return str(body)
-    if body is not None:
-        raise CaseError(
-            f"{case.path} has no body '{body}' with elements{did_you_mean(body, known)}; there are: "
-            f"{', '.join(known) or 'none'}"
-        )
-    raise CaseError(
-        f"{case.path} has {len(known)} bodies with elements ({', '.join(known) or 'none'}); "
-        + (
-            "give one: --body NAME"
-            if known
-            else "only a mesh can be exported, and none that marches explicitly"
-        )
-    )
 
 
 def _numbers(values: np.ndarray) -> str:

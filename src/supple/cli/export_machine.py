@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,7 @@ from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
-from supple.errors import ArgumentError, CaseError, did_you_mean
-from supple.export.c.machine_step import MachineStep, machine_step
+from supple.errors import CaseError, did_you_mean
 from supple.export.c.write_machine import write_machine
 from supple.export.fmu.write_fmu import write_fmu
 from supple.machine import (
@@ -24,69 +23,73 @@ from supple.machine import (
     System,
 )
 from supple.quantities import JointMotionSensor, PositionSensor, Quantity
+from supple.stepping import StepProgram, step_program
 from supple.terminal import console, print_rows, say, worded
 
-__all__ = ["export_machine"]
+__all__ = ["export_c", "export_fmu", "machine_outputs"]
 
 
-def export_machine(
-    path: Path,
-    *,
-    c: Path | None,
-    fmu: Path | None,
-    inputs: Sequence[str],
-    fmi: int,
-    case_file: Path | None,
-    allow_code: bool,
+def export_c(
+    path: Path, folder: Path, inputs: Sequence[str], *, case_file: Path | None, allow_code: bool
 ) -> None:
-    """Write the machine of a case, or of a result, as it stands at the start of its run.
+    """Write the machine of a case, or of a result, as it stands at the start of its run, as a folder of C.
 
-    c, fmu : folder of the C, and file of the FMU; one of them
     inputs : names of joints, springs and elements whose laws are given from outside
-    fmi : version of the FMU's interface
     case_file : of a result, as for `result_machine`
 
     Raises
     ------
-    ArgumentError       both, or neither
     CaseError           mistakes in the case file; an input that it does not have; a body that corrects itself
-    ModelError          as `machine_step`, `write_machine` and `write_fmu`
+    ModelError          as `step_program` and `write_machine`
     ResultFileError     a file that cannot be read or written
     """
-    if (c is None) == (fmu is None):
-        raise ArgumentError(
-            "a machine is written as C (--c FOLDER) or as an FMU (-o FILE.fmu): give one of them"
-        )
+    _export(
+        path, folder, inputs, case_file, allow_code, lambda step, title: write_machine(folder, step, title)
+    )
+    say(f"written to {folder}: run make test there")
+
+
+def export_fmu(
+    path: Path, target: Path, inputs: Sequence[str], *, fmi: int, case_file: Path | None, allow_code: bool
+) -> None:
+    """Write it as an FMU; fmi : version of the interface. Errors as `export_c`, and of `write_fmu`."""
+    _export(
+        path,
+        target,
+        inputs,
+        case_file,
+        allow_code,
+        lambda step, title: write_fmu(target, step, title, fmi=fmi),
+    )
+    say(f"written to {target}, FMI {fmi}")
+
+
+def _export(
+    path: Path,
+    target: Path,
+    inputs: Sequence[str],
+    case_file: Path | None,
+    allow_code: bool,
+    write: Callable[[StepProgram, str], object],
+) -> None:
     with console.status("reading") as status:
 
         def notify(step: str, detail: str = "") -> None:
             status.update(worded(step, detail))
 
         case, system = _machine(path, case_file, allow_code, notify)
-        check_not_an_input(case, [target for target in (c, fmu) if target is not None])
+        check_not_an_input(case, [target])
         notify("tracing the equations")
         step = _step(case, system, inputs)
         notify("writing")
-        title = case.title or path.stem
-        if c is not None:
-            write_machine(c, step, title)
-        else:
-            assert fmu is not None
-            write_fmu(fmu, step, title, fmi=fmi)
+        write(step, case.title or path.stem)
     _report(step)
-    say(f"written to {c}: run make test there" if c is not None else f"written to {fmu}, FMI {fmi}")
 
 
 def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) -> tuple[Case, System]:
     if path.suffix.lower() != ".toml":
         found = result_machine(path, case_file, notify)
-        case, system = found.case, found.system
-        if case.tables.simulation.start != "placed":
-            raise CaseError(
-                f"{path}: its run does not start as the machine is placed (start, in [simulation]): export "
-                "the case"
-            )
-        return case, case.controlled(system, allow_code=allow_code)
+        return found.case, starting_system(found.case, found.system, allow_code=allow_code)
     case = read_case(path, notify)
     if case.starts:
         raise CaseError(
@@ -96,17 +99,18 @@ def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) 
     return case, starting_system(case, allow_code=allow_code)
 
 
-def _step(case: Case, system: System, inputs: Sequence[str]) -> MachineStep:
+def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
     known = _elements(case, system)
     for name in inputs:
         if name not in known:
             raise CaseError(
-                f"{case.path} has no joint, spring or element '{name}'{did_you_mean(name, known)}; there "
-                f"are: {', '.join(known) or 'none'}"
+                f"{case.path} has no joint, spring or element '{name}'{did_you_mean(name, known)}"
             )
     chosen = {name: known[name] for name in inputs}
     units = {name: _unit(case, element) for name, element in chosen.items()}
-    return machine_step(system, case.run, _outputs(case, system), chosen, input_units=units, units=case.units)
+    return step_program(
+        system, case.run, machine_outputs(case, system), chosen, input_units=units, units=case.units
+    )
 
 
 def _elements(case: Case, system: System) -> dict[str, Any]:
@@ -127,7 +131,7 @@ def _unit(case: Case, element: Any) -> str:
     return case.units.moment if "Torque" in kind else case.units.force if "Force" in kind else ""
 
 
-def _outputs(case: Case, system: System) -> list[Quantity]:
+def machine_outputs(case: Case, system: System) -> list[Quantity]:
     """Its sensors, the places that it tracks, and the motions of joints about or along their axes."""
     sensors = list(case.sensors)
     tracked = [PositionSensor(name, case.place(name)) for name in case.parts.output.track]
@@ -144,9 +148,9 @@ def _moves_along_axis(joint: Joint) -> bool:
     return type(joint) in (Revolute, Prismatic, Cylindrical)
 
 
-def _report(step: MachineStep) -> None:
+def _report(step: StepProgram) -> None:
     rows: Mapping[str, str] = {
-        "coordinates": f"{step.model.n_velocities} velocities, {len(step.model.active)} equations of joints",
+        "coordinates": f"{step.march.n_velocities} velocities, {step.n_equations} equations of joints",
         "step": f"{step.size:g}",
         "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none: the time alone",
         "outputs": ", ".join(variable.name for variable in step.outputs.variables) or "none",

@@ -44,12 +44,14 @@ def export_result(
 
     Raises
     ------
-    ArgumentError       an option that the format does not take, or times that are none
+    ArgumentError       times that are none
     ModelError          another suffix; as the writers
     ResultFileError     as for `result_machine`; a file that cannot be written
     """
     suffix = target.suffix.lower()
-    _check_options(target, suffix, bodies, time, times)
+    if suffix not in (*_PICTURES, *TABLE_SUFFIXES):
+        known = ", ".join((*_PICTURES, *TABLE_SUFFIXES))
+        raise ModelError(f"cannot write {target}: of a result, files that end in {known} can be written")
     with console.status("reading") as status:
         found = result_machine(path, case_file, lambda step, detail="": status.update(worded(step, detail)))
         check_not_an_input(found.case, [target])
@@ -72,22 +74,6 @@ def export_result(
 def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
     """Files of the reduced bodies that its motion means."""
     return {kept_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
-
-
-def _check_options(
-    target: Path, suffix: str, bodies: Sequence[str] | None, time: float | None, times: str | None
-) -> None:
-    known = (*_PICTURES, *TABLE_SUFFIXES)
-    if suffix not in known:
-        raise ModelError(
-            f"cannot write {target}: of a result, files that end in {', '.join(known)} can be written"
-        )
-    if bodies and suffix not in _PICTURES:
-        raise ArgumentError("--body is for ParaView files only: a table has the whole machine; remove it")
-    if time is not None and suffix != ".vtu":
-        raise ArgumentError("--time is for a .vtu, which holds one instant; use --times FROM:TO:NUMBER")
-    if times is not None and suffix == ".vtu":
-        raise ArgumentError("a .vtu holds one instant: give --time, or write .vtkhdf")
 
 
 def _rows(

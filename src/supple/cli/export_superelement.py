@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from supple.body import BodyForm
 from supple.cases import Case, read_case
 from supple.cases.outputs import check_not_an_input
-from supple.errors import ArgumentError, CaseError, did_you_mean
+from supple.cli.chosen_body import chosen_body
+from supple.errors import ArgumentError, CaseError
 from supple.export import (
     InterfaceForm,
     StatedFrequencies,
@@ -143,17 +144,8 @@ def _free_interface(case: Case, form: InterfaceForm) -> str:
 
 def _chosen(case: Case, names: Sequence[str] | None, kinds: tuple[str, ...]) -> BodyForm:
     """The body of that name and one of these kinds, or the only one."""
-    if names and len(names) > 1:
-        raise CaseError(f"{case.path}: a superelement is one body, and {len(names)} are named: name one")
     known = {placed.body.name: placed.body for placed in case.system.bodies if placed.body.kind in kinds}
-    name = names[0] if names else next(iter(known)) if len(known) == 1 else None
-    if name in known:
-        return known[name]
-    listed = ", ".join(known) or "none"
-    if name is None:
-        remedy = "name one: --body NAME" if known else _NONE
-        raise CaseError(f"{case.path} has {len(known)} reduced bodies ({listed}); {remedy}")
-    raise CaseError(f"{case.path} has no reduced body '{name}'{did_you_mean(name, list(known))}: {listed}")
+    return known[chosen_body(case, names, list(known), "reduced bodies", _NONE)]
 
 
 def _linear(body: ReducedBody) -> ReducedBody:

@@ -10,7 +10,6 @@ import typer
 from supple import __version__
 from supple.cli.benchmark import BenchmarkGroup
 from supple.cli.sweep_group import SweepGroup
-from supple.errors import ArgumentError
 from supple.progress import show_progress
 from supple.terminal import console, reported_errors, reported_warnings, show_any_character
 
@@ -292,7 +291,9 @@ def export(
         list[str] | None,
         typer.Option("--input", help="Joint, spring or element whose law is an input of the C or the FMU."),
     ] = None,
-    fmi: Annotated[int, typer.Option(min=2, max=3, help="Version of the FMU's interface.")] = 3,
+    fmi: Annotated[
+        int | None, typer.Option(min=2, max=3, help="Version of the FMU's interface; default: 3.")
+    ] = None,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
@@ -301,43 +302,14 @@ def export(
 
     A deck (Abaqus, CalculiX) is of one body, clamped where joints hold it.
     """
-    from supple.cli.export_superelement import SUPERELEMENT_SUFFIXES, export_superelement
+    from supple.cli.export import ExportOptions
+    from supple.cli.export import export as write
 
     with reported_errors(debug=debug), reported_warnings():
-        is_case = path.suffix.lower() == ".toml"
-        if is_case and (times is not None or case is not None or not stress):
-            raise ArgumentError("--times, --no-stress and --case are for results (.h5); remove them")
-        if c is not None or (output is not None and output.suffix.lower() == ".fmu"):
-            from supple.cli.export_machine import export_machine
-
-            export_machine(
-                path, c=c, fmu=output, inputs=inputs or (), fmi=fmi, case_file=case, allow_code=allow_code
-            )
-            return
-        if output is None:
-            raise ArgumentError("name the file to write (-o FILE), or the folder of the C (--c FOLDER)")
-        if inputs:
-            raise ArgumentError("--input is for machines as C or as an FMU; remove it")
-        if abaqus and (not (is_case or superelement) or mode is not None):
-            raise ArgumentError("--abaqus is for the deck of a case's body; remove it")
-        if superelement and output.suffix.lower() != ".inp":
-            raise ArgumentError("--superelement is for a deck (.inp); other endings name their format")
-        if mode is not None:
-            from supple.cli.export_mode import export_mode
-
-            export_mode(path, output, mode, bodies=body, time=time or 0.0)
-        elif superelement or output.suffix.lower() in SUPERELEMENT_SUFFIXES:
-            if time is not None or times is not None or case is not None or not stress:
-                raise ArgumentError("a superelement takes --body and --abaqus alone; leave the others out")
-            export_superelement(path, output, body=body, abaqus=abaqus)
-        elif is_case:
-            from supple.cli.export_case import export_case
-
-            export_case(path, output, body=body, time=time, abaqus=abaqus)
-        else:
-            from supple.cli.export_result import export_result
-
-            export_result(path, output, bodies=body, time=time, times=times, stress=stress, case_file=case)
+        given = ExportOptions(
+            body, time, mode, times, stress, case, abaqus, superelement, inputs, fmi, allow_code
+        )
+        write(path, output, c, given)
 
 
 @app.command()

@@ -34,6 +34,7 @@ def _shapes(a, b, t, s):
         (jnp.concatenate([a, b.T], axis=0), jnp.stack([s, s * 2, s]), jnp.pad(a, ((1, 2), (0, 3)))),
         jnp.block([[a, a * 2], [jnp.zeros((2, 14))]]),
         (t.reshape(6, 4) * 2, (t + 1).reshape(-1), t.transpose(2, 0, 1).reshape(8, 3), t[:, 1:2].squeeze(1)),
+        (jnp.unstack(t * 2, axis=1), jnp.unstack(a), jnp.unstack(jnp.zeros((2, 3)))),
         (jnp.split(t * 2, 2, axis=2), jnp.eye(3) * s, lax.pad(a, s, ((-1, 1, 1), (2, -2, 0)))),
     )
 

@@ -189,6 +189,16 @@ def _split(block: Block, one: Operation, inputs: Sequence[Value], outputs: Seque
     return parts
 
 
+@rule("unstack")
+def _unstack(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    value, axis = block.stored(inputs[0]), one.params["axis"]
+    shape = tuple(outputs[0].shape)
+    if isinstance(value, Uniform):
+        return [replace(value, shape=shape)] * len(outputs)
+    strides = (*value.strides[:axis], *value.strides[axis + 1 :])
+    return [_viewed(value, shape, strides, place * value.strides[axis]) for place in range(len(outputs))]
+
+
 @rule("pad")
 def _pad(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
     value, filling = inputs

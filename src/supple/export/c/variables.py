@@ -1,20 +1,5 @@
-"""Inputs and outputs of an exported machine by name."""
+"""Inputs and outputs of a step program under the name that the printers use."""
 
-from __future__ import annotations
-
-from dataclasses import dataclass
+from supple.stepping import Variable
 
 __all__ = ["Variable"]
-
-
-@dataclass(frozen=True)
-class Variable:
-    """One number that a machine takes or gives.
-
-    start : at the start of the run
-    """
-
-    name: str
-    unit: str
-    description: str
-    start: float = 0.0

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time as clock
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -17,7 +18,7 @@ from supple.equations.control_start import first_control, fresh_control
 from supple.equations.sampling import sampling_of
 from supple.errors import ModelError
 from supple.integrate import GeneralizedAlpha, Leg, Run, Solution, Statistics, leg_size
-from supple.machine import System
+from supple.machine import At, System
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
@@ -28,16 +29,31 @@ from supple.methods.intrinsic.joined_start import instant_rates, joined_start
 from supple.methods.intrinsic.joined_step import JoinedState, joined_step
 from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["ITERATED", "JoinedEngine"]
+__all__ = ["ITERATED", "JoinedEngine", "JoinedStepping"]
 
 ITERATED = 1e-4
 """Of the run's tolerance: to what implicit steps are solved, so that the energy shows the rule alone."""
 
 
-class JoinedEngine:
-    """An `Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state."""
+class JoinedStepping(NamedTuple):
+    """How steps are made and solved.
 
-    def __init__(self, system: System, run: Run) -> None:
+    tolerance : of the residual of a step,  limit : beyond which it has not converged
+    """
+
+    coefficients: FirstOrderCoefficients
+    tolerance: float
+    max_iterations: int
+    limit: float
+
+
+class JoinedEngine:
+    """An `Engine` of intrinsic, rigid and reduced bodies and their joints; `JoinedState` is its state.
+
+    also : ends that are looked at besides those that joints and forces hold
+    """
+
+    def __init__(self, system: System, run: Run, also: Sequence[At] = ()) -> None:
         run = with_chosen_step(system, run)
         if not isinstance(run.method, GeneralizedAlpha):
             raise ModelError(
@@ -45,13 +61,36 @@ class JoinedEngine:
                 "GeneralizedAlpha(rho_inf); explicit rules step bodies whose roots the ground holds"
             )
         self._run = run
-        self._machine: JoinedMachine = joined_machine(system, run.start)
+        self._machine: JoinedMachine = joined_machine(system, run.start, also)
         self._arrays = self._machine.arrays
         self._coefficients = first_order_coefficients(run.method.rho_inf)
         self._interval = float(run.times[1] - run.times[0])
         self._step = float(run.step_control.first)
         self._sampling = sampling_of(self._machine.seen, run)
         self._length = leg_size(len(run.times)) if self._sampling is None else 1
+
+    @property
+    def machine(self) -> JoinedMachine:
+        """The machine made ready; since the start without redundant equations."""
+        return self._machine._replace(arrays=self._arrays)
+
+    @property
+    def step(self) -> float:
+        """Largest step."""
+        return self._step
+
+    @property
+    def stepping(self) -> JoinedStepping:
+        """How its steps are made and solved."""
+        tolerances = self._run.tolerances
+        return JoinedStepping(
+            self._coefficients, ITERATED * tolerances.residual, tolerances.max_iterations, self._limit
+        )
+
+    @property
+    def _limit(self) -> float:
+        """Of the residual of a step, beyond which it has not converged."""
+        return 10 * self._run.tolerances.residual
 
     def start(self, time: float) -> JoinedState:
         """Velocities on the joints, consistent rates and joint forces."""
@@ -115,17 +154,17 @@ class JoinedEngine:
     def _leg(self, state: JoinedState, times: np.ndarray) -> Leg[JoinedState]:
         began = clock.perf_counter()
         # A short leg repeats its end, where steps have no length.
-        tolerances = self._run.tolerances
+        stepping = self.stepping
         interval = self._interval if self._sampling is None else float(times[0] - state.now.time)
         n_steps = max(1, int(np.ceil(interval / self._step * (1 - 1e-9))))
         reached = _march(
             self._arrays,
             state,
             full_leg(times, self._length),
-            self._coefficients,
-            ITERATED * tolerances.residual,
+            stepping.coefficients,
+            stepping.tolerance,
             n_steps,
-            tolerances.max_iterations,
+            stepping.max_iterations,
         )
         reached = jax.device_get(reached)
         good = self._good(reached)[: len(times)]
@@ -146,7 +185,7 @@ class JoinedEngine:
 
     def _good(self, reached: JoinedState) -> np.ndarray:
         sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(reached.now)]
-        return np.isfinite(np.sum(sizes, axis=0)) & (reached.worst <= 10 * self._run.tolerances.residual)
+        return np.isfinite(np.sum(sizes, axis=0)) & (reached.worst <= self._limit)
 
     def _why(self, reached: JoinedState, number: int) -> str:
         return (
@@ -181,8 +220,7 @@ class JoinedEngine:
             for number, leaf in enumerate(jax.tree.leaves(leg.last))
         }
         state["active"] = np.array(self._arrays.model.active, dtype=float)
-        machine = self._machine._replace(arrays=self._arrays)
-        return joined_solution(machine, now, velocities, rates, multipliers, leg.statistics, state)
+        return joined_solution(self.machine, now, velocities, rates, multipliers, leg.statistics, state)
 
 
 def _march_joined(

@@ -7,6 +7,7 @@ the amplitudes of the line through the velocities of its stations.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -47,6 +48,8 @@ __all__ = [
     "JoinedMachine",
     "held_places",
     "joined_machine",
+    "seen_element",
+    "seen_end",
     "seen_lines",
     "supported_machine",
     "with_stations",
@@ -119,17 +122,18 @@ class SeenLines(NamedTuple):
     on_lines: System
 
 
-def seen_lines(system: System) -> SeenLines:
+def seen_lines(system: System, also: Sequence[At] = ()) -> SeenLines:
     """The stations that joints, forces and controllers take hold of, as bodies.
 
+    also : other ends that are looked at
     Raises ModelError for intrinsic bodies whose modes hold their root.
     """
     lines = tuple(placed for placed in system.bodies if isinstance(placed.body, IntrinsicBody))
     others = tuple(placed for placed in system.bodies if placed not in lines)
     _check_roots(lines)
     forces = [load for load in system.loads if isinstance(load, ForceElement)]
-    held = tuple(_held(placed, _ends(system, forces)) for placed in lines)
-    joints = {joint.name: _seen_ends(system, joint) for joint in system.joints}
+    held = tuple(_held(placed, [*_ends(system, forces), *also]) for placed in lines)
+    joints = {joint.name: seen_element(system, joint) for joint in system.joints}
     bases = [load for load in system.loads if isinstance(load, BaseAcceleration)]
     nodal = [load for load in system.loads if isinstance(load, NodalLoad)]
     names = {placed.body.name for placed in lines}
@@ -140,7 +144,7 @@ def seen_lines(system: System) -> SeenLines:
             *(
                 replace(load, joint=joints[load.joint.name])
                 if isinstance(load, JointFriction)
-                else _seen_ends(system, load)
+                else seen_element(system, load)
                 for load in forces
             ),
             *(load for load in nodal if load.body not in names),
@@ -153,9 +157,12 @@ def seen_lines(system: System) -> SeenLines:
     return SeenLines(seen, lines, held, System(lines, loads=[*own_loads, *bases], gravity=system.gravity))
 
 
-def joined_machine(system: System, time: float) -> JoinedMachine:
-    """The arrays of a machine; ModelError for bodies that cannot take part, with the remedy."""
-    seen, lines, held, on_lines = seen_lines(system)
+def joined_machine(system: System, time: float, also: Sequence[At] = ()) -> JoinedMachine:
+    """The arrays of a machine; ModelError for bodies that cannot take part, with the remedy.
+
+    also : as for `seen_lines`
+    """
+    seen, lines, held, on_lines = seen_lines(system, also)
     arrays = JoinedArrays(
         lines=tuple(body_of(placed).model for placed in lines),
         drives=(None,) * len(lines),
@@ -227,12 +234,12 @@ def _station(placed: Placed, number: int) -> Placed:
     return Placed(body, point, rotation)
 
 
-def _seen_ends(system: System, element: Joint | ForceElement) -> Any:
+def seen_element(system: System, element: Joint | ForceElement) -> Any:
     """A joint or force between floating bodies and stations."""
-    return replace(element, first=_seen(system, element.first), second=_seen(system, element.second))
+    return replace(element, first=seen_end(system, element.first), second=seen_end(system, element.second))
 
 
-def _seen(system: System, end: At) -> At:
+def seen_end(system: System, end: At) -> At:
     """An end, or the station that it is."""
     if end == GROUND:
         return end
@@ -245,10 +252,10 @@ def _seen(system: System, end: At) -> At:
 def _seen_controller(system: System, controller: Controller | SampledController) -> Any:
     """A controller that reads and drives floating bodies and stations."""
     reads = {
-        name: EndReading(_seen(system, each.at)) if isinstance(each, EndReading) else each
+        name: EndReading(seen_end(system, each.at)) if isinstance(each, EndReading) else each
         for name, each in controller.reads.items()
     }
-    drives = {name: _seen_ends(system, element) for name, element in controller.drives.items()}
+    drives = {name: seen_element(system, element) for name, element in controller.drives.items()}
     return replace(controller, reads=reads, drives=drives)
 
 

@@ -1,4 +1,4 @@
-"""Laws of time that become inputs of an exported machine: their values come from outside."""
+"""Laws of time that become inputs of a step program: their values come from outside."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 
 from supple.equations.model import Model
 from supple.errors import ModelError, SuppleError
-from supple.export.c.variables import Variable
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant
 from supple.machine.laws.time_law import as_time_law
 from supple.machine.laws.unbounded_law import UnboundedLaw
+from supple.stepping.variables import Variable
 
 __all__ = ["ExternalInputs", "external_inputs"]
 
@@ -61,6 +61,17 @@ class ExternalInputs:
             return Constant(inputs[np.asarray(law.places)]) if _is_external(law) else law
 
         return jax.tree.map(constant, model, is_leaf=_is_external)
+
+    def check_read(self, arrays: Any) -> None:
+        """ModelError for an input that the numbers of the equations do not read."""
+        laws = [leaf for leaf in jax.tree.leaves(arrays, is_leaf=_is_external) if _is_external(leaf)]
+        read = {int(place) for law in laws for place in np.ravel(law.places)}
+        for place, variable in enumerate(self.variables):
+            if place not in read:
+                raise ModelError(
+                    f"'{variable.name}' cannot be an input: the equations of its body read its law when they "
+                    "are made; drive another element, or reduce the body"
+                )
 
 
 def external_inputs(

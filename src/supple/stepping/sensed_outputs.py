@@ -1,4 +1,4 @@
-"""Sensors as functions of a state that JAX traces: what an exported machine gives."""
+"""Sensors as functions of a state that JAX traces: the outputs of a step program."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from supple.equations.ends import markers
 from supple.equations.joint_linearization import affine_form, axial
 from supple.equations.marker import Marker, pose
 from supple.equations.model import Ends, Model
-from supple.export.c.variables import Variable
 from supple.machine import GROUND, EndReading, JointFriction, JointReading, System
 from supple.machine.forces.relative_motion import axial_motion, wrapped
 from supple.machine.pose import Pose
@@ -33,6 +32,8 @@ from supple.quantities import (
     SpringForceSensor,
     VelocitySensor,
 )
+from supple.stepping.seen_machine import SeenMachine
+from supple.stepping.variables import Variable
 from supple.units import UnitSystem
 
 __all__ = ["SensedOutputs", "sensed_outputs"]
@@ -60,15 +61,15 @@ class SensedOutputs:
         return jnp.concatenate(parts)
 
 
-def sensed_outputs(system: System, sensors: Sequence[Quantity], units: UnitSystem) -> SensedOutputs:
+def sensed_outputs(seen: SeenMachine, sensors: Sequence[Quantity], units: UnitSystem) -> SensedOutputs:
     """What the sensors read, as functions of a state; those without such a form are named and left out."""
     variables, reads, left_out = [], [], []
     for sensor in sensors:
-        read = _read_of(system, sensor)
+        read = _read_of(seen, sensor)
         if read is None:
             left_out.append(sensor.name)
             continue
-        channels = sensor.channels(system)
+        channels = sensor.channels(seen.own)
         variables += [
             Variable(
                 f"{sensor.name}.{channel.name}" if channel.name else sensor.name,
@@ -81,21 +82,21 @@ def sensed_outputs(system: System, sensors: Sequence[Quantity], units: UnitSyste
     return SensedOutputs(tuple(variables), tuple(reads), tuple(left_out))
 
 
-def _read_of(system: System, sensor: Quantity) -> Reads | None:
+def _read_of(seen: SeenMachine, sensor: Quantity) -> Reads | None:
     made = next((make for kind, make in _READS.items() if isinstance(sensor, kind)), None)
-    return None if made is None else made(system, sensor)
+    return None if made is None else made(seen, sensor)
 
 
-def _position(system: System, sensor: PositionSensor) -> Reads:
-    return _of_point(system, sensor.place, lambda moving, *_: moving[0])
+def _position(seen: SeenMachine, sensor: PositionSensor) -> Reads | None:
+    return _of_point(seen, sensor.place, lambda moving, *_: moving[0])
 
 
-def _velocity(system: System, sensor: VelocitySensor) -> Reads:
-    return _of_point(system, sensor.place, lambda moving, *_: moving[1])
+def _velocity(seen: SeenMachine, sensor: VelocitySensor) -> Reads | None:
+    return _of_point(seen, sensor.place, lambda moving, *_: moving[1])
 
 
-def _acceleration(system: System, sensor: AccelerationSensor) -> Reads:
-    return _of_point(system, sensor.place, _absolute)
+def _acceleration(seen: SeenMachine, sensor: AccelerationSensor) -> Reads | None:
+    return _of_point(seen, sensor.place, _absolute)
 
 
 def _absolute(moving: Any, time: Any, model: Model) -> Any:
@@ -160,8 +161,11 @@ class _Point:
         return origin + turn @ arm, velocity, a[:3] + turn @ seen
 
 
-def _of_point(system: System, place: Place, chosen: Callable[..., Any]) -> Reads:
-    point = _Point.of(system, place)
+def _of_point(seen: SeenMachine, place: Place, chosen: Callable[..., Any]) -> Reads | None:
+    own = seen.place(place)
+    if own is None:
+        return None
+    point = _Point.of(seen.system, own)
     return lambda model, motion, *_: chosen(point.at(model, motion), motion.time, model)
 
 
@@ -174,34 +178,35 @@ def _pose(ends: Ends, motion: SystemMotion) -> Pose:
     return pose(_marker(ends, motion.configuration, motion.velocity))
 
 
-def _deflection(system: System, sensor: DeflectionSensor) -> Reads | None:
-    base = sensor.base(system)
-    point = _Point.of(system, sensor.place)
-    if base is None:
+def _deflection(seen: SeenMachine, sensor: DeflectionSensor) -> Reads | None:
+    base, place = sensor.base(seen.own), seen.place(sensor.place)
+    if base is None or place is None:
         return None
-    (reader,) = readers_of(system, {"seen from": EndReading(base)})
-    form: Any = system.placed(base.body).body
-    rest = point.rest - np.asarray(form.interface(base.interface).position)
+    point, end = _Point.of(seen.system, place), seen.end(base)
+    (reader,) = readers_of(seen.system, {"seen from": EndReading(end)})
+    form: Any = seen.own.placed(base.body).body
+    body: Any = seen.own.placed(sensor.place.body).body
+    rest = np.asarray(sensor.place.rest(body)) - np.asarray(form.interface(base.interface).position)
     # Readers have the global axes of the assembly, deflections the axes of the mesh.
-    to_mesh = np.asarray(system.placed(base.body).assembly.rotation)
+    to_mesh = np.asarray(seen.system.placed(end.body).assembly.rotation)
 
     def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
-        seen = _pose(reader.first, motion)
-        axes = seen.axes @ to_mesh
-        return axes.T @ (point.at(model, motion)[0] - seen.point) - rest
+        from_there = _pose(reader.first, motion)
+        axes = from_there.axes @ to_mesh
+        return axes.T @ (point.at(model, motion)[0] - from_there.point) - rest
 
     return read
 
 
-def _angular_velocity(system: System, sensor: AngularVelocitySensor) -> Reads:
+def _angular_velocity(seen: SeenMachine, sensor: AngularVelocitySensor) -> Reads:
     if sensor.at == GROUND:
         return lambda *_: jnp.zeros(3)
-    (reader,) = readers_of(system, {"end": EndReading(sensor.at)})
+    (reader,) = readers_of(seen.system, {"end": EndReading(seen.end(sensor.at))})
     return lambda _, motion, *__: _pose(reader.first, motion).angular_velocity
 
 
-def _joint_motion(system: System, sensor: JointMotionSensor) -> Reads:
-    (reader,) = readers_of(system, {"joint": JointReading(sensor.joint)})
+def _joint_motion(seen: SeenMachine, sensor: JointMotionSensor) -> Reads:
+    (reader,) = readers_of(seen.system, {"joint": JointReading(sensor.joint)})
 
     def read(_model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
         own = axial_motion(_pose(reader.first, motion), _pose(reader.second, motion))
@@ -238,13 +243,13 @@ def _one(law: Any, number: int) -> Any:
     return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], law)
 
 
-def _joint_force(system: System, sensor: JointForceSensor) -> Reads:
-    wrench = _joint_wrench(system, sensor.joint)
+def _joint_force(seen: SeenMachine, sensor: JointForceSensor) -> Reads:
+    wrench = _joint_wrench(seen.system, sensor.joint)
     return lambda model, motion, *_: wrench(model, motion)
 
 
-def _element(system: System, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
-    element = sensor.element
+def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
+    system, element = seen.system, seen.element(sensor.element)
     if element.law is not None and not any(each is element for each in system.loads):
         return None  # its law is an input
     group = force_group_of(system, element)
@@ -270,7 +275,7 @@ def _element(system: System, sensor: SpringForceSensor | ElementEnergySensor) ->
     return read
 
 
-_READS: dict[type, Callable[[System, Any], Reads | None]] = {
+_READS: dict[type, Callable[[SeenMachine, Any], Reads | None]] = {
     PositionSensor: _position,
     VelocitySensor: _velocity,
     AccelerationSensor: _acceleration,

@@ -1,0 +1,182 @@
+"""Machines as C beside the compiled march: how far they differ, and what a step costs.
+
+Run with one thread: OMP_NUM_THREADS=1 python benchmarks/exported_c.py [--blade RESULT.h5] [--only NAME ..]
+Machines: those of `tests/fixtures/exported_machines.py`, the slider-crank of the examples, and their blade as
+the result of its run holds it (`supple run examples/blade.toml`).
+
+Differences are of 1000 steps of both, of the largest value of a quantity in the machine. Beside them stands
+the difference of the march from itself where XLA compiles it with other optimisations: rounding alone.
+Microseconds are the processor's: of C by the exported test, mean and slowest of 1000 steps; of the
+march, of 1000 steps in one call.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+from typing import Any
+
+import jax
+import numpy as np
+from measure import RESULTS, table_of
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+
+from fixtures import exported_machines  # noqa: E402
+from fixtures.compiled_c import MachineInC  # noqa: E402
+
+from supple.cases import read_case  # noqa: E402
+from supple.cases.result_machine import result_machine  # noqa: E402
+from supple.cases.static_case import starting_system  # noqa: E402
+from supple.cli.export_machine import machine_outputs  # noqa: E402
+from supple.export.c.write_machine import write_machine  # noqa: E402
+from supple.simulation.engines import engine_for  # noqa: E402
+from supple.stepping import StepProgram, step_program  # noqa: E402
+from supple.storage import write_json  # noqa: E402
+from supple_benchmarks.computer import describe_computer  # noqa: E402
+
+STEPS = 1000
+GROUPS = {"places": ("length", "angle"), "rates": ("velocity", "angular velocity")}
+"""Kinds of quantities that are compared together; accelerations and forces are the rest."""
+LEVELS = {"O2": "-std=c99 -O2 -ffp-contract=off", "O3 native": "-std=c99 -O3 -march=native"}
+
+Machine = tuple[Any, Any, Any, Any]
+
+
+def of_case(case: Any, system: Any) -> Machine:
+    """As the command exports it."""
+    return system, case.run, machine_outputs(case, system), {}
+
+
+def slider_crank_example() -> Machine:
+    """The machine of `examples/slider_crank.toml`."""
+    case = read_case(HERE.parent / "examples" / "slider_crank.toml")
+    return of_case(case, starting_system(case))
+
+
+def machines(blade: Path | None) -> dict[str, Callable[[], Machine]]:
+    """By name."""
+    found = {each.__name__: each for each in exported_machines.EVERY}
+    found["example slider-crank"] = slider_crank_example
+    if blade is not None:
+
+        def example_blade() -> Machine:
+            result = result_machine(blade, HERE.parent / "examples" / "blade.toml")
+            return of_case(result.case, starting_system(result.case, result.system))
+
+        found["example blade"] = example_blade
+    return found
+
+
+def driven(program: StepProgram, k: int) -> np.ndarray:
+    """Inputs (i,) of step k."""
+    return 0.3 * np.sin(0.01 * k) * np.ones(len(program.inputs.variables))
+
+
+def marched(program: StepProgram, compiled: Any) -> np.ndarray:
+    """Outputs (STEPS, o)."""
+    now, rows, start = program.start, [], float(program.start.state.time)
+    for k in range(1, STEPS + 1):
+        now = compiled(now._replace(input=driven(program, k)), np.float64(start + program.size * k))
+        rows.append(np.asarray(now.output))
+    assert not now.state.failed
+    return np.array(rows)
+
+
+def in_c(program: StepProgram, folder: Path) -> np.ndarray:
+    """The same of the C."""
+    machine, rows, start = MachineInC(folder, "-O2", "-ffp-contract=off"), [], float(program.start.state.time)
+    for k in range(1, STEPS + 1):
+        assert machine.advance(start + program.size * k, driven(program, k))
+        rows.append(machine.output)
+    return np.array(rows)
+
+
+def differences(program: StepProgram, one: np.ndarray, other: np.ndarray, of: str) -> dict[str, float]:
+    """Of each group of quantities, the largest of its kinds."""
+    kinds = np.array([each.description.partition(",")[0] for each in program.outputs.variables])
+    largest: dict[str, float] = {}
+    for kind in dict.fromkeys(kinds):
+        group = next((name for name, own in GROUPS.items() if kind in own), "accelerations, forces")
+        here = kinds == kind
+        size = np.abs(one[:, here]).max()
+        relative = np.abs(one - other)[:, here].max() / size if size else 0.0
+        largest[f"{of}: {group}"] = max(largest.get(f"{of}: {group}", 0.0), float(relative))
+    return largest
+
+
+def microseconds_of_c(folder: Path, flags: str) -> tuple[float, float]:
+    """Of a step, mean and slowest, by the exported test."""
+    subprocess.run(["make", "clean"], cwd=folder, check=True, capture_output=True)
+    done = subprocess.run(
+        ["make", "test", f"CFLAGS={flags}"], cwd=folder, check=True, capture_output=True, text=True
+    )
+    found = re.search(r"([\d.]+) us each, the slowest ([\d.]+) us", done.stdout)
+    assert found
+    return float(found[1]), float(found[2])
+
+
+def microseconds_of_march(machine: Machine, program: StepProgram) -> float:
+    """Of a step of `simulate`, once compiled."""
+    system, run, _, _ = machine
+    engine = engine_for(system, run)
+    state = engine.start(run.start)
+    times = run.start + program.size * np.arange(1, STEPS + 1)
+    times = times[: len(run.times) - 1]
+    state = engine.march(state, times).last
+    began = process_time()
+    engine.march(state, times + times[-1] - run.start)
+    return (process_time() - began) / len(times) * 1e6
+
+
+def row(name: str, make: Callable[[], Machine]) -> dict[str, Any]:
+    """All that is measured of a machine."""
+    machine = make()
+    system, run, sensors, inputs = machine
+    program = step_program(system, run, sensors, inputs)
+    with TemporaryDirectory() as place:
+        folder = Path(place)
+        began = process_time()
+        write_machine(folder, program, name)
+        written = process_time() - began
+        lines = (folder / "machine.c").read_text().count("\n")
+        exact = marched(program, program.compiled)
+        found = {"velocities": program.march.n_unknowns, "joint equations": program.n_equations}
+        found |= {"lines of C": lines, "writing, s": written}
+        found |= differences(program, exact, in_c(program, folder), "C")
+        other = jax.jit(program.advanced).lower(program.start, np.float64(0.0))
+        again = marched(program, other.compile({"xla_backend_optimization_level": 2}))
+        found |= differences(program, exact, again, "march itself")
+        for level, flags in LEVELS.items():
+            found[f"{level}, us"], found[f"{level}, slowest us"] = microseconds_of_c(folder, flags)
+    if not inputs:
+        found["march, us"] = microseconds_of_march(machine, program)
+    return found
+
+
+def main() -> None:
+    """Measure, print and keep the rows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--blade", type=Path)
+    parser.add_argument("--only", nargs="*")
+    given = parser.parse_args()
+    rows = {}
+    for name, make in machines(given.blade).items():
+        if given.only and name not in given.only:
+            continue
+        rows[name] = row(name, make)
+        print(name, rows[name], flush=True)
+    print(table_of([{"machine": name, **own} for name, own in rows.items()]))
+    if not given.only:
+        write_json(RESULTS / "exported_c.json", {"computer": describe_computer(), "machines": rows})
+
+
+if __name__ == "__main__":
+    main()

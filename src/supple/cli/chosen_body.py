@@ -1,0 +1,32 @@
+"""The one body of a case that is written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from supple.cases import Case
+from supple.errors import CaseError, did_you_mean
+
+__all__ = ["chosen_body"]
+
+
+def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], kind: str, none: str) -> str:
+    """The body that is named, or the only one there is.
+
+    known : bodies that can be written;  kind : of these, in words;  none : what to do where there is none
+
+    Raises CaseError for several names, a name that is not known, and where one must be named.
+    """
+    listed = ", ".join(known) or "none"
+    if names and len(names) > 1:
+        raise CaseError(f"{case.path}: one body is written, but {len(names)} are given: give one")
+    if not names and len(known) == 1:
+        return known[0]
+    if not names:
+        remedy = "give one: --body NAME" if known else none
+        raise CaseError(f"{case.path} has {len(known)} {kind} ({listed}); {remedy}")
+    if names[0] not in known:
+        raise CaseError(
+            f"{case.path}: '{names[0]}' is none of the {kind}{did_you_mean(names[0], list(known))}"
+        )
+    return names[0]

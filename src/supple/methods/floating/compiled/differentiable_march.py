@@ -1,0 +1,85 @@
+"""The march to one instant as a function that JAX differentiates in forward mode.
+
+Derivatives through the iterations of a step would be as far from convergence as the iteration's tangent is
+from the exact one; these are those of the discrete motion, by the implicit function theorem
+(`sensitivity_step`), whatever iteration found it.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.custom_derivatives import SymbolicZero
+
+from supple.equations.model import Model
+from supple.methods.floating.compiled.elimination import ByLapack
+from supple.methods.floating.compiled.sensitivity_step import StateChange, changed_by_step, state_change
+from supple.methods.floating.compiled.state import Controls, State
+from supple.methods.floating.compiled.time_step import substep
+
+__all__ = ["marched_to"]
+
+
+def marched_to(controls: Controls, model: Model, state: State, end: Any) -> State:
+    """The state at a time, in as many steps as the march takes; after a failure, the state before that step.
+
+    It has derivatives for the numbers of the model, the state and the time, in forward mode.
+    """
+
+    @jax.custom_jvp
+    def reached(model: Model, state: State, end: Any) -> State:
+        return jax.lax.while_loop(
+            partial(_goes_on, end), partial(substep, ByLapack(), model, controls, end), state
+        )
+
+    reached.defjvp(partial(_with_changes, controls), symbolic_zeros=True)
+    return reached(model, state, end)
+
+
+def _goes_on(end: Any, state: State) -> Any:
+    return (state.time < end) & ~state.failed
+
+
+def _is_zero(tangent: Any) -> bool:
+    return isinstance(tangent, SymbolicZero)
+
+
+def _along(value: Any, tangent: Any) -> jax.Array:
+    """The change of a value along one direction, (1, ..)."""
+    return jnp.zeros((1, *jnp.shape(value))) if _is_zero(tangent) else jnp.asarray(tangent)[None]
+
+
+def _with_changes(controls: Controls, primals: Any, tangents: Any) -> tuple[State, State]:
+    """The march and its derivative along one direction."""
+    (model, state, end), (by_model, by_state, by_end) = primals, tangents
+    model_change = [
+        None if _is_zero(own) else jnp.asarray(own)[None]
+        for own in jax.tree.leaves(by_model, is_leaf=_is_zero)
+    ]
+    begun = jax.tree.map(_along, state_change(state), state_change(by_state))
+    end_change = _along(end, by_end)
+
+    def one_step(known: tuple[State, StateChange]) -> tuple[State, StateChange]:
+        before, change = known
+        after = substep(ByLapack(), model, controls, end, before)
+        along = partial(changed_by_step, ByLapack(), model, controls, model_change, before, change, after)
+        accepted = after.steps > before.steps
+        return after, jax.lax.cond(accepted, lambda: along(end, end_change), lambda: change)
+
+    last, change = jax.lax.while_loop(lambda known: _goes_on(end, known[0]), one_step, (state, begun))
+    return last, _as_tangent(last, jax.tree.map(lambda leaf: leaf[0], change))
+
+
+def _as_tangent(state: State, change: StateChange) -> State:
+    """Derivatives of all parts of a state: of those that a step does not hand on, none."""
+
+    def none(leaf: Any) -> Any:
+        leaf = jnp.asarray(leaf)
+        inexact = jnp.issubdtype(leaf.dtype, jnp.inexact)
+        return jnp.zeros_like(leaf) if inexact else np.zeros(leaf.shape, jax.dtypes.float0)
+
+    return jax.tree.map(none, state)._replace(**change.carried._asdict(), multipliers=change.multipliers)

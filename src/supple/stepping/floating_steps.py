@@ -1,0 +1,47 @@
+"""Steps of machines of rigid and reduced bodies: those of the compiled march."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.equations.configuration import SystemMotion
+from supple.equations.model import Model
+from supple.integrate import Run
+from supple.machine import System
+from supple.methods.floating.compiled.differentiable_march import marched_to
+from supple.methods.floating.compiled.engine import controls, initial_state, system_motion
+from supple.methods.floating.compiled.state import Controls, State
+
+__all__ = ["FloatingSteps", "floating_steps"]
+
+
+@dataclass(frozen=True, eq=False)
+class FloatingSteps:
+    """A `Marching` by the compiled march; its arrays are the model."""
+
+    controls: Controls
+    size: float
+    n_velocities: int
+
+    def reached(self, arrays: Model, state: State, end: Any) -> State:
+        """The state at a time; its derivatives in forward mode are those of the discrete motion."""
+        return marched_to(self.controls, arrays, state, end)
+
+    def motion(self, _arrays: Model, state: State) -> SystemMotion:
+        """Of the state itself."""
+        return system_motion(state)
+
+    def model(self, arrays: Model) -> Model:
+        """The same."""
+        return arrays
+
+
+def floating_steps(system: System, run: Run) -> tuple[FloatingSteps, Model, State]:
+    """The steps of a machine, its arrays, and the consistent state in which its run starts."""
+    model, state = initial_state(system, run.start, run.step_control.first, run.validity)
+    steps = FloatingSteps(controls(run), float(run.step_control.first), model.n_velocities)
+    return steps, model, jax.tree.map(np.asarray, state)

@@ -1,0 +1,98 @@
+"""Steps of machines in which joints connect intrinsic bodies with each other and with others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from supple.equations.configuration import SystemMotion
+from supple.equations.model import Model
+from supple.integrate import Run
+from supple.machine import At, System
+from supple.methods.intrinsic.joined_engine import JoinedEngine, JoinedStepping
+from supple.methods.intrinsic.joined_equations import all_velocities, station_twists
+from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine
+from supple.methods.intrinsic.joined_start import instant_rates
+from supple.methods.intrinsic.joined_step import JoinedState, joined_step
+
+__all__ = ["JoinedSteps", "joined_steps"]
+
+
+class SteppedState(NamedTuple):
+    """A `MarchingState` around that of the march."""
+
+    time: Any
+    failed: Any
+    march: Any
+
+
+@dataclass(frozen=True, eq=False)
+class JoinedSteps:
+    """A `Marching` by the implicit march of lines and floating bodies."""
+
+    stepping: JoinedStepping
+    size: float
+    n_velocities: int
+
+    def reached(self, arrays: JoinedArrays, state: SteppedState, end: Any) -> SteppedState:
+        """The state at a time; after a step that does not converge, the state before it."""
+        coefficients, tolerance, most, limit = self.stepping
+        number = jnp.ceil((end - state.time) / self.size * (1 - 1e-9))
+        h = (end - state.time) / jnp.maximum(number, 1.0)
+
+        def goes_on(carry: tuple[Any, SteppedState]) -> Any:
+            return (carry[0] < number) & ~carry[1].failed
+
+        def one(carry: tuple[Any, SteppedState]) -> tuple[Any, SteppedState]:
+            count, before = carry
+            march = joined_step(arrays, coefficients, tolerance, most, before.march, h)
+            time = jnp.where(count + 1 < number, before.time + h, end)
+            march = march._replace(now=march.now._replace(time=time))
+            finite = jnp.stack([jnp.isfinite(leaf).all() for leaf in jax.tree.leaves(march.now)]).all()
+            good = finite & (march.worst <= limit)
+            kept = jax.tree.map(lambda a, b: jnp.where(good, a, b), march, before.march)
+            return count + 1, SteppedState(jnp.where(good, time, before.time), ~good, kept)
+
+        state = jax.tree.map(jnp.asarray, state)
+        return jax.lax.while_loop(goes_on, one, (jnp.zeros(()), state))[1]
+
+    def motion(self, arrays: JoinedArrays, state: SteppedState) -> SystemMotion:
+        """With accelerations and joint forces of the very instant."""
+        march: JoinedState = state.march
+        now, lines = march.now, march.now.lines
+        rates, multipliers = instant_rates(arrays, now, march.control)
+
+        def twists(states: Any) -> jax.Array:
+            return station_twists(arrays, states, tuple(own.q1 for own in states))
+
+        accelerations = jax.jvp(twists, (lines,), (rates.lines,))[1]
+        return SystemMotion(
+            state.time,
+            now.floating,
+            all_velocities(arrays, now),
+            jnp.concatenate([rates.acceleration, accelerations]),
+            multipliers,
+        )
+
+    def model(self, arrays: JoinedArrays) -> Model:
+        """Floating bodies and stations."""
+        return arrays.model
+
+
+def joined_steps(
+    system: System, run: Run, also: Sequence[At]
+) -> tuple[JoinedSteps, JoinedMachine, SteppedState]:
+    """The steps of a machine, the machine made ready, and the consistent state in which its run starts.
+
+    also : stations that sensors look at
+    """
+    engine = JoinedEngine(system, run, also)
+    march = jax.tree.map(np.asarray, engine.start(run.start))
+    n = engine.machine.arrays.n_floating + sum(len(line.q1) for line in march.now.lines)
+    start = SteppedState(np.asarray(march.now.time, dtype=float), np.zeros((), dtype=bool), march)
+    return JoinedSteps(engine.stepping, engine.step, n), engine.machine, start

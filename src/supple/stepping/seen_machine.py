@@ -1,0 +1,74 @@
+"""A machine as its sensors see it: intrinsic bodies by the stations that are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from supple.machine import GROUND, At, ForceElement, System
+from supple.methods.intrinsic import IntrinsicBody
+from supple.methods.intrinsic.joined_machine import seen_element, seen_end
+from supple.quantities import (
+    AngularVelocitySensor,
+    DeflectionSensor,
+    ElementEnergySensor,
+    Place,
+    Quantity,
+    SpringForceSensor,
+)
+
+__all__ = ["SeenMachine", "ends_on_lines"]
+
+
+@dataclass(frozen=True, eq=False)
+class SeenMachine:
+    """Bodies as the sensors have them, and as the model has them; the same of rigid and reduced ones.
+
+    system : the bodies of the model; joints and elements under the names and in the order of the machine
+    """
+
+    own: System
+    system: System
+
+    def end(self, end: At) -> At:
+        """An end, or the station that it is."""
+        return end if self.own is self.system else seen_end(self.own, end)
+
+    def place(self, place: Place) -> Place | None:
+        """A place, or the station that it is; None of nodes of an intrinsic body."""
+        if isinstance(place.at, str):
+            end = self.end(At(place.body, place.at))
+            return Place(end.body, end.interface)
+        return None if _is_line(self.own, place.body) else place
+
+    def element(self, element: ForceElement) -> Any:
+        """A force element between bodies of the model; it need not be one of the machine."""
+        if self.own is self.system:
+            return element
+        pairs = zip(_elements(self.own), _elements(self.system), strict=True)
+        return next((seen for own, seen in pairs if own is element), seen_element(self.own, element))
+
+
+def ends_on_lines(system: System, sensors: Sequence[Quantity]) -> list[At]:
+    """Ends on intrinsic bodies at which sensors look."""
+    ends: list[At | None] = []
+    for sensor in sensors:
+        place = getattr(sensor, "place", None)
+        if isinstance(place, Place) and isinstance(place.at, str):
+            ends.append(At(place.body, place.at))
+        if isinstance(sensor, DeflectionSensor):
+            ends.append(sensor.base(system))
+        if isinstance(sensor, AngularVelocitySensor):
+            ends.append(sensor.at)
+        if isinstance(sensor, SpringForceSensor | ElementEnergySensor):
+            ends += [sensor.element.first, sensor.element.second]
+    return [end for end in ends if end is not None and end != GROUND and _is_line(system, end.body)]
+
+
+def _elements(system: System) -> list[ForceElement]:
+    return [load for load in system.loads if isinstance(load, ForceElement)]
+
+
+def _is_line(system: System, body: str) -> bool:
+    return isinstance(system.placed(body).body, IntrinsicBody)
