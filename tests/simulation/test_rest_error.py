@@ -117,6 +117,7 @@ def spun():
     return found, equilibrium(machine(full), spin=SPIN)
 
 
+@pytest.mark.slow
 def test_errors_at_places_are_those_of_the_full_machine(spun):
     """Of the mass too, which has no basis: it is where the bar holds it."""
     found, exact = spun
