@@ -146,7 +146,7 @@ def same_body(one, other):
         assert abs(a.motion - b.motion).max() == 0
 
 
-@pytest.fixture(params=["shell", "solid"])
+@pytest.fixture(params=["shell", pytest.param("solid", marks=pytest.mark.slow)])
 def model(request):
     return request.getfixturevalue(request.param)
 

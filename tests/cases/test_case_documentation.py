@@ -92,6 +92,7 @@ def test_the_imported_line_of_the_page_of_intrinsic_bodies_is_a_valid_case(tmp_p
     assert body.condense.paths == ((1, 2, 3, 4), (2, 11, 12))
 
 
+@pytest.mark.slow
 def test_the_scripts_of_the_import_page_run(tmp_path, monkeypatch, bulk):
     """The bulk data and matrices of a block, written by the page's own function, give its two bodies."""
     mesh = block(1.0, 0.3, 0.2, 3, 1, 1, CellType.TETRA4)

@@ -162,6 +162,7 @@ def test_matrix_market_files_have_modal_rows_behind_those_of_the_nodes(tmp_path,
     assert abs(body.damping - 0.01 * body.stiffness).max() < 1e-12 * abs(body.stiffness).max()
 
 
+@pytest.mark.slow
 def test_recovered_points_can_be_averaged_but_not_tied(tmp_path, beam):
     more = '[[body.interface]]\nname = "inside"\nkind = "KIND"\nnode_indices = [103, 104, 105]\n\n[[joint]]'
     path = write(tmp_path, beam, CASE.replace("[[joint]]", more.replace("KIND", "rigid"), 1))

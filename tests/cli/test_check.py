@@ -149,6 +149,7 @@ def test_a_refused_body_is_not_run(folder):
         assert case.flexible
 
 
+@pytest.mark.slow
 def test_an_rbe2_that_is_no_interface_ties_its_nodes_all_the_same(folder):
     """It stiffens the body as in Nastran, whatever the interface there."""
     table = 'connection = "rbe2_7"'

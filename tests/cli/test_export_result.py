@@ -107,6 +107,7 @@ def test_paraview_files(result, case_folder, tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_a_result_is_found_again_where_both_were_moved_to(result, case_folder, tmp_path):
     moved = tmp_path / "elsewhere"
     moved.mkdir()

@@ -41,6 +41,7 @@ def with_errors(case, text):
     case.write_text(case.read_text().replace("[output]", f"{text}\n[output]"))
 
 
+@pytest.mark.slow
 def test_a_plain_run_says_what_it_looked_at_and_that_the_sum_is_at_least_that(case):
     out = case.parent / "out"
     output = call("run", case, "-o", out)

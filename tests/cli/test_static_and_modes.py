@@ -73,6 +73,7 @@ def test_a_pendulum_hangs_and_swings(run):
     assert [mode["frequency"] for mode in modes] == pytest.approx([0.0, swing, swing], abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_conical_pendulum_rises_with_its_spin(run):
     """`cos a = g / l w^2`, tension `m w^2 l`: a ball's angular momentum about its centre does not change."""
     result, folder = run("static", spin="[spin]\nrate = 4.0\naxis = [0, 0, 1]\n")

@@ -70,10 +70,8 @@ def forms(soft):
 
 
 FORMS = ("nodal-fixed", "mean-axis", "linear", "full", "full in mean axes")
-# Each compiles a start of its own for each machine: two kinds of bodies here, the others in `make test-all`.
-SOME_FIRST = [
-    pytest.param(form, marks=() if form in {"mean-axis", "full"} else pytest.mark.slow) for form in FORMS
-]
+# Each compiles a start of its own for each machine: one kind of bodies here, the others in `make test-all`.
+ONE_FIRST = [pytest.param(form, marks=() if form == "mean-axis" else pytest.mark.slow) for form in FORMS]
 
 
 def start_of(system):
@@ -89,7 +87,7 @@ def coordinates_at(start, index=0):
     return own[:6], own[6:]
 
 
-@pytest.mark.parametrize("form", SOME_FIRST)
+@pytest.mark.parametrize("form", ONE_FIRST)
 def test_a_strip_turned_at_a_constant_rate_turns_as_a_rigid_body(forms, form):
     drive = PrescribedRotation(
         name="drive", first=GROUND, second=At("strip", "root"), axis=Z, angle=ConstantRate(SPIN)
@@ -104,7 +102,7 @@ def test_a_strip_turned_at_a_constant_rate_turns_as_a_rigid_body(forms, form):
     assert not start.change.unmet
 
 
-@pytest.mark.parametrize("form", SOME_FIRST)
+@pytest.mark.parametrize("form", ONE_FIRST)
 def test_a_shaken_strip_moves_with_its_table(forms, form):
     """No deflection comes from the start: displacement a sin(w t) begins at the speed a w."""
     shaker = PrescribedTranslation(
@@ -120,7 +118,7 @@ def test_a_shaken_strip_moves_with_its_table(forms, form):
     np.testing.assert_allclose(rates, 0, atol=1e-11)
 
 
-@pytest.mark.parametrize("form", SOME_FIRST)
+@pytest.mark.parametrize("form", ONE_FIRST)
 def test_a_hub_carries_its_strip(forms, form):
     """Both follow the motor at the hub's centre."""
     hub = RigidBody("hub", 2.0, [0, 0, 0], np.eye(3), {"middle": [0, 0, 0], "rim": [0.3, 0, 0]})
@@ -138,10 +136,7 @@ def test_a_hub_carries_its_strip(forms, form):
     assert [each.body for each in start.change.taken] == ["hub", "strip"]
 
 
-@pytest.mark.parametrize(
-    "form",
-    [pytest.param(form, marks=() if form == "mean-axis" else pytest.mark.slow) for form in FORMS],
-)
+@pytest.mark.parametrize("form", ONE_FIRST)
 def test_a_flexible_rod_of_a_slider_crank(forms, form):
     """Crank upright, of radius r: the slider moves at -r w, and the rod does not turn at that instant."""
     r = 0.2
@@ -164,7 +159,7 @@ def test_a_flexible_rod_of_a_slider_crank(forms, form):
     np.testing.assert_allclose(start.velocity[start.machine.slices[2]][:3], [-r * SPIN, 0, 0], atol=1e-9)
 
 
-@pytest.mark.parametrize("form", SOME_FIRST)
+@pytest.mark.parametrize("form", ONE_FIRST)
 def test_only_what_no_rigid_motion_meets_deforms_and_is_said(forms, form):
     """Both ends are pulled apart along the strip: half the speed each way about its middle at rest."""
     speed = 0.1
@@ -225,7 +220,7 @@ def test_a_start_that_deforms_a_body_warns(forms):
         simulate(System([forms["nodal-fixed"]], joints), Run(0.002, 0.001, FixedStep(0.001)))
 
 
-@pytest.mark.parametrize("form", SOME_FIRST)
+@pytest.mark.parametrize("form", ONE_FIRST)
 def test_a_spinning_body_takes_along_what_is_fixed_to_it(forms, form):
     """Bus and panels: the spin given is kept, momentum is not shared."""
     bus = RigidBody("bus", 5.0, [0, 0, 0], np.eye(3), {"side": [0.2, 0, 0]})

@@ -96,8 +96,7 @@ def in_mean_axes(beam):
         return *corrected(beam, FRAMES["mean-axis"]), built
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["mean-axis", "nodal-fixed"])
+@pytest.mark.parametrize("name", ["mean-axis", pytest.param("nodal-fixed", marks=pytest.mark.slow)])
 def test_estimates_are_the_true_errors(beam, in_mean_axes, name):
     """Of every round, within the factor 0.7 .. 1.4; the last round meets what was asked, no earlier one.
 

@@ -137,6 +137,7 @@ def test_a_script_that_changed_is_refused_by_what_changed(tmp_path, monkeypatch)
         simulate(motor(with_global), run, file=path)
 
 
+@pytest.mark.slow
 def test_a_heavier_body_is_another_run(tmp_path):
     simulate(pendulum(), RUNS["fixed"], file=tmp_path / "run.h5")
     with pytest.raises(ResultFileError, match="body 'bar' has changed"):

@@ -26,6 +26,7 @@ def turned(form):
     return System((form,), (hub,))
 
 
+@pytest.mark.slow
 def test_every_speed_states_its_error_and_the_worst_is_warned_of(bar):
     """Without the axial shape that a spin stretches nothing stiffens: wrong the more the faster it turns."""
     reduced = reduce(bar, MeanAxisFrame(), CraigBampton(4), derivatives=NoDerivatives(), loads=NoLoads)

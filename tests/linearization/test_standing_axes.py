@@ -375,6 +375,7 @@ class TestGroundResonance:
             assert (linear.periodic is None) == (number == 4)
             self.check(linear, [self.blade] * number, rate)
 
+    @pytest.mark.slow
     def test_a_heavier_blade_goes_round_and_pushes_the_hub_and_nothing_rests(self):
         with pytest.raises(ModelError, match="neither axes that stand nor Floquet"):
             linearize(self.machine(3, [1.0, 1.0, 1.3]), spin=self.spin(3, 6.0))
@@ -388,6 +389,7 @@ def two_wheels(loads, joints=()):
     return System([wheels[0], Placed(wheels[1], position=(0, 1.0, 0))], joints or hinges, loads)
 
 
+@pytest.mark.slow
 def test_what_repeats_at_even_angles_of_a_turn_is_not_taken_for_constant():
     """A gear to a wheel that stands, of as many teeth as three to every angle that is looked at."""
     mesh = Gear(first="a.c", second="b.c", axis=X, teeth=(21, 21), stiffness=1e4)

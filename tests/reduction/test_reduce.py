@@ -113,6 +113,7 @@ def test_derivatives_free_the_strip_to_shorten(cantilever, root_frame, nonlinear
     assert abs(deflection(NoDerivatives(), CondensedQuartic()) * (1 - stiffening) / exact - 1) < 0.001
 
 
+@pytest.mark.slow
 def test_what_derivatives_leave_of_locking_is_of_fourth_order(cantilever, root_frame, nonlinear_static):
     """They shorten to second order: motion of third order is missing, and membranes resist it by theta^6."""
     withheld = []

@@ -240,6 +240,7 @@ def test_a_last_chunk_of_fewer_cases_and_another_duration_share_the_program(trac
         np.testing.assert_allclose(own, alone.bodies["bob"].position, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_functions_of_time_differ_in_more_than_numbers():
     swings = [
         FollowerTorque(first=At("bob", "hinge"), torque=lambda t, size=size: size * jnp.array([t, 0.0, 0.0]))
@@ -282,6 +283,7 @@ def test_flexible_cases_that_differ_in_loads_start_and_go_on_as_alone(pushes):
         assert own.statistics.iterations == alone.statistics.iterations
 
 
+@pytest.mark.slow
 def test_cases_that_take_turns_carry_no_tables(turned):
     """A case whose turn it is copies its numbers: with the wind of 100 s among them a batch crawled."""
     models = [build_model(pendulum(turned, rows=rows), ()) for rows in (3, 3000)]

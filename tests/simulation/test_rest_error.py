@@ -60,6 +60,7 @@ def of_the_end(bar, displacement):
     return displacement[np.isclose(bar.nodes[:, 0], LENGTH)].mean(axis=0)
 
 
+@pytest.mark.slow
 def test_a_basis_without_axial_modes_says_what_it_misses_of_a_stretch(bar):
     reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
     with pytest.warns(BasisWarning, match=r"body 'bar': at rest a node is off by .* % of the largest"):
@@ -79,6 +80,7 @@ def test_a_basis_without_axial_modes_says_what_it_misses_of_a_stretch(bar):
     assert solution.bodies["bar"].coordinates.shape == (1, bar.n)
 
 
+@pytest.mark.slow
 def test_a_rest_out_of_reach_of_the_reduced_one_is_found_from_the_start(bar, monkeypatch):
     """The same equilibrium, and so the same error, though the search near the reduced rest is given up."""
     reduced = reduce(bar, ROOT, Rubin(6), derivatives=NoDerivatives(), loads=NoLoads)
@@ -115,6 +117,7 @@ def spun():
     return found, equilibrium(machine(full), spin=SPIN)
 
 
+@pytest.mark.slow
 def test_errors_at_places_are_those_of_the_full_machine(spun):
     """Of the mass too, which has no basis: it is where the bar holds it."""
     found, exact = spun

@@ -64,6 +64,7 @@ def test_chunks_are_recorded_in_order_and_make_the_solution(pendulum):
     assert joined.statistics == solution.statistics
 
 
+@pytest.mark.slow
 def test_last_chunk_may_be_shorter(pendulum):
     """101 outputs in chunks of three."""
     solution = simulate(pendulum, Run(duration=1.01, output_step=0.01))
@@ -94,6 +95,7 @@ def test_a_resumed_run_is_the_uninterrupted_one(pendulum, step):
     np.testing.assert_array_equal(rest.joint_forces["hinge"], whole.joint_forces["hinge"][11:])
 
 
+@pytest.mark.slow
 def test_a_run_can_be_resumed_from_its_motion_alone(pendulum):
     """The auxiliary acceleration starts anew, which costs an error of the integrator's own order."""
 

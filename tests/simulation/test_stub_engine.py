@@ -112,6 +112,7 @@ def test_it_is_kept_killed_and_resumed(stone, tmp_path):
     assert read_header(path).complete
 
 
+@pytest.mark.slow
 def test_another_run_is_not_taken_for_it(stone, tmp_path):
     path = tmp_path / "stone.h5"
     simulate(stone, RUN, file=path)

@@ -107,6 +107,7 @@ def _energy_change(motion):
     return total[-1] / total[0] - 1
 
 
+@pytest.mark.slow
 def test_one_step_for_both_is_the_primal_march():
     h, n = 0.4 * LIMIT, 400
     dual = _marched("smooth", GravouilCombescure(1), h, n)

@@ -60,6 +60,7 @@ def test_a_case_is_that_of_a_file_with_its_damping(strip_case, tmp_path, held, m
     assert abs(float(read[0]) / alone - 1) > 1e-4, "damping shows"
 
 
+@pytest.mark.slow
 def test_other_damping_finds_its_body_again(strip_case, tmp_path, monkeypatch):
     """A sweep begun anew, and a second one in the same folder, reduce nothing."""
     from concurrent.futures import ThreadPoolExecutor

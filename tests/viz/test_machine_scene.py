@@ -217,6 +217,7 @@ def test_a_film_states_its_enlargement_and_shows_its_window(bent, tmp_path, monk
     assert given["camera"] is FRONT
 
 
+@pytest.mark.slow
 def test_a_film_of_a_window_is_a_file_of_that_length(rotor, tmp_path):
     path = animate_run(tmp_path / "a.gif", *rotor, {}, film=Film(20.0, speed=1.0, end=0.5), units=SI)
     assert path is not None

@@ -223,6 +223,7 @@ def test_mode_shapes(tmp_path, ink, beam):
     assert 0.02 < ink(path) < 0.5
 
 
+@pytest.mark.slow
 def test_mode_shapes_do_not_depend_on_the_scale_of_the_modes(tmp_path, beam):
     modes = bent(beam, 1.0)[None]
     one = plot_mode_shapes(tmp_path / "1.png", beam.nodes, skin_of(beam), modes, ["one"])

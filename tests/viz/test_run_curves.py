@@ -81,6 +81,7 @@ def place(x, y=0.0, deflection=None):
     return TrackedMotion(position, "root", bent, is_elastic=deflection is not None)
 
 
+@pytest.mark.slow
 def test_places_far_apart_have_axes_of_their_own(figure, tmp_path):
     tail, tip = place(0.01 * np.sin(T)), place(60.0 + 0.02 * np.sin(T))
     draw_tracked(tmp_path / "a.png", {"bar.tail": tail, "bar.tip": tip}, T, SI)
@@ -96,6 +97,7 @@ def test_places_far_apart_have_axes_of_their_own(figure, tmp_path):
     assert figure.axes[-1].get_xlabel() == "time (s)"
 
 
+@pytest.mark.slow
 def test_places_that_move_far_share_their_axes(figure, tmp_path):
     near, far = place(np.sin(9 * T)), place(4.0 + np.sin(9 * T))
     draw_tracked(tmp_path / "a.png", {"near": near, "far": far}, T, SI)

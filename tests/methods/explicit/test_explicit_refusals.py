@@ -168,6 +168,7 @@ def on_a_modal_part(velocity=(0.0, 0.0, 0.0), **more):
     return System([modal(), Placed(own, velocity=velocity)], ties=[Tie(At("bar", "root"), "box")], **more)
 
 
+@pytest.mark.slow
 def test_nodes_that_a_modal_part_leads_are_not_held():
     with pytest.raises(ModelError, match=r"support of 'bar.root': some of its nodes are tied on 'box'"):
         ExplicitEngine(on_a_modal_part(supports=[Support(At("bar", "root"))]), RUN)

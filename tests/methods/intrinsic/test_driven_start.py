@@ -134,6 +134,7 @@ def test_the_rest_of_a_rate_that_no_rigid_motion_meets_deforms_and_warns():
         report_start(change, Validity())
 
 
+@pytest.mark.slow
 def test_given_velocities_that_joints_do_not_allow_are_said_alike():
     given = Placed(released(beam()), velocity=[0, 0, 0], angular_velocity=[0, 0, 0])
     run = Run(0.002, 0.001, step=FixedStep(1e-3), method=GeneralizedAlpha(1.0))

@@ -22,7 +22,7 @@ SOFT = {"EA": 1e3, "EI": 1.0, "GJ": 1.0, "mass_per_length": 1.0, "radius": 0.1}
 AXES = np.vstack([np.eye(3), np.zeros((3, 3))])
 
 
-@pytest.mark.parametrize("support", [CLAMPED, FREE])
+@pytest.mark.parametrize("support", [CLAMPED, pytest.param(FREE, marks=pytest.mark.slow)])
 def test_the_slope_is_the_derivative_of_the_rates(support):
     line = beam_line(straight(1.0, 4), **SOFT)
     body = intrinsic_body(line, support, 6, damping=RayleighDamping(0.1, 1e-3))
@@ -53,7 +53,8 @@ def tip_after():
     return jax.jit(tip)
 
 
-@pytest.mark.parametrize("direction", [pytest.param(jax.jacfwd, marks=pytest.mark.slow), jax.jacrev])
+@pytest.mark.slow
+@pytest.mark.parametrize("direction", [jax.jacfwd, jax.jacrev])
 def test_implicit_steps_are_differentiated_in_either_direction(tip_after, direction):
     force, step = jnp.array([0.1, 0.2, 3.0]), 1e-5
     slope = np.asarray(jax.jit(direction(tip_after))(force))

@@ -86,6 +86,7 @@ def test_a_clamped_root_may_be_missing(tmp_path, tree):
     assert massless.total_mass == pytest.approx(tree.total_mass - tree.mass[0, 0])
 
 
+@pytest.mark.slow
 def test_output4_has_the_order_of_the_analysis_set(tmp_path, tree):
     op4 = pytest.importorskip("pyyeti.nastran.op4")
     order = np.argsort(GRIDS)

@@ -106,6 +106,7 @@ def test_a_beam_that_turns_flaps_and_lags_as_published(form):
     assert np.abs(diagram.damping_ratios).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_the_pull_of_a_beam_that_turns():
     """m L^2 w^2 / 2 at its root; a run from there goes on without any strain rate."""
     system = driven(released(beam()))

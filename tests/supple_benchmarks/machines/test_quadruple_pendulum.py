@@ -45,6 +45,7 @@ def test_flexible_cylinder_has_the_papers_cells_and_size():
     assert np.hypot(mesh.nodes[:, 1], mesh.nodes[:, 2]).max() == pytest.approx(RADIUS)
 
 
+@pytest.mark.slow
 def test_rigid_links_weigh_and_turn_like_the_flexible_one():
     # The polygon that stands for the circle lies inside it: 12 sides lack 4.5 % of its area.
     body = replace(QuadruplePendulum.quick(), cell_type=CellType.TETRA10).machine().body

@@ -160,6 +160,7 @@ def test_a_load_that_jumps_is_met_all_the_same(rod):
     assert int(jumping.last.rejected_steps) == 0
 
 
+@pytest.mark.slow
 def test_a_resumed_run_meets_the_whole_one_in_every_bit(rod):
     system = turning(rod)
 

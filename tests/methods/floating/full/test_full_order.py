@@ -218,6 +218,7 @@ def test_full_run_can_be_resumed_from_its_motion_alone(full):
     assert coarse / fine > 3.0
 
 
+@pytest.mark.slow
 def test_full_run_that_fails_keeps_what_was_recorded(full):
     recorded = []
     with pytest.raises(ConvergenceError, match=r"no convergence at t = 0.* relative residual"):

@@ -188,6 +188,7 @@ def test_steps_of_changing_size_take_factors_of_their_own(full):
     assert 1 < modified.statistics.factorizations < exact.statistics.factorizations
 
 
+@pytest.mark.slow
 def test_the_residual_reached_is_the_one_stated(full):
     """Whatever tangent took it there: evaluated once more at the state that the step left."""
     run = options(residual=1e-8)
