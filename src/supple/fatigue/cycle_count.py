@@ -24,7 +24,8 @@ _GROUP = 2**21
 """Number of samples that are counted together, which limits the arrays of a pass to tens of MiB."""
 _FEW_CLOSED = 80
 """A pass costs 25 ns a point, the stack 1 us a point (measured), so a pass is faster if it closes more than
-one point in 80. Nested cycles, as of a decaying response, close one a pass; on the stack their time is linear."""
+one point in 80. Nested cycles, as of a decaying response, close one a pass; on the stack
+their time is linear."""
 
 
 class Residue(Enum):
@@ -74,8 +75,8 @@ def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycle
     """Count the cycles of histories by the rainflow method.
 
     A range between two reversals is a cycle if neither neighbour is smaller. It is removed, and its
-    neighbours become one range. The remaining ranges, which grow and then shrink, are the residue. With the residue as
-    half cycles the count equals that of the standard's three-point procedure.
+    neighbours become one range. The remaining ranges, which grow and then shrink, are the residue. With the
+    residue as half cycles the count equals that of the standard's three-point procedure.
 
     Parameters
     ----------
