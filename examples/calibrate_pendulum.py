@@ -72,7 +72,7 @@ def main(picture: Path = Path("calibrate_pendulum.png")) -> float:
                 "angle (rad)",
                 [Series("measured", times, angle), Series("fitted", fit.solution.times, fitted)],
             ),
-            Panel("residual (rad)", [Series("computed less measured", times, fit.residuals[0])]),
+            Panel("residual (rad)", [Series("computed minus measured", times, fit.residuals[0])]),
         ],
         units=SI,
     )

@@ -203,8 +203,8 @@ def main(picture: Path = Path("digital_twin.png")) -> float:
     plot_time_history(
         picture,
         [
-            Panel("deflection of the tip (m)", [Series("truth", times, tip), Series("twin", times, tips)]),
-            Panel("force (N)", [Series("truth", times, gust(times)), Series("twin", times, forces)]),
+            Panel("deflection of the tip (m)", [Series("true", times, tip), Series("twin", times, tips)]),
+            Panel("force (N)", [Series("true", times, gust(times)), Series("twin", times, forces)]),
         ],
         units=SI,
     )

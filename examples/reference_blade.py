@@ -93,7 +93,7 @@ def main(picture: Path = Path("reference_blade.png")) -> None:
     print(f"tip under its weight, linear: {small.round(4)} m, by hand {by_hand.round(4)} m")
     assert np.abs(small - by_hand).max() < 3e-3 * np.linalg.norm(by_hand)
 
-    places = {f"{share:g} of its weight": bent(blade, share * DOWN) for share in (1, 2)}
+    places = {f"{share:g} x weight": bent(blade, share * DOWN) for share in (1, 2)}
     drops = [each[-1, 0] - rest[-1, 0] for each in places.values()]
     print(f"tip under its weight {drops[0]:.3f} m, under twice that {drops[1]:.3f} m")
     assert abs(by_hand[0]) > abs(drops[0]) > abs(drops[1]) / 2

@@ -96,7 +96,7 @@ if __name__ == "__main__":
     plot_error_over_parameter(
         Path("self_correcting_beam.png"),
         sizes,
-        {"estimated by the next run": estimated, "size of the missing motion": missing, "true": true},
+        {"estimated": estimated, "missing motion": missing, "true": true},
         parameter_label="number of coordinates",
         error_label="largest RMS error (m)",
     )

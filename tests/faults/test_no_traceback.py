@@ -183,7 +183,7 @@ def test_words_of_yaml_1_1_are_no_numbers(tmp_path):
     for word in ("1_000", "1:30", "١"):
         end = blade.index(",", start)
         path.write_text(f"{blade[:start]}{word}{blade[end:]}", encoding="utf-8")
-        with pytest.raises(ImportFormatError, match=r"chord\.values holds entries that are no numbers"):
+        with pytest.raises(ImportFormatError, match=r"chord\.values holds entries that are not numbers"):
             read_windio_blade(path)
 
 

@@ -28,9 +28,9 @@ def soon():
         ("coordinate real general\n2000000000 2000000000 0\n", "at most 100000 rows or columns more than"),
         (
             "coordinate real general\n2 2 9000000000000000000\n1 1 1\n",
-            "entries are promised, but 1 lines follow",
+            "entries are stated, but 1 lines follow",
         ),
-        ("array real general\n1000000 1000000\n", "1000000000000 entries are promised, but 0 lines follow"),
+        ("array real general\n1000000 1000000\n", "1000000000000 entries are stated, but 0 lines follow"),
         ("coordinate real general\n-1 2 1\n1 1 1\n", "is not the number of rows, columns and entries"),
         ("coordinate real symmetric\n2 3 1\n1 1 1\n", "a symmetric matrix of 2 rows and 3 columns"),
         ("coordinate real general\n2 2 1\n1 1\n", "line 3: .*'1 1' is not row, column, value"),
@@ -137,9 +137,7 @@ def test_output4_columns_are_held_against_their_records(tmp_path):
     column = struct.pack("<4i", 20, 1, 1, 10**9) + struct.pack("<d", 1.0) + struct.pack("<i", 20)
     path = tmp_path / "k.op4"
     path.write_bytes(header + column)
-    with pytest.raises(
-        ImportFormatError, match="column 1 announces 1000000000 words in a record of 20 bytes"
-    ):
+    with pytest.raises(ImportFormatError, match="column 1 states 1000000000 words in a record of 20 bytes"):
         read_labelled_matrix(path, MatrixRole.STIFFNESS, NodeTable("m", np.array([1]), np.zeros((1, 3))))
 
 

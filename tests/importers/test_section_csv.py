@@ -41,8 +41,8 @@ def test_what_is_left_out_is_zero_and_axes_are_made_square(tmp_path):
     ("old", "new", "error", "message"),
     [
         ("k66", "k65", ImportFormatError, "no column k66"),
-        ("0,0,1,2,0,0.3", "0,0,1,0,0,0.3", ModelError, "line 3: its axis_x, axis_y, axis_z lead along the"),
-        ("0,0,1,2", "0,0,0,2", ModelError, "line 3: at the place of the section before it"),
+        ("0,0,1,2,0,0.3", "0,0,1,0,0,0.3", ModelError, "line 3: its axis_x, axis_y, axis_z are along the"),
+        ("0,0,1,2", "0,0,0,2", ModelError, "line 3: at the position of the section before it"),
         ("0,0,1,2", "0,0,1,nan", ImportFormatError, "line 3: a number is not finite"),
         ("0,0,1,2", "0,0,one,2", ImportFormatError, "line 3: z is 'one'; write a number"),
         (

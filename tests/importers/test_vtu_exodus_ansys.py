@@ -132,7 +132,7 @@ POINTS = '<DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 
     [
         (vtu(POINTS, ASCII_CELLS)[:200], "no well-formed XML"),
         (vtu(POINTS, ASCII_CELLS).replace("UnstructuredGrid", "PolyData"), "a PolyData file; write an Unstr"),
-        (vtu(POINTS, ASCII_CELLS).replace(" byte", ' compressor="vtkLZ4" byte'), "packed by vtkL"),
+        (vtu(POINTS, ASCII_CELLS).replace(" byte", ' compressor="vtkLZ4" byte'), "compressed by vtkL"),
         (vtu(POINTS, ASCII_CELLS.replace(">10<", ">42<")), "cells of type 'VTK 42' are not read; write"),
         (vtu(POINTS, ASCII_CELLS.replace("0 1 2 3", "0 1 2 9")), "tetra cells name node 9"),
         (vtu(POINTS, ASCII_CELLS.replace(">4<", ">5<")), "1 cell types, 1 offsets, 4 nodes of cells"),

@@ -93,17 +93,19 @@ class _Tables:
         return f"`{key}`", links, dimension, shown, meaning or self._about(rule)
 
     def _about(self, rule: Schema) -> str:
-        """The meaning of a key that takes one table: that of the table."""
-        names = list(_references(rule))
-        if len(names) != 1:
+        """The meaning of a key that takes a table: that of the table, or the key that selects one."""
+        tables = [self.root["$defs"][name] for name in _references(rule)]
+        if not tables:
             return ""
-        return self.root["$defs"][names[0]].get("description", "").partition("\n")[0]
+        key, _, _ = _selector(tables[0]).partition(" = ")
+        about = f"a table for each `{key}`" if len(tables) > 1 else tables[0].get("description", "")
+        return about.partition("\n")[0]
 
     def _types(self, rule: Schema) -> Iterator[str]:
         if "$ref" in rule:
             name = rule["$ref"].rpartition("/")[2]
-            selector = _selector(self.root["$defs"][name])
-            label = f"`{selector}`" if 0 < len(selector) < _LONGEST else "table"
+            _, _, words = _selector(self.root["$defs"][name]).partition(" = ")
+            label = f"`{words}`" if 0 < len(words) < _LONGEST else "table"
             yield f"[{label}](#{self.anchors[name]})"
         elif "const" in rule or "enum" in rule:
             yield from (f"`{_toml(word)}`" for word in rule.get("enum", [rule.get("const")]))

@@ -2,8 +2,8 @@
 
     python tools/site/gallery.py build/gallery
 
-An example is a program that asserts what it expects, or a case file. What has run is kept: an example runs
-again where its file, or the package, is newer. One that fails ends the gallery with its output.
+An example is a program that asserts its expected result, or a case file. Results are kept: an example runs
+again only if its file or the package is newer. A failing example ends the gallery with its output.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from supple.cases import command_of_example, example_text
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 _MODES = {"blade_campbell"}
-"""Cases whose modes over speed are the example, with the speeds that their header names."""
+"""Cases that are examples of modes over speed, with the speeds of their header."""
 
 
 def run_all(folder: Path) -> None:
-    """Run what is not up to date, each example in a folder of its own."""
+    """Run examples that are not up to date, each in a folder of its own."""
     sources = max(path.stat().st_mtime for path in (ROOT / "src" / "supple").rglob("*.py"))
     # `python` and `supple` are those beside this interpreter.
     here = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
@@ -70,7 +70,7 @@ def write_pages(gallery: Path, folder: Path) -> None:
             f'<iframe src="./{name}" title="report" width="100%" height="720"></iframe>\n\n' for name in pages
         )
         kind = "python" if example.suffix == ".py" else "toml"
-        printed = (place / "output.txt").read_text("utf-8").strip()
+        printed = (place / "output.txt").read_text("utf-8").strip("\n")
         output = f"It prints\n\n```text\n{printed}\n```\n\n" if printed else ""
         code = example.read_text("utf-8")
         (folder / page).write_text(
@@ -83,7 +83,7 @@ def write_pages(gallery: Path, folder: Path) -> None:
             else ""
         )
         rows.append(f"| {first} | [{title}]({page}) |")
-    front = "One idea each. Every example states what it expects, and fails where that is not met."
+    front = "Each example shows one idea. It states the expected result and fails if the result differs."
     table = "\n".join(["| | |", "| --- | --- |", *rows])
     (folder / "index.md").write_text(f"# Gallery\n\n{front}\n\n{table}\n", "utf-8")
 

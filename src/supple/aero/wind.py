@@ -54,7 +54,7 @@ class HarmonicSeries:
             object.__setattr__(self, name, values)
             if values.ndim != 1 or values.shape != self.frequency.shape or not np.isfinite(values).all():
                 raise ModelError(
-                    f"harmonics: {name} of shape {values.shape}; give one finite number a harmonic"
+                    f"harmonics: {name} of shape {values.shape}; give one finite number for each harmonic"
                 )
 
     def at(self, times: ArrayLike) -> FloatArray:
@@ -79,7 +79,7 @@ def kaimal_series(
     Parameters
     ----------
     mean_speed : float          U, m/s
-    deviation : float           sigma, m/s, of the whole spectrum; the harmonics carry their band of it
+    deviation : float           sigma, m/s, of the whole spectrum; the harmonics have the part in their band
     length_scale : float        L, m (IEC 61400-1: 340.2 m from a hub height of 60 m on)
     frequency_step : float      df, Hz
     phase : float array (n,)    rad: `golden_phases`, or `random_phases` of a seed

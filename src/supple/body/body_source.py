@@ -1,4 +1,4 @@
-"""What an elastic body is made of, before it is one: elements or matrices, read and assembled once."""
+"""Source of an elastic body: elements or matrices, read and assembled once."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class BodySource:
-    """What an elastic body is made of; each part is read, or assembled, once and when it is first needed.
+    """Source of an elastic body; each part is read or assembled once, on first use.
 
-    check : of the nodal matrices, before the interfaces; with so many elastic modes
-    body : of that name with those interfaces; ModelError for whatever is wrong with the model
-    connections : RBE2 and RBE3 elements that may be interfaces
-    numbers : node numbers of the ids of its file
-    mesh, model : with elements, also of a body that is made linear; matrices have none
-    ties_itself : whether its rigid connections hold without being interfaces
+    check : check of the nodal matrices without interfaces, with a number of elastic modes
+    body : the body of a name with interfaces; ModelError for errors of the model
+    connections : RBE2 and RBE3 elements that can be interfaces
+    numbers : node numbers for ids of its file
+    mesh, model : mesh and elements, also for a linear body; None for matrices
+    ties_itself : whether its rigid connections are tied without interfaces
     """
 
     check: Callable[[int], ModelCheck]
@@ -65,7 +65,7 @@ class BodySource:
 def elements_source(
     mesh: Mesh, assemble: Callable[[], FiniteElementModel], connections: Sequence[Connection] = ()
 ) -> BodySource:
-    """A mesh with elements, which `assemble` makes."""
+    """A mesh with elements by `assemble`."""
     model = cache(assemble)
     return BodySource(
         lambda n_frequencies: check_elements(model(), n_frequencies=n_frequencies),
@@ -84,14 +84,14 @@ def deck_source(
     part: str | None = None,
     leave_out: Sequence[str] = (),
 ) -> BodySource:
-    """What a deck describes; its rigid ties hold whether or not interfaces take them.
+    """The body of a deck; its rigid ties are constraints with or without interfaces.
 
     part : as for `named_part`;  leave_out : as for `refuse_left_out`
 
     Raises
     ------
     ImportFormatError   a file that cannot be read
-    ModelError          several parts; what is left out and not allowed to be
+    ModelError          several parts; omitted cards that `leave_out` does not allow
     """
     deck = read_deck(path)
     refuse_left_out(deck, leave_out)
@@ -111,7 +111,7 @@ def section_beams_source(path: Path) -> BodySource:
 def labelled_matrices_source(files: MatrixFiles, *, rigid_tolerance: float | None = None) -> BodySource:
     """Matrices of another program with the file of its nodes, as for `read_labelled_superelement`.
 
-    They stand for any elements, also such as a mesh cannot have: the mesh of the node file is not read.
+    The matrices may come from any elements, so the mesh of the node file is not read.
     """
 
     @cache

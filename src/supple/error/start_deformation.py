@@ -1,4 +1,4 @@
-"""The deformation that bodies start with, on the bases that they are reduced to."""
+"""Initial deformation of bodies on their reduction bases."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ __all__ = ["with_reduced", "with_start"]
 
 
 def with_start(placed: Placed, full: FullBody, basis: ReductionBasis) -> ReductionBasis:
-    """The basis with the deformation and its rates that the body starts with, so that it holds them exactly.
+    """The basis extended by the body's initial deformation and its rates, which it then represents exactly.
 
-    A full machine at rest then rests on the bases of its bodies too: its forces balance along all columns.
+    An equilibrium of the full machine is then also one of the reduced machine.
     """
     fields = np.column_stack([placed.coordinates, placed.coordinate_rates])
     fields = fields[:, fields.any(axis=0)]
@@ -27,7 +27,7 @@ def with_start(placed: Placed, full: FullBody, basis: ReductionBasis) -> Reducti
 def with_reduced(
     system: System, reduced: Mapping[str, ReducedBody], bases: Mapping[str, ReductionBasis]
 ) -> System:
-    """The system with bodies on their bases, the deformation that they start with projected in the M-norm."""
+    """The system with reduced bodies; their initial deformation is projected on the bases in the M-norm."""
     fulls = system.bodies_of(FullBody)
 
     def on_basis(placed: Placed) -> Placed:

@@ -21,18 +21,18 @@ IntArray = NDArray[np.int64]
 
 _NONE = np.zeros(0, dtype=np.int64)
 _GROUP = 2**21
-"""Samples of the channels that are counted together: their passes stay within tens of MiB."""
+"""Number of samples that are counted together, which limits the arrays of a pass to tens of MiB."""
 _FEW_CLOSED = 80
-"""A pass costs 25 ns a point, a point on the stack 1 us (measured): a pass pays where it closes more than
-one point in 80. Nests, such as a decaying response, close one cycle a pass: on the stack their time stays
-linear."""
+"""A pass costs 25 ns a point, the stack 1 us a point (measured), so a pass is faster if it closes more than
+one point in 80. Nested cycles, as of a decaying response, close one a pass; on the stack
+their time is linear."""
 
 
 class Residue(Enum):
-    """How the ranges that close no cycle are counted; damage-equivalent loads differ by -8 to +6 %.
+    """Counting of the residue, the ranges of no closed cycle; damage-equivalent loads differ by -8 to +6 %.
 
     HALF_CYCLES : each as half a cycle (ASTM E1049-85, 5.4.4)
-    CLOSED : as the cycles that they close when the history is repeated (ASTM E1049-85, 5.4.5)
+    CLOSED : as cycles of the repeated history (ASTM E1049-85, 5.4.5)
     """
 
     HALF_CYCLES = "half cycles"
@@ -41,13 +41,13 @@ class Residue(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Cycles:
-    """The cycles of histories, in no order.
+    """The cycles of histories, unordered.
 
-    ranges, means : (c,)        peak to peak, and midway between the peaks
+    ranges, means : (c,)        difference and mean of the two peaks
     counts : (c,)               1 or 0.5
-    channels : (c,)             of each cycle, the number of its channel
-    shape : of the channels, () for one history
-    residue : how open ranges were counted
+    channels : (c,)             channel number of each cycle
+    shape : shape of the channels, () for one history
+    residue : counting rule of open ranges
     """
 
     ranges: Array = field(repr=False)
@@ -58,13 +58,13 @@ class Cycles:
     residue: Residue
 
     def total(self, values: ArrayLike) -> Array:
-        """Sum of values (c,) times counts, of each channel."""
+        """Sum of values (c,) times counts for each channel."""
         weights = np.asarray(values) * self.counts
         found = np.bincount(self.channels, weights, minlength=prod(self.shape))
         return found.astype(np.float64).reshape(self.shape)
 
     def largest(self, values: Array) -> Array:
-        """Largest of values (c,) of each channel, which are not negative; 0 of a channel without cycles."""
+        """Largest of the nonnegative values (c,) for each channel; 0 without cycles."""
         found = np.zeros(prod(self.shape))
         np.maximum.at(found, self.channels, values)
         return found.reshape(self.shape)
@@ -74,14 +74,14 @@ class Cycles:
 def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycles:
     """Count the cycles of histories by the rainflow method.
 
-    A range between two reversals is a cycle when neither neighbour is smaller; it is taken out, and its
-    neighbours become one range. What remains, ranges that grow and then shrink, is the residue. With its
-    ranges as half cycles the count equals that of the standard's three-point procedure.
+    A range between two reversals is a cycle if neither neighbour is smaller. It is removed, and its
+    neighbours become one range. The remaining ranges, which grow and then shrink, are the residue. With the
+    residue as half cycles the count equals that of the standard's three-point procedure.
 
     Parameters
     ----------
     values : (t, ...)       histories along the first axis; a channel for each other index
-    residue : how the open ranges are counted
+    residue : counting rule of open ranges
 
     Raises
     ------
@@ -95,7 +95,7 @@ def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycle
     if histories.ndim == 0 or histories.size == 0:
         raise ModelError(f"rainflow: expected samples along the first axis, got shape {histories.shape}")
     if not np.isfinite(histories).all():
-        raise ModelError("rainflow: a history holds a number that is not finite; count up to it")
+        raise ModelError("rainflow: a history contains a number that is not finite; count the part before it")
     shape = histories.shape[1:]
     columns = histories.reshape(len(histories), -1).T
     step = max(1, _GROUP // len(histories))
@@ -108,7 +108,7 @@ def rainflow(values: ArrayLike, residue: Residue = Residue.HALF_CYCLES) -> Cycle
 
 
 class _Points(NamedTuple):
-    """Points of several channels in one line; a NaN stands between channels, where no comparison is true."""
+    """Points of several channels in one sequence, separated by NaN, for which all comparisons are false."""
 
     values: Array
     channels: IntArray
@@ -118,7 +118,7 @@ class _Points(NamedTuple):
 
 
 def _line(columns: Array, first: int) -> _Points:
-    """Channels (c, t), numbered from `first`, in one line."""
+    """Channels (c, t), numbered from `first`, as one sequence."""
     line = np.full((len(columns), columns.shape[1] + 1), np.nan)
     line[:, :-1] = columns
     return _Points(line.ravel(), np.repeat(np.arange(first, first + len(columns)), line.shape[1]))
@@ -132,7 +132,7 @@ def _reversals(points: _Points) -> _Points:
     steps = np.diff(points.values)
     rises, ends = steps > 0, np.isnan(steps)
     inner = (rises[1:] != rises[:-1]) | ends[1:] | ends[:-1]
-    # The line begins with a channel's first point and ends with a NaN.
+    # The sequence begins with the first point of a channel and ends with NaN.
     return points.at(np.concatenate([[True], inner, [True]]))
 
 
@@ -157,7 +157,7 @@ def _count(points: _Points, residue: Residue) -> tuple[Array, Array, Array, IntA
 
 
 def _repeated(points: _Points) -> _Points:
-    """Each channel twice, one after the other."""
+    """Each channel repeated once."""
     gaps = np.isnan(points.values)
     inside = np.flatnonzero(~gaps)
     rows = np.concatenate([inside, inside, np.flatnonzero(gaps)])
@@ -188,7 +188,7 @@ def _joined(parts: Sequence[_Points]) -> _Points:
 
 
 def _every_other(closes: NDArray[np.bool_]) -> IntArray:
-    """Places that are true; of neighbours, which share a reversal, the first, third, ..."""
+    """Indices of true entries; of adjacent ones, which share a reversal, the first, third, ..."""
     rows = np.flatnonzero(closes)
     neighbours = np.diff(rows, prepend=-2) == 1
     if not neighbours.any():

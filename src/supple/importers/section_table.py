@@ -215,5 +215,5 @@ def _check_curve(where: Sequence[str], positions: FloatArray, axes: FloatArray) 
         k = int(np.argmin(cosine))
         raise ModelError(
             f"{where[k]}: the curve to the next section is at {np.degrees(np.arccos(cosine[k])):.0f} degrees "
-            "away from its axis z; z leads along the curve, from the root to the tip"
+            "from its axis z; z must be along the curve, from the root to the tip"
         )

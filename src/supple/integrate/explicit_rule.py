@@ -1,4 +1,4 @@
-"""What explicit marches of parts are to a run."""
+"""Base class of the explicit methods of a run."""
 
 from __future__ import annotations
 

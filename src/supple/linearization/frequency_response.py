@@ -15,7 +15,7 @@ __all__ = ["FrequencyResponse", "RandomResponse", "frequency_response", "random_
 
 
 _BLOCK_BYTES = 2**27
-"""Matrices that are held at once."""
+"""Number of matrices in memory at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ def random_response(response: FrequencyResponse, density: ArrayLike) -> RandomRe
 
         S_z(w) = H S_u H^H,         rms^2 = integral S_z dw
 
-    density : (nf,), uncorrelated and alike at all inputs, or (nf, ni, ni)     one-sided, per rad/s
+    density : (nf,), uncorrelated and equal at all inputs, or (nf, ni, ni)     one-sided, per rad/s
     Raises ModelError for another shape, or a density that is negative.
     Source: [Bendat2010] chapter 7.
     """

@@ -1,4 +1,4 @@
-"""Places of a machine that carry a mark: joints, ends of springs, loads, contacts. Each moves with a body."""
+"""Marked points of a machine: joints, ends of springs, loads, contacts, each moving with a body."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ __all__ = ["Arrow", "JointMark", "Link", "MarkedPlace", "arrows_of", "joint_mark
 
 Array = NDArray[np.float64]
 _ALONE = (DeadTorque, FollowerForce, FollowerTorque, Unbalance)
-"""Elements that act on one interface, and on nothing else."""
+"""Elements that act on one interface only."""
 
 
 @dataclass(frozen=True, eq=False)
 class MarkedPlace:
-    """A place over time, and axes there.
+    """A point over time with axes.
 
-    body : "" of the ground;   points : (t, 3) in space;   rest : (3,) in the body, mesh axes
+    body : "" for the ground;   points : (t, 3) in space;   rest : (3,) in the body, mesh axes
     axes : (t, 3, 3) in space, as columns
     """
 
@@ -54,7 +54,7 @@ class MarkedPlace:
 
 @dataclass(frozen=True, eq=False)
 class JointMark:
-    """A joint: its name and kind in words, and where each of its ends is."""
+    """A joint: name, kind in words, and the points of its ends."""
 
     name: str
     kind: str
@@ -64,7 +64,7 @@ class JointMark:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A spring, damper, .. between two places."""
+    """A spring, damper, .. between two points."""
 
     name: str
     first: MarkedPlace
@@ -73,7 +73,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Arrow:
-    """A force, a moment or a contact force, (t, 3) in space, at a place."""
+    """A force, a moment or a contact force, (t, 3) in space, at a point."""
 
     name: str
     kind: str
@@ -82,7 +82,7 @@ class Arrow:
 
 
 def joint_marks(system: System, solution: Solution) -> Iterator[JointMark]:
-    """Both ends of every joint, with the joint axes that turn with each."""
+    """Both ends of every joint, each with the joint axes that rotate with it."""
     for joint in system.joints:
         first, second = both_ends(system, solution, joint, joint.name)
         kind = "".join(f" {c.lower()}" if c.isupper() else c for c in type(joint).__name__).strip()
@@ -92,7 +92,7 @@ def joint_marks(system: System, solution: Solution) -> Iterator[JointMark]:
 
 
 def links_of(system: System, solution: Solution) -> Iterator[Link]:
-    """Force elements between two places but contacts, those that controllers drive among them."""
+    """Force elements between two points except contacts, including those driven by controllers."""
     driven = [element for each in system.controllers for element in each.drives.values()]
     for load in (*system.loads, *driven):
         if isinstance(load, ForceElement) and not isinstance(load, (*_ALONE, SphereContact)):
@@ -114,7 +114,7 @@ def arrows_of(system: System, solution: Solution) -> Iterator[Arrow]:
 
 
 def _arrows_of_element(system: System, solution: Solution, load: ForceElement) -> Iterator[Arrow]:
-    """What acts on its first end, or on its second one where the first stands on the ground."""
+    """The force on its first end, or on its second end if the first is on the ground."""
     ends = both_ends(system, solution, load, load.label)
     at = (load.first, load.second)
     own = 1 if load.first == GROUND else 0
@@ -166,9 +166,9 @@ def _arrow_of_nodes(system: System, solution: Solution, load: NodalLoad) -> Arro
 def _sums(
     kind: type[NodalLoad], dimensions: int, law: Any, facets: Any, places: Any, times: Any
 ) -> jax.Array:
-    """Sums (t, 3) of the forces on all facets, whose nodes are at places (t, k, 3) in space.
+    """Sums (t, 3) of the forces on all facets with nodes at positions (t, k, 3) in space.
 
-    dimensions : of the law's value for one facet; one more where each facet has its own
+    dimensions : of the law's value for one facet; one more if each facet has its own value
     """
 
     def at(instant: tuple[jax.Array, jax.Array]) -> jax.Array:

@@ -100,7 +100,7 @@ def test_each_instance_is_a_body_too(deck):
     assert [tie.name for tie in second.rigid] == ["hub"]
     np.testing.assert_allclose(second.nodes[second.rigid[0].reference], [0.5, 0.05, 0.05])
     assert second.notes[-1] == (
-        "12 constraints or springs join instance 'b' to others; between bodies, joints take their place"
+        "12 constraints or springs join instance 'b' to others; between bodies, use joints instead"
     )
     assert len(first.held[0].lines) == 12
     assert second.held == ()

@@ -277,7 +277,7 @@ def test_a_file_that_includes_itself(read):
         (SQUARE.replace("TYPE=S3", "TYPE=X9"), "line 10: unknown element type 'X9'; supported are TYPE=S3"),
         (
             SQUARE.replace("TYPE=S3", "TYPE=B32"),
-            "line 10: elements of type B32 are no part of a mesh of surf",
+            "line 10: elements of type B32 are not part of a mesh of surf",
         ),
         (SQUARE.replace("TYPE=S3, ", ""), "line 10: unknown element type ''; supported are TYPE=S3"),
         (
@@ -309,7 +309,7 @@ def test_a_file_that_includes_itself(read):
         (SQUARE.replace("20, 1.,", "20, 1_0.,"), "line 6: '1_0.' is not a number"),
         (
             SQUARE.replace("TYPE=S3", "TYPE=S4").replace("1, 10, 20, 30\n2, 10, 30, 40", "1, 10, 30, 20, 40"),
-            "line 11: element 1: its sides cross, so its nodes do not go round it; list them in their order",
+            "line 11: element 1: its sides cross; list its nodes in their order",
         ),
         (
             SQUARE + "*TIE, NAME=t\na, b\n",
@@ -361,7 +361,7 @@ def test_nodes_for_matrices_may_stand_beside_constraints_but_not_turn(tmp_path):
     deck.write_text(SQUARE + "*TIE, NAME=t\na, b\n")
     assert read_abaqus_nodes(deck).ids.tolist() == [10, 20, 30, 40]
     deck.write_text(SQUARE + "*TRANSFORM, NSET=all, TYPE=C\n0., 0., 0., 0., 0., 1.\n")
-    with pytest.raises(ImportFormatError, match=r"line 13: \*TRANSFORM turns the freedoms of its nodes"):
+    with pytest.raises(ImportFormatError, match=r"line 13: \*TRANSFORM rotates the freedoms of its nodes"):
         read_abaqus_nodes(deck)
 
 

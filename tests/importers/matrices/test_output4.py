@@ -122,7 +122,7 @@ def test_matrices_that_are_not_what_was_asked(written):
 def test_a_truncated_file(written, binary):
     path = written({"KGG": ROOT + ROOT.T}, binary=binary)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    with pytest.raises(ImportFormatError, match=r"arm\.op4: .*(cut short|whole)"):
+    with pytest.raises(ImportFormatError, match=r"arm\.op4: .*(cut short|complete)"):
         read_output4(path, MatrixRole.STIFFNESS, NODES)
 
 
@@ -132,7 +132,7 @@ def test_a_truncated_file(written, binary):
 def test_garbage(tmp_path, written, content):
     path = tmp_path / "arm.op4"
     path.write_bytes(content)
-    with pytest.raises(ImportFormatError, match=r"arm\.op4: .*(cut short|whole)"):
+    with pytest.raises(ImportFormatError, match=r"arm\.op4: .*(cut short|complete)"):
         read_output4(path, MatrixRole.STIFFNESS, NODES)
 
 

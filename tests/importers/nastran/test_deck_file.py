@@ -213,8 +213,8 @@ def test_matrices_beside_elements(deck):
     assert not read.left_out
     left = deck(SQUARE + cards).left_out
     assert [each.meaning for each in left] == [
-        "no case control says what the matrix KADD adds to",
-        "no case control says what the matrix MADD adds to",
+        "no case control states the use of the matrix KADD",
+        "no case control states the use of the matrix MADD",
     ]
     direct = deck(control.replace("K2GG = 2.0*", "K2PP = ") + SQUARE + cards + "ENDDATA\n")
     assert "K2PP = KADD" in direct.left_out[0].meaning

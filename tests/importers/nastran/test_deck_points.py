@@ -264,8 +264,8 @@ def test_added_mass_that_is_left_out(deck):
     [
         ("CELAS2,1,4.,99,1\n", "line 7: CELAS2: names grid 99"),
         ("CELAS2,1,4.,1,7\n", "line 7: CELAS2: component 7 of grid 1; give 1 to 6"),
-        ("CVISC,1,7,1,3\nPVISC,7,2.\n", "line 7: CVISC: its two grids lie in one place.*use CDAMP"),
-        ("CBUSH1D,1,7,1,3\nPBUSH1D,7,2.\n", "line 7: CBUSH1D: its two grids lie in one place.*give CID"),
+        ("CVISC,1,7,1,3\nPVISC,7,2.\n", "line 7: CVISC: its two grids coincide.*use CDAMP"),
+        ("CBUSH1D,1,7,1,3\nPBUSH1D,7,2.\n", "line 7: CBUSH1D: its two grids coincide.*give CID"),
         ("CONM2,1,4,8,2.\n", "line 7: CONM2: names coordinate system 8"),
         ("CSHEAR,1,7,1,1,3,3\nPSHEAR,7,5,.1\nMAT1,5,1.,,.3\n", "line 7: CSHEAR: its area, thickness"),
     ],

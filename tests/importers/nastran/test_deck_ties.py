@@ -189,7 +189,7 @@ def test_ties_that_are_left_out(deck, card, meaning):
         ("RBE2,9,1,123456,3\nRBE2,9,1,123456,4", "line 14: RBE2: element 9 is defined a second time"),
         ("RBE3,9,,1,123456,10,3", "line 13: RBE3: '10' stands where a weight is expected"),
         ("RBE3,9,,1,,1.,123,3", "line 13: RBE3: the components of its reference grid are ''"),
-        ("RROD,9,1,1,1", "line 13: RROD: its two grids lie in one place"),
+        ("RROD,9,1,1,1", "line 13: RROD: its two grids coincide"),
         ("RBE1,9,1,129", "line 13: RBE1: the components of grid 1 are '129'"),
     ],
 )

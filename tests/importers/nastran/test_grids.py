@@ -113,13 +113,13 @@ def test_on_the_axis_directions_are_those_of_the_rectangular_system(kind):
         ("GRID,1,,0.,0.,0.,9\n", r"line 1: GRID: names coordinate system 9"),
         (
             "GRID,1\nCORD2R,3,3,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
-            r"line 2: CORD2R: coordinate system 3 rests on",
+            r"line 2: CORD2R: coordinate system 3 refers to",
         ),
         (
             "GRID,1\nCORD2R,3,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\n",
             r"line 2: CORD2R: its three points lie on one line",
         ),
-        ("GRID,1\nCORD1R,3,1,2,4\n", r"line 2: CORD1R: coordinate system 3 rests on a system or grid"),
+        ("GRID,1\nCORD1R,3,1,2,4\n", r"line 2: CORD1R: coordinate system 3 refers to a system or grid"),
         (
             "GRID,1\n" + 2 * "CORD2R,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
             r"line 4: CORD2R: coordinate system 3 is def",

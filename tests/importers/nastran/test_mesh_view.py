@@ -109,7 +109,7 @@ def test_nodes_for_matrices_stand_beside_elements_of_any_kind(tmp_path):
 def test_a_truncated_file_is_recognised(read, bulk):
     whole = bulk.text(block(1, 1, 1, 1, 1, 1, CellType.HEXA8), *bulk.solid())
     with pytest.raises(
-        ImportFormatError, match=r"no elements that are cells; is this a mesh file, and whole\?"
+        ImportFormatError, match=r"no elements that are cells; is this a mesh file, and complete\?"
     ):
         read(whole[: len(whole) // 2])
 

@@ -95,7 +95,7 @@ def test_a_grid_with_two_partners_in_one_place_is_left_out(deck):
     right = RIGHT + "GRID,9,,1.,0.,0.\nCONM2,9,9,,1.\n"
     (left,) = deck(halves(right=right)).left_out
     assert (left.card, left.count) == ("BEGIN SUPER", 2)
-    assert "grid 2 of super_1 and super_2 has several partners" in left.meaning
+    assert "grid 2 of super_1 and super_2 has several coincident partners" in left.meaning
 
 
 def test_a_part_is_moved_to_grids_of_the_main_bulk_data(deck):

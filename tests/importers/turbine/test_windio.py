@@ -83,7 +83,7 @@ def test_an_imported_blade_can_be_meshed():
         (
             "values: [18.0, 0.0]",
             "values: [18.0, flat]",
-            r"outer_shape\.twist\.values holds entries that are no numbers",
+            r"outer_shape\.twist\.values holds entries that are not numbers",
         ),
         ("y: [0.0, 0.3, 0.0, -0.3, 0.0]", "y: [0.0, 0.3]", "airfoil 'thick' has 5 x and 2 y"),
         ("name: thick, spanwise_position: 0.5", "name: thick, spanwise_position: [", "not readable as YAML"),

@@ -1,4 +1,4 @@
-"""Products of the coordinates of a run from those at a few instants: what is quadratic in them follows."""
+"""Quadratic functions of the coordinates of a run, interpolated from a few times by their monomials."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ __all__ = ["few_instants", "monomials", "pair_products", "rate_monomials", "weig
 Array = NDArray[np.float64]
 
 CANDIDATES = 400
-"""Instants among which those few are chosen."""
+"""Number of candidate times."""
 
 
 def few_instants(monomials: Array, smallest: float, most: int) -> NDArray[np.intp]:
-    """Instants whose monomials span all those of a run, by factoring them with column pivoting.
+    """Times with monomials that span those of a whole run, by a factorisation with column pivoting.
 
     monomials : (t, m)
-    smallest : float    of the largest: what is left of the others where no more are chosen
-    most : int          chosen
+    smallest : float    remainder of the others, relative to the largest, at which selection ends
+    most : int          largest number of times
     """
     looked = np.unique(np.linspace(0, len(monomials) - 1, CANDIDATES).round().astype(int))
     R, order = linalg.qr(monomials[looked].T, mode="r", pivoting=True)
@@ -29,7 +29,7 @@ def few_instants(monomials: Array, smallest: float, most: int) -> NDArray[np.int
 
 
 def weights_of_instants(monomials: Array, chosen: NDArray[np.intp], wanted: Array) -> Array:
-    """Weights (t, c) with which the monomials at chosen instants add up to those wanted, in least squares."""
+    """Least-squares weights (t, c) that combine the monomials at selected times to those at all times."""
     solved = np.linalg.lstsq(monomials[chosen].T, wanted.T, rcond=1e-13)[0]
     return np.asarray(solved.T, dtype=np.float64)
 
@@ -41,11 +41,11 @@ def pair_products(a: Array, b: Array) -> Array:
 
 
 def monomials(coordinates: Array) -> Array:
-    """Those of a tangent, g_l, then g_j g_l with j <= l, of coordinates (t, s): (t, s + s (s + 1) / 2)."""
+    """Monomials of a tangent, g_l, then g_j g_l with j <= l, for coordinates (t, s): (t, s + s (s+1) / 2)."""
     return np.hstack([coordinates, pair_products(coordinates, coordinates)])
 
 
 def rate_monomials(coordinates: Array, rates: Array) -> Array:
-    """Those that strain rates add to it, g'_k, then g_j g'_k: (t, s + s^2)."""
+    """Further monomials for strain rates, g'_k, then g_j g'_k: (t, s + s^2)."""
     products = (coordinates[:, :, None] * rates[:, None]).reshape(len(rates), -1)
     return np.hstack([rates, products])

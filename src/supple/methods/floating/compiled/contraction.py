@@ -1,18 +1,18 @@
-"""What a correction of Newton's iteration will leave of the residual, predicted from one that was measured.
+"""Prediction of the residual after a correction of Newton's iteration from an earlier, measured correction.
 
-Near a solution Newton's iteration squares its residual. With the sizes `s_0` before and `s_1` behind a
-correction of an earlier step of the same run, in parts of the tolerance,
+Near a solution Newton's iteration squares its residual. With the residuals `s_0` before and `s_1` after a
+correction in an earlier step of the same run, relative to the tolerance,
 
     s_1' <= s_1 max(1, s_0' / s_0)^2
 
-is expected of the next one, where a single correction did a step, the next step is no longer and its
-residual not much larger. Where that is far below the tolerance, the corrected iterate is accepted without
-one evaluation more. Every so many steps it is measured again, and a step that takes several corrections is
-always evaluated.
+is predicted for the next one, if a single correction solved that step, and the next step is no longer and
+its residual not much larger. If the prediction is far below the tolerance, the corrected iterate is accepted
+without another evaluation. The residual is measured again at regular intervals, and always in a step with
+several corrections.
 
-It holds for what is smooth: inertia, elastic forces, joints and nodal loads are. Laws of force elements and
-controllers may have kinks within a step, so machines with such elements are always evaluated.
-Source: [HairerWanner1996], section IV.8, stops by the contraction of an earlier step, too.
+The prediction requires smooth terms, as inertia, elastic forces, joints and nodal loads are. Laws of force
+elements and controllers may have kinks within a step, so machines with such elements are always evaluated.
+Source: [HairerWanner1996], section IV.8, also uses the contraction of an earlier step.
 """
 
 from __future__ import annotations
@@ -28,27 +28,27 @@ from supple.equations.model import Model
 __all__ = ["Contraction", "is_predictable", "measured", "no_estimate", "predicted_to_converge"]
 
 MARGIN = 100.0
-"""By which what is predicted must be below the tolerance."""
+"""Factor by which the prediction must be below the tolerance."""
 LIKE = 2.0
-"""By which a residual may exceed that measured; beyond, at a jump of a load, something else is at work."""
+"""Factor by which a residual may exceed the measured one; a load jump exceeds it."""
 MEASURED_EVERY = 8
 """Steps."""
 
 
 class Contraction(NamedTuple):
-    """The last correction that was measured: numbers, which a recorded run keeps."""
+    """The last measured correction, as numbers that a recorded run stores."""
 
     before: Any
-    """Residual in parts of the tolerance; 0 where nothing was measured yet"""
+    """Residual relative to the tolerance; 0 before the first measurement"""
     after: Any
     step: Any
     """Size of the step, s"""
     phase: Any
-    """Accepted steps since one was due to be measured"""
+    """Accepted steps since the last measured one"""
 
 
 def no_estimate() -> Contraction:
-    """Nothing is known at the start of a run."""
+    """The state at the start of a run, without a measurement."""
     return Contraction(*np.zeros(4))
 
 
@@ -58,9 +58,9 @@ def is_predictable(model: Model) -> bool:
 
 
 def predicted_to_converge(known: Contraction, size: jax.Array, step: jax.Array) -> jax.Array:
-    """Whether a correction from a residual of this size surely ends below the tolerance."""
+    """Whether a correction from a residual of this size is predicted to end below the tolerance."""
     ratio = jnp.maximum(1.0, size / jnp.where(known.before > 0, known.before, 1.0))
-    # A step no longer than that measured: its tangent varies no more.
+    # The tangent of a step that is no longer than the measured one varies no more.
     comparable = (known.phase > 0) & (step <= known.step * (1 + 1e-6)) & (size <= LIKE * known.before)
     return comparable & (MARGIN * known.after * ratio**2 <= 1.0)
 
@@ -68,10 +68,11 @@ def predicted_to_converge(known: Contraction, size: jax.Array, step: jax.Array) 
 def measured(
     known: Contraction, sizes: jax.Array, step: jax.Array, corrections: jax.Array, evaluated: jax.Array
 ) -> Contraction:
-    """What is known behind an accepted step.
+    """The state after an accepted step.
 
-    sizes : (2,)    before and behind its last correction
-    corrections : of the step: after several nothing is known; evaluated : whether its end was
+    sizes : (2,)    residuals before and after its last correction
+    corrections : their number; after several there is no prediction
+    evaluated : whether the residual at its end was evaluated
     """
     anew = Contraction(sizes[0], sizes[1], step, known.phase)
     kept = jax.tree.map(
