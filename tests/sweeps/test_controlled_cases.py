@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from typer.testing import CliRunner
 
+from supple.cli.main import app
 from supple.errors import CaseError, ResultFileError
 from supple.sweeps import make_plan, plan_sweep, read_sweep, run_part_of_sweep, sweep_status, swept_case
 from supple.sweeps.case_table import CaseTable
@@ -58,6 +60,11 @@ def planned(case, folder, **allowed):
 def test_code_runs_where_it_is_allowed_and_nowhere_else(controlled, tmp_path):
     with pytest.raises(CaseError, match="--allow-code"):
         planned(controlled, tmp_path / "out")
+    (tmp_path / "cases.toml").write_text('case = "pendulum.toml"\n[vary]\n"gravity[2]" = [-9.81, -4.0]\n')
+    words = ["sweep", str(tmp_path / "cases.toml"), "-o", str(tmp_path / "out")]
+    refused = CliRunner().invoke(app, words)
+    assert refused.exit_code == 2
+    assert "--allow-code" in refused.output
     folder = planned(controlled, tmp_path / "out", allow_code=True)
     # A plan gives no permission: whoever is handed the folder must give it again.
     run_share(str(folder), 0)

@@ -61,8 +61,8 @@ at = "arm.tip"
 
 [simulation]
 duration = {duration}
-output_step = 0.0025
-step = 0.0025
+output_step = 0.003
+step = 0.003
 """
 
 
