@@ -22,7 +22,6 @@ from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors
 from supple.errors import CaseError
-from supple.export import write_readings
 from supple.integrate import Solution, StepProgress, Validity
 from supple.machine import System
 from supple.quantities import (
@@ -214,6 +213,9 @@ def _write_readings(case: Case, folder: Path, readings: Readings) -> None:
     """Write the readings of the sensors, and draw them unless pictures are off."""
     if not readings:
         return
+    # Imported here: a run without sensors does not wait for all that writes files of other programs.
+    from supple.export import write_readings
+
     for path in readings_paths(folder):
         write_readings(path, readings, units=case.units)
     if case.tables.output.pictures:

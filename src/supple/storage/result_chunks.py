@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -33,12 +33,20 @@ class Ledger:
     layout : Layout         of the chunks
     rows : list of seals    of the chunks
     n_times : int           written
+    datasets : h5py.Dataset     by name, of the open file: looking one up takes as long as writing to it
     """
 
     header: bytes
     layout: Layout
     rows: list[bytes]
     n_times: int = 0
+    datasets: dict[str, h5py.Dataset] = field(default_factory=dict)
+
+    def dataset(self, file: h5py.File, name: str) -> h5py.Dataset:
+        """The dataset of that name in the file that chunks are appended to."""
+        if name not in self.datasets:
+            self.datasets[name] = dataset(file, name)
+        return self.datasets[name]
 
 
 def layout_of_chunk(arrays: Mapping[str, Array], chunk: Solution) -> Layout:
@@ -83,6 +91,7 @@ def write_whole(path: Path, header: ResultHeader, solution: Solution | None) -> 
             mark_complete(file, ledger)
         file.flush()
         image = file.id.get_file_image()
+    ledger.datasets.clear()  # those of the image
     with replacing(path) as temporary:
         temporary.write_bytes(image)
     return ledger
@@ -105,12 +114,12 @@ def most_growth(arrays: Mapping[str, Array]) -> int:
 def append_chunk(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk: Solution) -> None:
     """Write a chunk behind the others."""
     for name, array in arrays.items():
-        target = dataset(file, name)
+        target = ledger.dataset(file, name)
         target.resize(ledger.n_times + len(array), axis=0)
         if array.size:
             target[ledger.n_times :] = array
     for key in ledger.layout.engine_state:
-        _set_row(dataset(file, f"engine_state/{key}"), len(ledger.rows), chunk.engine_state[key])
+        _set_row(ledger.dataset(file, f"engine_state/{key}"), len(ledger.rows), chunk.engine_state[key])
     file.flush()
     _commit(file, ledger, arrays, chunk)
 
@@ -122,9 +131,9 @@ def _commit(file: h5py.File, ledger: Ledger, arrays: Mapping[str, Array], chunk:
     content = content_seal(arrays, state)
     sealed = row_seal(ledger.header, number, row, content)
     # A chunk counts once its row is there, and is then sealed.
-    _set_row(dataset(file, "seals/chunks"), number, np.frombuffer(content + sealed, np.uint8))
+    _set_row(ledger.dataset(file, "seals/chunks"), number, np.frombuffer(content + sealed, np.uint8))
     file.flush()
-    _set_row(dataset(file, "commits"), number, row)
+    _set_row(ledger.dataset(file, "commits"), number, row)
     file.flush()
     ledger.rows.append(sealed)
     ledger.n_times += n_times

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import TypeGuard
 
 import numpy as np
-from scipy.fft import dst
+import scipy  # its parts are imported when first used
 
 from supple.algebra import read_only
 from supple.body import FlexibleBody, Frame
@@ -116,7 +116,7 @@ def _spectrum(label: str, history: np.ndarray, times: np.ndarray) -> LoadSpectru
     n = len(times) - 1
     first, last = history[0], history[-1]
     line = first + np.linspace(0.0, 1.0, n + 1)[:, None] * (last - first)
-    coefficients = np.asarray(dst((history - line)[1:-1], type=1, axis=0)) / n
+    coefficients = np.asarray(scipy.fft.dst((history - line)[1:-1], type=1, axis=0)) / n
     return LoadSpectrum(
         label,
         np.arange(1, n) * np.pi / (times[-1] - times[0]),
