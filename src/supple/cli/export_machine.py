@@ -6,12 +6,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from supple.cases import Case, read_case
+from supple.cases.case_family import case_family
 from supple.cases.outputs import check_not_an_input
+from supple.cases.parameter_path import parameter_path
+from supple.cases.parameters import number_at
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
 from supple.errors import ArgumentError, CaseError, did_you_mean
 from supple.export.c.machine_step import MachineStep, machine_step
+from supple.export.c.parameters import Exported, MachineParameters
+from supple.export.c.variables import Variable
 from supple.export.c.write_machine import write_machine
 from supple.export.fmu.write_fmu import write_fmu
 from supple.machine import (
@@ -24,6 +31,7 @@ from supple.machine import (
     System,
 )
 from supple.quantities import JointMotionSensor, PositionSensor, Quantity
+from supple.sweeps.body_numbers import is_number_of_run
 from supple.terminal import console, print_rows, say, worded
 
 __all__ = ["export_machine"]
@@ -98,15 +106,59 @@ def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) 
 
 def _step(case: Case, system: System, inputs: Sequence[str]) -> MachineStep:
     known = _elements(case, system)
+    _check_inputs(case, known, inputs)
+    chosen = {name: known[name] for name in inputs}
+    return machine_step(
+        system,
+        case.run,
+        _outputs(case, system),
+        chosen,
+        input_units={name: _unit(case, element) for name, element in chosen.items()},
+        units=case.units,
+        parameters=_parameters(case, system, inputs),
+    )
+
+
+def _check_inputs(case: Case, known: Mapping[str, Any], inputs: Sequence[str]) -> None:
     for name in inputs:
         if name not in known:
             raise CaseError(
                 f"{case.path} has no joint, spring or element '{name}'{did_you_mean(name, known)}; there "
                 f"are: {', '.join(known) or 'none'}"
             )
-    chosen = {name: known[name] for name in inputs}
-    units = {name: _unit(case, element) for name, element in chosen.items()}
-    return machine_step(system, case.run, _outputs(case, system), chosen, input_units=units, units=case.units)
+
+
+def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachineParameters | None:
+    """The numbers that the case names, and its machine with others."""
+    given = case.tables.parameter
+    if not given:
+        return None
+    if case.tables.control is not None:
+        raise CaseError(
+            f"{case.path}: a machine with controllers cannot have parameters; remove control or [[parameter]]"
+        )
+    family = case_family(case.path)
+    places, variables = [], []
+    for table in given:
+        place = parameter_path(table.path, family.raw)
+        value = number_at(place, family.raw)
+        assert value is not None
+        if not is_number_of_run(place, value, family.raw):
+            raise CaseError(
+                f"{case.path}: {table.path} makes another body or another run, and cannot be a parameter; "
+                "numbers of loads, joints, springs, elements, gravity and rigid bodies can"
+            )
+        places.append(place)
+        variables.append(Variable(table.name, table.unit, table.path, value))
+    made = {each.body.name: each.body for each in system.bodies if each.body.kind != "rigid"}
+
+    def machine(values: np.ndarray) -> Exported:
+        varied = family.variant(dict(zip(places, map(float, values), strict=True)), case, made)
+        own = starting_system(varied)
+        known = _elements(varied, own)
+        return own, _outputs(varied, own), {name: known[name] for name in inputs}
+
+    return MachineParameters(tuple(variables), machine)
 
 
 def _elements(case: Case, system: System) -> dict[str, Any]:
@@ -148,6 +200,7 @@ def _report(step: MachineStep) -> None:
     rows: Mapping[str, str] = {
         "coordinates": f"{step.model.n_velocities} velocities, {len(step.model.active)} equations of joints",
         "step": f"{step.size:g}",
+        "parameters": ", ".join(variable.name for variable in step.parameters) or "none",
         "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none: the time alone",
         "outputs": ", ".join(variable.name for variable in step.outputs.variables) or "none",
     }

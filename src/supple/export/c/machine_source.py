@@ -116,8 +116,10 @@ def _header(step: MachineStep, fields: Sequence[_Field], title: str) -> str:
         "machine.h",
         title=title.replace("*/", "* /"),
         version=version("supple"),
+        parameters=_listed(step.parameters),
         inputs=_listed(step.inputs.variables),
         outputs=_listed(step.outputs.variables),
+        n_parameters=len(step.parameters),
         n_inputs=len(step.inputs.variables),
         n_outputs=len(step.outputs.variables),
         step=literal(step.size, np.float64),
@@ -134,11 +136,24 @@ def _source(step: MachineStep, fields: Sequence[_Field]) -> str:
         "machine.c",
         head=HEAD,
         constants=printed.constants,
+        parameters=_table("machine_parameters", step.parameters),
         inputs=_table("machine_inputs", step.inputs.variables),
         outputs=_table("machine_outputs", step.outputs.variables),
         start=",\n    ".join(each.initializer for each in fields if each.start.size),
+        begin=_begin(step, views),
         body=printed.body,
     )
+
+
+def _begin(step: MachineStep, views: Sequence[View]) -> str:
+    """`machine_start`: the state that the parameters give; as it is in `START` where there are none."""
+    constants, body = "", "    (void)m;"
+    if step.parameters:
+        given = (step.start.parameter, step.start.input)
+        printed = printed_function(step.started, given, views[: len(given)], views)
+        # Tables of two functions have the same names: each keeps its own.
+        constants, body = printed.constants, printed.body
+    return f"int machine_start(machine *m)\n{{\n{constants}\n{body}\n    return m->failed ? 1 : 0;\n}}"
 
 
 def _recorded(step: MachineStep) -> tuple[np.ndarray, np.ndarray]:

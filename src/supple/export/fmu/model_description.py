@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.metadata import version
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from supple.export.c.machine_step import MachineStep
@@ -21,8 +22,7 @@ def _written(root: Element) -> str:
 
 
 def _units(root: Element, step: MachineStep) -> None:
-    every = (*step.inputs.variables, *step.outputs.variables)
-    names = sorted({variable.unit for variable in every} - {""})
+    names = sorted({each.variable.unit for each in _referenced(step)} - {""})
     if names:
         units = SubElement(root, "UnitDefinitions")
         for name in names:
@@ -40,15 +40,45 @@ def _experiment(root: Element, step: MachineStep) -> None:
     )
 
 
-def _referenced(step: MachineStep) -> list[tuple[int, Variable, str]]:
-    """Value references, variables and what they are; 0 is the time."""
-    inputs = [(variable, "input") for variable in step.inputs.variables]
-    outputs = [(variable, "output") for variable in step.outputs.variables]
-    return [(place + 1, *each) for place, each in enumerate([*inputs, *outputs])]
+class _Referenced(NamedTuple):
+    """A variable under its value reference."""
+
+    reference: int
+    variable: Variable
+    causality: str
+    variability: str
+
+    @property
+    def named(self) -> dict[str, str]:
+        """Attributes of the variable."""
+        return {
+            "name": self.variable.name,
+            "valueReference": str(self.reference),
+            "description": self.variable.description,
+            "causality": self.causality,
+            "variability": self.variability,
+        }
+
+    @property
+    def value(self) -> dict[str, str]:
+        """Attributes of its value: unit and start."""
+        unit = {"unit": self.variable.unit} if self.variable.unit else {}
+        start = {} if self.causality == "output" else {"start": repr(self.variable.start)}
+        return unit | start
 
 
-def _attributes(variable: Variable) -> dict[str, str]:
-    return {"unit": variable.unit} if variable.unit else {}
+def _referenced(step: MachineStep) -> list[_Referenced]:
+    """Parameters, inputs and outputs; 0 is the time."""
+    fixed = step.fixed_parameters
+    kinds = [
+        *(
+            (each, "parameter", "fixed" if k in fixed else "tunable")
+            for k, each in enumerate(step.parameters)
+        ),
+        *((each, "input", "continuous") for each in step.inputs.variables),
+        *((each, "output", "continuous") for each in step.outputs.variables),
+    ]
+    return [_Referenced(place + 1, *each) for place, each in enumerate(kinds)]
 
 
 def model_description_3(step: MachineStep, title: str, token: str) -> str:
@@ -80,16 +110,8 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
         causality="independent",
         variability="continuous",
     )
-    for reference, variable, causality in _referenced(step):
-        own = _attributes(variable) | ({"start": repr(variable.start)} if causality == "input" else {})
-        SubElement(
-            variables,
-            "Float64",
-            {"name": variable.name, "valueReference": str(reference), "description": variable.description},
-            causality=causality,
-            variability="continuous",
-            **own,
-        )
+    for each in _referenced(step):
+        SubElement(variables, "Float64", each.named | each.value)
     structure = SubElement(root, "ModelStructure")
     for kind in ("Output", "InitialUnknown"):
         for reference in _output_references(step):
@@ -98,7 +120,7 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
 
 
 def _output_references(step: MachineStep) -> list[int]:
-    return [reference for reference, _, causality in _referenced(step) if causality == "output"]
+    return [each.reference for each in _referenced(step) if each.causality == "output"]
 
 
 def model_description_2(step: MachineStep, title: str, token: str, sources: Sequence[str]) -> str:
@@ -125,16 +147,9 @@ def model_description_2(step: MachineStep, title: str, token: str, sources: Sequ
     _units(root, step)
     _experiment(root, step)
     variables = SubElement(root, "ModelVariables")
-    for reference, variable, causality in _referenced(step):
-        own = SubElement(
-            variables,
-            "ScalarVariable",
-            {"name": variable.name, "valueReference": str(reference), "description": variable.description},
-            causality=causality,
-            variability="continuous",
-        )
-        start = {"start": repr(variable.start)} if causality == "input" else {}
-        SubElement(own, "Real", _attributes(variable) | start)
+    for each in _referenced(step):
+        own = SubElement(variables, "ScalarVariable", each.named)
+        SubElement(own, "Real", each.value)
     structure = SubElement(root, "ModelStructure")
     for kind in ("Outputs", "InitialUnknowns"):
         if step.outputs.variables:

@@ -50,8 +50,7 @@ def write_fmu(path: Path, step: MachineStep, title: str, *, fmi: int = 3) -> Pat
     # One and the same machine has one token: an importer may cache what it knows of it.
     token = hashlib.sha256((made["machine.c"] + made["machine.h"]).encode()).hexdigest()[:32]
     wrapper = _WRAPPERS[fmi]
-    inputs_at = "offsetof(machine, input)" if step.inputs.variables else 0
-    instance = Template(_asset("instance.h")).substitute(token=token, inputs_at=inputs_at)
+    instance = Template(_asset("instance.h")).substitute(token=token, **_of_instance(step))
     sources = {
         "machine.c": made["machine.c"],
         "machine.h": made["machine.h"],
@@ -72,6 +71,16 @@ def write_fmu(path: Path, step: MachineStep, title: str, *, fmi: int = 3) -> Pat
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, parts[name], zipfile.ZIP_DEFLATED)
     return path
+
+
+def _of_instance(step: MachineStep) -> dict[str, str]:
+    """Parts of `instance.h`."""
+    first = "parameter" if step.parameters else "input" if step.inputs.variables else None
+    numbers = range(len(step.parameters))
+    return {
+        "given_at": "0" if first is None else f"offsetof(machine, {first})",
+        "tunable": ", ".join("false" if k in step.fixed_parameters else "true" for k in numbers) or "false",
+    }
 
 
 def _asset(name: str) -> str:

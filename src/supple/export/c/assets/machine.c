@@ -3,6 +3,8 @@
 $head
 $constants
 
+$parameters
+
 $inputs
 
 $outputs
@@ -15,6 +17,8 @@ void machine_init(machine *m)
 {
     *m = START;
 }
+
+$begin
 
 int machine_advance(machine *m, double end)
 {

@@ -13,7 +13,7 @@ typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } fmi3Stat
 typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String);
 
 typedef struct {
-    machine m;
+    simulation s;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
 } instance;
@@ -51,7 +51,7 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
     if (!one) return NULL;
     one->environment = environment;
     one->log = log;
-    machine_init(&one->m);
+    reset(&one->s);
     return one;
 }
 
@@ -65,13 +65,14 @@ EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance given, fmi3Boolean ha
 {
     instance *one = given;
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    return same_time(start, one->m.time) ? fmi3OK : failed(one, OTHER_START);
+    return same_time(start, one->s.m.time) ? fmi3OK : failed(one, OTHER_START);
 }
 
 EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance given)
 {
-    (void)given;
-    return fmi3OK;
+    instance *one = given;
+    one->s.begun = true;
+    return started(&one->s) ? fmi3OK : failed(one, NO_START);
 }
 
 EXPORT fmi3Status fmi3Terminate(fmi3Instance given)
@@ -82,7 +83,7 @@ EXPORT fmi3Status fmi3Terminate(fmi3Instance given)
 
 EXPORT fmi3Status fmi3Reset(fmi3Instance given)
 {
-    machine_init(&((instance *)given)->m);
+    reset(&((instance *)given)->s);
     return fmi3OK;
 }
 
@@ -91,8 +92,9 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance given, const fmi3ValueReference re
 {
     instance *one = given;
     if (n != n_values) return failed(one, "one number is needed for each variable");
+    if (!started(&one->s)) return failed(one, NO_START);
     for (size_t k = 0; k < n; ++k) {
-        const double *found = readable(&one->m, references[k]);
+        const double *found = readable(&one->s.m, references[k]);
         if (!found) return failed(one, "there is no variable of this value reference");
         values[k] = *found;
     }
@@ -105,22 +107,20 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance given, const fmi3ValueReference re
     instance *one = given;
     if (n != n_values) return failed(one, "one number is needed for each variable");
     for (size_t k = 0; k < n; ++k) {
-        double *found = writable(&one->m, references[k]);
-        if (!found) return failed(one, "only inputs can be set");
-        if (!isfinite(values[k])) return failed(one, "an input must be a finite number");
-        *found = values[k];
+        const char *cause = set(&one->s, references[k], values[k]);
+        if (cause) return failed(one, cause);
     }
     return fmi3OK;
 }
 
 EXPORT fmi3Status fmi3GetFMUState(fmi3Instance given, fmi3FMUState *state)
 {
-    return kept(state, &((instance *)given)->m) ? fmi3OK : fmi3Error;
+    return kept(state, &((instance *)given)->s) ? fmi3OK : fmi3Error;
 }
 
 EXPORT fmi3Status fmi3SetFMUState(fmi3Instance given, fmi3FMUState state)
 {
-    memcpy(&((instance *)given)->m, state, sizeof(machine));
+    memcpy(&((instance *)given)->s, state, sizeof(simulation));
     return fmi3OK;
 }
 
@@ -135,13 +135,13 @@ EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance given, fmi3FMUState *state)
 EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance given, fmi3FMUState state, size_t *size)
 {
     (void)given, (void)state;
-    *size = sizeof(machine);
+    *size = sizeof(simulation);
     return fmi3OK;
 }
 
 EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance given, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
     memcpy(bytes, state, size);
     return fmi3OK;
 }
@@ -149,7 +149,7 @@ EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance given, fmi3FMUState state, 
 EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance given, const fmi3Byte bytes[], size_t size,
                                           fmi3FMUState *state)
 {
-    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
     return kept(state, bytes) ? fmi3OK : fmi3Error;
 }
 
@@ -158,9 +158,9 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 
 {
     instance *one = given;
     (void)no_return;
-    const int how = moved(&one->m, begin, size);
+    const int how = moved(&one->s.m, begin, size);
     *event = *terminate = *early = false;
-    *reached = one->m.time;
+    *reached = one->s.m.time;
     return how == 0 ? fmi3OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
 }
 

@@ -11,7 +11,8 @@
 #include <string.h>
 
 #define TOKEN "$token" /* of this machine */
-#define INPUTS_AT $inputs_at
+#define GIVEN_AT $given_at
+#define GIVEN (MACHINE_PARAMETERS + MACHINE_INPUTS) /* they stand in this order */
 #define OUTPUTS_AT offsetof(machine, output)
 
 #if defined(_WIN32)
@@ -22,19 +23,50 @@
 #define EXPORT
 #endif
 
-/* Value references: 0 is the time, then come the inputs, then the outputs. */
+/* Parameters that can be changed after the start. */
+static const bool TUNABLE[MACHINE_PARAMETERS + 1] = {$tunable};
+
+/* A machine, and where its instance stands. */
+typedef struct {
+    machine m;
+    bool begun;   /* initialization is over */
+    bool changed; /* a parameter was, and the start has not been made from it */
+} simulation;
+
+static void reset(simulation *one)
+{
+    machine_init(&one->m);
+    one->begun = one->changed = false;
+}
+
+/* The start that the parameters give; false where there is none. */
+static bool started(simulation *one)
+{
+    if (!one->changed) return true;
+    one->changed = false;
+    return machine_start(&one->m) == 0;
+}
+
+/* Value references: 0 is the time, then come parameters, inputs and outputs. */
 static const double *readable(const machine *m, unsigned reference)
 {
     if (reference == 0) return &m->time;
-    if (reference <= MACHINE_INPUTS) return (const double *)((const char *)m + INPUTS_AT) + (reference - 1);
-    if (reference <= MACHINE_INPUTS + MACHINE_OUTPUTS)
-        return (const double *)((const char *)m + OUTPUTS_AT) + (reference - 1 - MACHINE_INPUTS);
+    if (reference <= GIVEN) return (const double *)((const char *)m + GIVEN_AT) + (reference - 1);
+    if (reference <= GIVEN + MACHINE_OUTPUTS)
+        return (const double *)((const char *)m + OUTPUTS_AT) + (reference - 1 - GIVEN);
     return NULL;
 }
 
-static double *writable(machine *m, unsigned reference)
+/* Why a value was not set; NULL where it was. */
+static const char *set(simulation *one, unsigned reference, double value)
 {
-    return reference >= 1 && reference <= MACHINE_INPUTS ? (double *)readable(m, reference) : NULL;
+    const bool parameter = reference >= 1 && reference <= MACHINE_PARAMETERS;
+    if (!(reference >= 1 && reference <= GIVEN)) return "only parameters and inputs can be set";
+    if (!isfinite(value)) return "a parameter or an input must be a finite number";
+    if (parameter && one->begun && !TUNABLE[reference - 1]) return "the start depends on this parameter: set it before";
+    *(double *)readable(&one->m, reference) = value;
+    one->changed = one->changed || (parameter && !one->begun);
+    return NULL;
 }
 
 static bool same_time(double a, double b)
@@ -52,11 +84,12 @@ static int moved(machine *m, double begin, double size)
 /* A machine is copied into the place of a state, which is made where there is none; false: no memory is left. */
 static bool kept(void **state, const void *from)
 {
-    if (!*state) *state = malloc(sizeof(machine));
-    if (*state) memcpy(*state, from, sizeof(machine));
+    if (!*state) *state = malloc(sizeof(simulation));
+    if (*state) memcpy(*state, from, sizeof(simulation));
     return *state != NULL;
 }
 
+static const char *const NO_START = "friction and the forces of joints do not converge at the start";
 static const char *const NO_CONVERGENCE = "Newton's iteration failed with the smallest step: loads far beyond what "
                                           "the machine carries, or a prescribed motion that jumps";
 static const char *const OTHER_TIME = "a step must begin at the time that the machine has reached, and go forward";
