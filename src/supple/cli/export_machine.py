@@ -20,6 +20,7 @@ from supple.export.c.machine_step import MachineStep, machine_step
 from supple.export.c.parameters import Exported, MachineParameters
 from supple.export.c.variables import Variable
 from supple.export.c.write_machine import write_machine
+from supple.export.fmu.platforms import PLATFORMS, Platform
 from supple.export.fmu.write_fmu import write_fmu
 from supple.machine import (
     Cylindrical,
@@ -44,6 +45,7 @@ def export_machine(
     fmu: Path | None,
     inputs: Sequence[str],
     fmi: int,
+    platforms: Sequence[str],
     case_file: Path | None,
     allow_code: bool,
 ) -> None:
@@ -52,11 +54,12 @@ def export_machine(
     c, fmu : folder of the C, and file of the FMU; one of them
     inputs : names of joints, springs and elements whose laws are given from outside
     fmi : version of the FMU's interface
+    platforms : systems for which the FMU has libraries; this computer where none is given
     case_file : of a result, as for `result_machine`
 
     Raises
     ------
-    ArgumentError       both, or neither
+    ArgumentError       both, or neither; a system that is not known, or given for C
     CaseError           mistakes in the case file; an input that it does not have; a body that corrects itself
     ModelError          as `machine_step`, `write_machine` and `write_fmu`
     ResultFileError     a file that cannot be read or written
@@ -65,6 +68,7 @@ def export_machine(
         raise ArgumentError(
             "a machine is written as C (--c FOLDER) or as an FMU (-o FILE.fmu): give one of them"
         )
+    kinds = _platforms(platforms, c)
     with console.status("reading") as status:
 
         def notify(step: str, detail: str = "") -> None:
@@ -80,9 +84,21 @@ def export_machine(
             write_machine(c, step, title)
         else:
             assert fmu is not None
-            write_fmu(fmu, step, title, fmi=fmi)
+            write_fmu(fmu, step, title, fmi=fmi, platforms=kinds)
     _report(step)
     say(f"written to {c}: run make test there" if c is not None else f"written to {fmu}, FMI {fmi}")
+
+
+def _platforms(names: Sequence[str], c: Path | None) -> tuple[Platform, ...]:
+    if names and c is not None:
+        raise ArgumentError("C is compiled where it is used; remove --platform")
+    for name in names:
+        if name not in PLATFORMS:
+            raise ArgumentError(
+                f"there is no platform '{name}'{did_you_mean(name, PLATFORMS)}; there are: "
+                f"{', '.join(PLATFORMS)}"
+            )
+    return tuple(each for name in dict.fromkeys(names) for each in PLATFORMS[name])
 
 
 def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) -> tuple[Case, System]:

@@ -290,6 +290,14 @@ def export(
         typer.Option("--input", help="Joint, spring or element whose law is an input of the C or the FMU."),
     ] = None,
     fmi: Annotated[int, typer.Option(min=2, max=3, help="Version of the FMU's interface.")] = 3,
+    platforms: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--platform",
+            help="System for which an FMU has a library: linux, windows or macos, by the cross-compiler of "
+            "supple[fmu]; default: this computer, by its own compiler.",
+        ),
+    ] = None,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
@@ -308,13 +316,20 @@ def export(
             from supple.cli.export_machine import export_machine
 
             export_machine(
-                path, c=c, fmu=output, inputs=inputs or (), fmi=fmi, case_file=case, allow_code=allow_code
+                path,
+                c=c,
+                fmu=output,
+                inputs=inputs or (),
+                fmi=fmi,
+                platforms=platforms or (),
+                case_file=case,
+                allow_code=allow_code,
             )
             return
         if output is None:
             raise ArgumentError("name the file to write (-o FILE), or the folder of the C (--c FOLDER)")
-        if inputs:
-            raise ArgumentError("--input is for machines as C or as an FMU; remove it")
+        if inputs or platforms:
+            raise ArgumentError("--input and --platform are for machines as C or as an FMU; remove them")
         if abaqus and (not (is_case or superelement) or mode is not None):
             raise ArgumentError("--abaqus is for the deck of a case's body; remove it")
         if superelement and output.suffix.lower() != ".inp":
