@@ -122,6 +122,7 @@ def _header(step: MachineStep, fields: Sequence[_Field], title: str) -> str:
         n_parameters=len(step.parameters),
         n_inputs=len(step.inputs.variables),
         n_outputs=len(step.outputs.variables),
+        n_contacts=len(step.start.touching),
         step=literal(step.size, np.float64),
         duration=literal(step.duration, np.float64),
         members="\n".join(f"    {each.declaration}" for each in fields if each.start.size),

@@ -18,6 +18,7 @@ from supple.equations.configuration import Configuration, ControlState, SystemMo
 from supple.equations.model import Model
 from supple.errors import ModelError
 from supple.export.c.consistent_accelerations import consistent_accelerations
+from supple.export.c.contacts import Contacts, contacts_of
 from supple.export.c.external_inputs import ExternalInputs, external_inputs
 from supple.export.c.parameters import AffineArrays, MachineParameters, affine_arrays
 from supple.export.c.sensed_outputs import SensedOutputs, sensed_outputs
@@ -44,6 +45,8 @@ class Instant(NamedTuple):
     """(i,) as they act from here on"""
     output: Any
     """(o,)"""
+    touching: Any
+    """(c,) whether stops and contacts touch"""
     state: State
 
 
@@ -77,7 +80,9 @@ class MachineStep:
     @cached_property
     def fixed_parameters(self) -> frozenset[int]:
         """Numbers of the parameters on which the start depends: they are set before it."""
-        return frozenset(self.parts.depend(lambda parts: parts._replace(model=None, reads=None)))
+        return frozenset(
+            self.parts.depend(lambda parts: (parts.configuration, parts.velocity, parts.control))
+        )
 
     def started(self, parameter: Any, given: Any) -> Instant:
         """The machine at the start of its run, with parameters (k,) and inputs (i,)."""
@@ -98,7 +103,7 @@ class MachineStep:
         )
         before = jnp.zeros(len(self.outputs.variables))
         output = replace(self.outputs, reads=parts.reads).at(model, _motion(state), before, 0.0)
-        return Instant(parameter, given, output, state)
+        return Instant(parameter, given, output, parts.contacts.at(_motion(state)), state)
 
     def advanced(self, now: Instant, end: Any) -> Instant:
         """The machine at a time, in as many steps as the march takes; after a failure, before that step."""
@@ -113,6 +118,7 @@ class MachineStep:
         outputs = replace(self.outputs, reads=parts.reads)
         return now._replace(
             output=outputs.at(model, _motion(state), now.output, elapsed),
+            touching=parts.contacts.at(_motion(state)),
             state=state,
         )
 
@@ -138,6 +144,7 @@ class _Parts(NamedTuple):
     control: ControlState | None
     reads: Any
     """Of the outputs"""
+    contacts: Contacts
 
 
 def machine_step(
@@ -166,7 +173,8 @@ def machine_step(
     sensed = sensed_outputs(external.system, sensors, units)
     own = () if parameters is None else parameters.variables
     _check_names((*own, *external.variables), sensed)
-    base = _Parts(model, state.configuration, state.velocity, state.control, sensed.reads)
+    contacts = contacts_of(external.system)
+    base = _Parts(model, state.configuration, state.velocity, state.control, sensed.reads, contacts)
     parts = AffineArrays(base, np.zeros(0), {})
     if parameters is not None and own:
         parts = _by_parameters(parameters, run.start, sensed)
@@ -180,7 +188,7 @@ def machine_step(
         parameters=own,
         inputs=external,
         outputs=replace(sensed, variables=named),
-        start=Instant(parts.start, external.start, first, state),
+        start=Instant(parts.start, external.start, first, np.asarray(contacts.at(_motion(state))), state),
         size=float(run.step_control.first),
         duration=float(run.duration),
     )
@@ -226,7 +234,8 @@ def _by_parameters(parameters: MachineParameters, time: float, sensed: SensedOut
         start = compiled_start(external.system, time)
         outputs = sensed_outputs(external.system, sensors, UNNAMED)
         model = external.unset(_without_unread_scales(start.model))
-        parts = _Parts(model, start.configuration, start.velocity, start.control, outputs.reads)
+        at = start.configuration, start.velocity, start.control
+        parts = _Parts(model, *at, outputs.reads, contacts_of(external.system))
         made.append((values, parts, outputs))
         return parts
 

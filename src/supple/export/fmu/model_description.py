@@ -98,6 +98,9 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
         canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUState="true",
         canSerializeFMUState="true",
+        **(
+            {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if len(step.start.touching) else {}
+        ),
     )
     _units(root, step)
     _experiment(root, step)

@@ -21,6 +21,7 @@ $outputs
 #define MACHINE_PARAMETERS $n_parameters
 #define MACHINE_INPUTS $n_inputs
 #define MACHINE_OUTPUTS $n_outputs
+#define MACHINE_CONTACTS $n_contacts /* stops and contacts: m.touching[] */
 #define MACHINE_STEP $step /* size of a step, as the case has it */
 #define MACHINE_DURATION $duration /* of the run of the case */
 

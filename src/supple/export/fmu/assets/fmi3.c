@@ -14,6 +14,10 @@ typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3
 
 typedef struct {
     simulation s;
+#if MACHINE_CONTACTS
+    machine before, trial;
+    bool returns_early;
+#endif
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
 } instance;
@@ -41,7 +45,7 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
                                                 fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                                 void *intermediate)
 {
-    (void)name, (void)resources, (void)visible, (void)logging, (void)events, (void)early, (void)required, (void)n;
+    (void)name, (void)resources, (void)visible, (void)logging, (void)required, (void)n;
     (void)intermediate;
     if (!token || strcmp(token, TOKEN) != 0) {
         if (log) log(environment, fmi3Error, "logStatusError", "the instantiation token is another machine's");
@@ -51,6 +55,11 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
     if (!one) return NULL;
     one->environment = environment;
     one->log = log;
+#if MACHINE_CONTACTS
+    one->returns_early = events && early;
+#else
+    (void)events, (void)early;
+#endif
     reset(&one->s);
     return one;
 }
@@ -158,10 +167,40 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 
 {
     instance *one = given;
     (void)no_return;
-    const int how = moved(&one->s.m, begin, size);
     *event = *terminate = *early = false;
+#if MACHINE_CONTACTS
+    const double asked = begin + size;
+    const int how = one->returns_early ? moved_to_event(&one->s.m, &one->before, &one->trial, begin, size, event)
+                                       : moved(&one->s.m, begin, size);
+    *early = *event && one->s.m.time < asked;
+#else
+    const int how = moved(&one->s.m, begin, size);
+#endif
     *reached = one->s.m.time;
     return how == 0 ? fmi3OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
+}
+
+/* A penalty acts on its own: at an event the importer may set inputs, and the machine changes nothing. */
+EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance given)
+{
+    (void)given;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance given, fmi3Boolean *again, fmi3Boolean *terminate,
+                                           fmi3Boolean *nominals, fmi3Boolean *values, fmi3Boolean *known,
+                                           fmi3Float64 *next)
+{
+    (void)given;
+    *again = *terminate = *nominals = *values = *known = false;
+    *next = 0.0;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance given)
+{
+    (void)given;
+    return fmi3OK;
 }
 
 /* What co-simulation of this machine has no use for. */
@@ -199,7 +238,6 @@ EXPORT fmi3Status fmi3GetDirectionalDerivative(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetAdjointDerivative(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3EnterConfigurationMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3ExitConfigurationMode(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3EnterEventMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetIntervalDecimal(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetIntervalFraction(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetShiftDecimal(void) { return fmi3Error; }
@@ -209,7 +247,6 @@ EXPORT fmi3Status fmi3SetIntervalFraction(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetShiftDecimal(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetShiftFraction(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3EvaluateDiscreteStates(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3UpdateDiscreteStates(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3EnterContinuousTimeMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3CompletedIntegratorStep(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetTime(void) { return fmi3Error; }
@@ -220,6 +257,5 @@ EXPORT fmi3Status fmi3GetContinuousStates(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNumberOfEventIndicators(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNumberOfContinuousStates(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3EnterStepMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetOutputDerivatives(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3ActivateModelPartition(void) { return fmi3Error; }

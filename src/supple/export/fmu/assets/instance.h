@@ -81,6 +81,36 @@ static int moved(machine *m, double begin, double size)
     return size > 0.0 ? machine_advance(m, begin + size) : 0;
 }
 
+#if MACHINE_CONTACTS
+#define HALVINGS 10 /* of the step within which a contact changes */
+
+/* The same, but only to where a stop or contact begins or ends to touch, then *event; two machines are needed. */
+static int moved_to_event(machine *m, machine *before, machine *trial, double begin, double size, bool *event)
+{
+    if (!same_time(begin, m->time) || !(size >= 0.0)) return 2;
+    const double first = m->time, whole = begin + size - first;
+    const double steps = ceil(whole / MACHINE_STEP * (1.0 - 1e-12));
+    for (double k = 1.0; k <= steps; ++k) {
+        *before = *m;
+        if (machine_advance(m, k == steps ? begin + size : first + whole * (k / steps))) return 1;
+        if (memcmp(before->touching, m->touching, sizeof m->touching) == 0) continue;
+        double low = before->time;
+        for (int halving = 0; halving < HALVINGS; ++halving) {
+            const double middle = 0.5 * (low + m->time);
+            *trial = *before;
+            if (machine_advance(trial, middle)) break;
+            if (memcmp(before->touching, trial->touching, sizeof m->touching) == 0)
+                low = middle;
+            else
+                *m = *trial;
+        }
+        *event = true;
+        return 0;
+    }
+    return 0;
+}
+#endif
+
 /* A machine is copied into the place of a state, which is made where there is none; false: no memory is left. */
 static bool kept(void **state, const void *from)
 {
