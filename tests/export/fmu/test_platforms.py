@@ -38,7 +38,8 @@ def test_an_fmu_has_libraries_for_all_platforms(tmp_path):
     for name, data in found.items():
         assert data.startswith(BEGINNINGS[name])
         assert b"fmi3DoStep\0" in data
-        assert b"machine_advance" not in data  # hidden: two FMUs in one process do not meet
+        # Hidden: two FMUs in one process do not meet. (Mach-O keeps names of local functions.)
+        assert name.endswith(".dylib") or b"machine_advance" not in data
         if name.endswith(".so"):
             assert data[18] == MACHINES[name.split("/")[1].partition("-")[0]]
 

@@ -18,7 +18,7 @@ from supple.export.c.machine_step import Instant, MachineStep
 from supple.export.c.values import View, c_type, literal
 from supple.export.c.variables import Variable
 
-__all__ = ["machine_files", "machine_sources", "sensor_sizes"]
+__all__ = ["machine_files", "machine_sources", "sensor_sizes", "struct_fields"]
 
 _RECORDED = 20
 """Instants that the test compares."""
@@ -63,7 +63,7 @@ def machine_sources(step: MachineStep, title: str) -> dict[str, str]:
 
     Raises ModelError for an operation of the equations that has no form in C.
     """
-    fields = _fields(step.start)
+    fields = struct_fields(step.start)
     return {"machine.h": _header(step, fields, title), "machine.c": _source(step, fields)}
 
 
@@ -72,7 +72,7 @@ def machine_files(step: MachineStep, title: str) -> dict[str, str]:
     return machine_sources(step, title) | {"test.c": _test(step), "Makefile": _filled("Makefile")}
 
 
-def _fields(start: Instant) -> list[_Field]:
+def struct_fields(start: Instant) -> list[_Field]:
     """Members of the struct, by the order of the leaves; those of no element left out."""
     found = []
     for path, leaf in jax.tree_util.tree_flatten_with_path(start)[0]:

@@ -98,6 +98,7 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
         canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUState="true",
         canSerializeFMUState="true",
+        **({"providesDirectionalDerivatives": "true"} if step.inputs.variables else {}),
         **(
             {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if len(step.start.touching) else {}
         ),
@@ -143,6 +144,7 @@ def model_description_2(step: MachineStep, title: str, token: str, sources: Sequ
         canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUstate="true",
         canSerializeFMUstate="true",
+        **({"providesDirectionalDerivative": "true"} if step.inputs.variables else {}),
     )
     files = SubElement(simulation, "SourceFiles")
     for name in sources:

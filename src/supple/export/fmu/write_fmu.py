@@ -15,6 +15,7 @@ from string import Template
 from supple.errors import ModelError
 from supple.export.c.machine_source import machine_sources
 from supple.export.c.machine_step import MachineStep
+from supple.export.fmu.derivative_source import derivative_source
 from supple.export.fmu.model_description import (
     IDENTIFIER,
     build_description,
@@ -57,6 +58,8 @@ def write_fmu(
         "instance.h": instance,
         wrapper: _asset(wrapper),
     }
+    if step.inputs.variables:
+        sources["derivative.c"] = derivative_source(step)
     compiled = [name for name in sources if name.endswith(".c")]
     parts: dict[str, str | bytes] = {f"sources/{name}": own for name, own in sources.items()}
     if fmi == 3:

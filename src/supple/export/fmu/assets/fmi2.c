@@ -20,6 +20,7 @@ typedef struct {
 
 typedef struct {
     simulation s;
+    last_step last;
     const fmi2CallbackFunctions *callbacks;
 } instance;
 
@@ -92,7 +93,9 @@ EXPORT fmi2Status fmi2Terminate(fmi2Component given)
 
 EXPORT fmi2Status fmi2Reset(fmi2Component given)
 {
-    reset(&((instance *)given)->s);
+    instance *one = given;
+    reset(&one->s);
+    one->last.made = false;
     return fmi2OK;
 }
 
@@ -127,7 +130,9 @@ EXPORT fmi2Status fmi2GetFMUstate(fmi2Component given, fmi2FMUstate *state)
 
 EXPORT fmi2Status fmi2SetFMUstate(fmi2Component given, fmi2FMUstate state)
 {
-    memcpy(&((instance *)given)->s, state, sizeof(simulation));
+    instance *one = given;
+    memcpy(&one->s, state, sizeof(simulation));
+    one->last.made = false;
     return fmi2OK;
 }
 
@@ -164,8 +169,19 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component given, fmi2Real begin, fmi2Real size,
 {
     instance *one = given;
     (void)no_return;
+    begin_step(&one->last, &one->s.m);
     const int how = moved(&one->s.m, begin, size);
+    if (how == 0) end_step(&one->last, &one->s.m);
     return how == 0 ? fmi2OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
+}
+
+EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component given, const fmi2ValueReference unknowns[],
+                                               size_t n_unknowns, const fmi2ValueReference knowns[],
+                                               size_t n_knowns, const fmi2Real seed[], fmi2Real found[])
+{
+    instance *one = given;
+    const char *cause = derivatives(&one->last, unknowns, n_unknowns, knowns, n_knowns, seed, found);
+    return cause ? failed(one, cause) : fmi2OK;
 }
 
 /* What co-simulation of this machine has no use for. */
@@ -175,7 +191,6 @@ EXPORT fmi2Status fmi2GetBoolean(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2SetBoolean(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2GetString(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2SetString(void) { return fmi2Error; }
-EXPORT fmi2Status fmi2GetDirectionalDerivative(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2SetRealInputDerivatives(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2CancelStep(void) { return fmi2Error; }

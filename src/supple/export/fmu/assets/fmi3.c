@@ -14,6 +14,7 @@ typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3
 
 typedef struct {
     simulation s;
+    last_step last;
 #if MACHINE_CONTACTS
     machine before, trial;
     bool returns_early;
@@ -92,7 +93,9 @@ EXPORT fmi3Status fmi3Terminate(fmi3Instance given)
 
 EXPORT fmi3Status fmi3Reset(fmi3Instance given)
 {
-    reset(&((instance *)given)->s);
+    instance *one = given;
+    reset(&one->s);
+    one->last.made = false;
     return fmi3OK;
 }
 
@@ -129,7 +132,9 @@ EXPORT fmi3Status fmi3GetFMUState(fmi3Instance given, fmi3FMUState *state)
 
 EXPORT fmi3Status fmi3SetFMUState(fmi3Instance given, fmi3FMUState state)
 {
-    memcpy(&((instance *)given)->s, state, sizeof(simulation));
+    instance *one = given;
+    memcpy(&one->s, state, sizeof(simulation));
+    one->last.made = false;
     return fmi3OK;
 }
 
@@ -168,6 +173,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 
     instance *one = given;
     (void)no_return;
     *event = *terminate = *early = false;
+    begin_step(&one->last, &one->s.m);
 #if MACHINE_CONTACTS
     const double asked = begin + size;
     const int how = one->returns_early ? moved_to_event(&one->s.m, &one->before, &one->trial, begin, size, event)
@@ -177,6 +183,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 
     const int how = moved(&one->s.m, begin, size);
 #endif
     *reached = one->s.m.time;
+    if (how == 0) end_step(&one->last, &one->s.m);
     return how == 0 ? fmi3OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
 }
 
@@ -201,6 +208,17 @@ EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance given)
 {
     (void)given;
     return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance given, const fmi3ValueReference unknowns[],
+                                                size_t n_unknowns, const fmi3ValueReference knowns[],
+                                                size_t n_knowns, const fmi3Float64 seed[], size_t n_seed,
+                                                fmi3Float64 found[], size_t n_found)
+{
+    if (n_seed != n_knowns || n_found != n_unknowns) return failed(given, "one number is needed for each variable");
+    instance *one = given;
+    const char *cause = derivatives(&one->last, unknowns, n_unknowns, knowns, n_knowns, seed, found);
+    return cause ? failed(one, cause) : fmi3OK;
 }
 
 /* What co-simulation of this machine has no use for. */
@@ -234,7 +252,6 @@ EXPORT fmi3Status fmi3GetClock(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetClock(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetVariableDependencies(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3GetDirectionalDerivative(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetAdjointDerivative(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3EnterConfigurationMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3ExitConfigurationMode(void) { return fmi3Error; }

@@ -47,6 +47,59 @@ static bool started(simulation *one)
     return machine_start(&one->m) == 0;
 }
 
+#if MACHINE_INPUTS
+void machine_derivative(const machine *m, double end, const double *direction, double *rates);
+#endif
+
+/* The last communication step: from this machine to that time. */
+typedef struct {
+#if MACHINE_INPUTS
+    machine from;
+#endif
+    double to;
+    bool made;
+} last_step;
+
+static void begin_step(last_step *last, const machine *m)
+{
+#if MACHINE_INPUTS
+    last->from = *m;
+#else
+    (void)m;
+#endif
+    last->made = false;
+}
+
+static void end_step(last_step *last, const machine *m)
+{
+    last->to = m->time;
+    last->made = true;
+}
+
+/* Derivatives of outputs at the end of the last step along a direction of its inputs; why there are none, or NULL. */
+static const char *derivatives(const last_step *last, const unsigned unknowns[], size_t n_unknowns,
+                               const unsigned knowns[], size_t n_knowns, const double seed[], double found[])
+{
+#if MACHINE_INPUTS
+    double direction[MACHINE_INPUTS] = {0}, rates[MACHINE_OUTPUTS];
+    if (!last->made) return "derivatives are those of a step: make one first";
+    for (size_t k = 0; k < n_knowns; ++k) {
+        if (!(knowns[k] > MACHINE_PARAMETERS && knowns[k] <= GIVEN)) return "derivatives are with respect to inputs";
+        direction[knowns[k] - 1 - MACHINE_PARAMETERS] += seed[k];
+    }
+    machine_derivative(&last->from, last->to, direction, rates);
+    for (size_t k = 0; k < n_unknowns; ++k) {
+        if (!(unknowns[k] > GIVEN && unknowns[k] <= GIVEN + MACHINE_OUTPUTS)) return "derivatives are those of outputs";
+        found[k] = rates[unknowns[k] - 1 - GIVEN];
+        if (!isfinite(found[k])) return "an output has no derivative here";
+    }
+    return NULL;
+#else
+    (void)last, (void)unknowns, (void)n_unknowns, (void)knowns, (void)n_knowns, (void)seed, (void)found;
+    return "a machine without inputs has no derivatives";
+#endif
+}
+
 /* Value references: 0 is the time, then come parameters, inputs and outputs. */
 static const double *readable(const machine *m, unsigned reference)
 {
