@@ -145,3 +145,43 @@ def test_mistakes_are_told_with_the_remedy(case, tmp_path):
     assert "motor" in unknown.output
     assert "name the file to write" in exported(case).output
     assert "remove it" in exported(case, "-o", tmp_path / "rod.inp", "--input", "motor").output
+
+
+PARAMETERS = """
+[[parameter]]
+name = "mass"
+path = "body.rod.rigid.mass"
+unit = "kg"
+[[parameter]]
+name = "fall"
+path = "gravity[1]"
+unit = "m/s2"
+"""
+
+
+@needs_compiler
+@pytest.mark.slow
+def test_numbers_that_a_case_names_are_parameters(case, tmp_path, monkeypatch):
+    monkeypatch.setenv("CFLAGS", "-O0")
+    case.write_text(PENDULUM + PARAMETERS)
+    result = exported(case, "-o", tmp_path / "rod.fmu", "--input", "motor")
+    assert result.exit_code == 0, result.output
+    with zipfile.ZipFile(tmp_path / "rod.fmu") as archive:
+        text = archive.read("modelDescription.xml").decode()
+    assert 'name="mass" valueReference="1" description="body.rod.rigid.mass" causality="parameter"' in text
+    assert 'unit="m/s2" start="-9.81"' in text
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("body.rod.rigid.weight", "no number of this file"),
+        ("body.rod.rigid", "no number of this file"),
+        ("simulation.step", "another run"),
+    ],
+)
+def test_what_is_no_number_of_the_march_is_refused(case, tmp_path, path, message):
+    case.write_text(f'{PENDULUM}\n[[parameter]]\nname = "p"\npath = "{path}"\n')
+    result = exported(case, "-o", tmp_path / "rod.fmu")
+    assert result.exit_code != 0
+    assert message in " ".join(result.output.split())

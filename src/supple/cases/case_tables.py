@@ -17,6 +17,7 @@ from supple.cases import (
     joints,
     loads,
     output,
+    parameters,
     sensors,
     simulation,
     spin,
@@ -33,6 +34,7 @@ from supple.cases.laws import tables_suit_the_run
 from supple.cases.loads import Load
 from supple.cases.machine_file import MachineFile
 from supple.cases.output import Output
+from supple.cases.parameters import ParameterTable
 from supple.cases.sensors import Sensor
 from supple.cases.simulation import Simulation
 from supple.cases.spin import SpinTable
@@ -74,6 +76,7 @@ class CaseTables(CheckedTable):
     support: Annotated[tuple[SupportTable, ...], Field(strict=False)] = ()
     control: str | None = Field(None, description="FILE.py:FUNCTION; runs with --allow-code")
     sensor: Annotated[tuple[Sensor, ...], Field(strict=False)] = ()
+    parameter: Annotated[tuple[ParameterTable, ...], Field(strict=False)] = ()
     simulation: Simulation
     spin: SpinTable | None = None
     error: StatedError = Field(default_factory=lambda: StatedError.model_validate({}))
@@ -105,6 +108,7 @@ RULES: tuple[Rule, ...] = (
     *output.RULES,
     *stated_error.RULES,
     *sensors.RULES,
+    *parameters.RULES,
     units_are_one_set,
 )
 """What one key demands of another; each section states its own."""

@@ -30,7 +30,7 @@ __all__ = ["CASE_FILE", "ResultMachine", "path_from", "result_machine"]
 CASE_FILE = "case file"
 """Of the metadata of a result file: the case file, seen from the folder of the result."""
 
-_READ_AFTERWARDS = ("sensor", "order of sensor", "error")
+_READ_AFTERWARDS = ("sensor", "order of sensor", "parameter", "order of parameter", "error")
 """Beginnings of the names of inputs that no motion depends on."""
 
 

@@ -25,6 +25,7 @@ class ExportOptions:
     superelement: bool = False
     inputs: Sequence[str] | None = None
     fmi: int | None = None
+    platforms: Sequence[str] | None = None
     allow_code: bool = False
 
     @property
@@ -33,7 +34,7 @@ class ExportOptions:
         return [each.name for each in fields(self) if getattr(self, each.name) not in (each.default, [])]
 
 
-_FLAGS = {"stress": "--no-stress", "inputs": "--input"}
+_FLAGS = {"stress": "--no-stress", "inputs": "--input", "platforms": "--platform"}
 
 
 def _flag(name: str) -> str:
@@ -90,7 +91,7 @@ def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
     deck = ("superelement", "body", "abaqus")
     rows = (
         (output is None, _Target("a machine as C", ("inputs", "allow_code", *of_result), _c)),
-        (suffix == ".fmu", _Target("an FMU", ("inputs", "fmi", "allow_code", *of_result), _fmu)),
+        (suffix == ".fmu", _Target("an FMU", ("inputs", "fmi", "platforms", "allow_code", *of_result), _fmu)),
         (options.mode is not None, _Target("a mode", ("mode", "body", "time"), _mode)),
         (options.superelement, _Target("a deck with a superelement", deck, _superelement)),
         (suffix in SUPERELEMENT_SUFFIXES, _Target("a superelement", ("body",), _superelement)),
@@ -119,6 +120,7 @@ def _fmu(path: Path, target: Path, options: ExportOptions) -> None:
         target,
         options.inputs or (),
         fmi=options.fmi or 3,
+        platforms=options.platforms or (),
         case_file=options.case,
         allow_code=options.allow_code,
     )

@@ -6,12 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from supple.cases import Case, read_case
+from supple.cases.case_family import case_family
 from supple.cases.outputs import check_not_an_input
+from supple.cases.parameter_path import parameter_path
+from supple.cases.parameters import number_at
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
-from supple.errors import CaseError, did_you_mean
+from supple.errors import ArgumentError, CaseError, did_you_mean
 from supple.export.c.write_machine import write_machine
+from supple.export.fmu.platforms import PLATFORMS, Platform
 from supple.export.fmu.write_fmu import write_fmu
 from supple.machine import (
     Cylindrical,
@@ -23,7 +29,9 @@ from supple.machine import (
     System,
 )
 from supple.quantities import JointMotionSensor, PositionSensor, Quantity
-from supple.stepping import StepProgram, step_program
+from supple.stepping import StepProgram, Variable, step_program
+from supple.stepping.parameters import Exported, MachineParameters
+from supple.sweeps.body_numbers import is_number_of_run
 from supple.terminal import console, print_rows, say, worded
 
 __all__ = ["export_c", "export_fmu", "machine_outputs"]
@@ -50,16 +58,30 @@ def export_c(
 
 
 def export_fmu(
-    path: Path, target: Path, inputs: Sequence[str], *, fmi: int, case_file: Path | None, allow_code: bool
+    path: Path,
+    target: Path,
+    inputs: Sequence[str],
+    *,
+    fmi: int,
+    platforms: Sequence[str],
+    case_file: Path | None,
+    allow_code: bool,
 ) -> None:
-    """Write it as an FMU; fmi : version of the interface. Errors as `export_c`, and of `write_fmu`."""
+    """Write it as an FMU.
+
+    fmi : version of the interface
+    platforms : systems for which it has libraries; this computer where none is given
+
+    Raises ArgumentError for a system that is not known, and as `export_c` and `write_fmu`.
+    """
+    kinds = _platforms(platforms)
     _export(
         path,
         target,
         inputs,
         case_file,
         allow_code,
-        lambda step, title: write_fmu(target, step, title, fmi=fmi),
+        lambda step, title: write_fmu(target, step, title, fmi=fmi, platforms=kinds),
     )
     say(f"written to {target}, FMI {fmi}")
 
@@ -86,6 +108,16 @@ def _export(
     _report(step)
 
 
+def _platforms(names: Sequence[str]) -> tuple[Platform, ...]:
+    for name in names:
+        if name not in PLATFORMS:
+            raise ArgumentError(
+                f"there is no platform '{name}'{did_you_mean(name, PLATFORMS)}; there are: "
+                f"{', '.join(PLATFORMS)}"
+            )
+    return tuple(each for name in dict.fromkeys(names) for each in PLATFORMS[name])
+
+
 def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) -> tuple[Case, System]:
     if path.suffix.lower() != ".toml":
         found = result_machine(path, case_file, notify)
@@ -109,8 +141,47 @@ def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
     chosen = {name: known[name] for name in inputs}
     units = {name: _unit(case, element) for name, element in chosen.items()}
     return step_program(
-        system, case.run, machine_outputs(case, system), chosen, input_units=units, units=case.units
+        system,
+        case.run,
+        machine_outputs(case, system),
+        chosen,
+        input_units=units,
+        units=case.units,
+        parameters=_parameters(case, system, inputs),
     )
+
+
+def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachineParameters | None:
+    """The numbers that the case names, and its machine with others."""
+    given = case.tables.parameter
+    if not given:
+        return None
+    if case.tables.control is not None:
+        raise CaseError(
+            f"{case.path}: a machine with controllers cannot have parameters; remove control or [[parameter]]"
+        )
+    family = case_family(case.path)
+    places, variables = [], []
+    for table in given:
+        place = parameter_path(table.path, family.raw)
+        value = number_at(place, family.raw)
+        assert value is not None
+        if not is_number_of_run(place, value, family.raw):
+            raise CaseError(
+                f"{case.path}: {table.path} makes another body or another run, and cannot be a parameter; "
+                "numbers of loads, joints, springs, elements, gravity and rigid bodies can"
+            )
+        places.append(place)
+        variables.append(Variable(table.name, table.unit, table.path, value))
+    made = {each.body.name: each.body for each in system.bodies if each.body.kind != "rigid"}
+
+    def machine(values: np.ndarray) -> Exported:
+        varied = family.variant(dict(zip(places, map(float, values), strict=True)), case, made)
+        own = starting_system(varied)
+        known = _elements(varied, own)
+        return own, machine_outputs(varied, own), {name: known[name] for name in inputs}
+
+    return MachineParameters(tuple(variables), machine)
 
 
 def _elements(case: Case, system: System) -> dict[str, Any]:
@@ -152,6 +223,7 @@ def _report(step: StepProgram) -> None:
     rows: Mapping[str, str] = {
         "coordinates": f"{step.march.n_velocities} velocities, {step.n_equations} equations of joints",
         "step": f"{step.size:g}",
+        "parameters": ", ".join(variable.name for variable in step.parameters) or "none",
         "inputs": ", ".join(variable.name for variable in step.inputs.variables) or "none: the time alone",
         "outputs": ", ".join(variable.name for variable in step.outputs.variables) or "none",
     }

@@ -294,6 +294,14 @@ def export(
     fmi: Annotated[
         int | None, typer.Option(min=2, max=3, help="Version of the FMU's interface; default: 3.")
     ] = None,
+    platforms: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--platform",
+            help="System for which an FMU has a library: linux, windows or macos, by the cross-compiler of "
+            "supple[fmu]; default: this computer, by its own compiler.",
+        ),
+    ] = None,
     allow_code: AllowCode = False,
     debug: Debug = False,
 ) -> None:
@@ -307,7 +315,7 @@ def export(
 
     with reported_errors(debug=debug), reported_warnings():
         given = ExportOptions(
-            body, time, mode, times, stress, case, abaqus, superelement, inputs, fmi, allow_code
+            body, time, mode, times, stress, case, abaqus, superelement, inputs, fmi, platforms, allow_code
         )
         write(path, output, c, given)
 

@@ -73,6 +73,14 @@ class ExternalInputs:
                     "are made; drive another element, or reduce the body"
                 )
 
+    def unset(self, model: Model) -> Model:
+        """The model without the values at the start, which only stand in the place of inputs."""
+
+        def without(law: Any) -> Any:
+            return replace(law, start=np.zeros_like(law.start)) if _is_external(law) else law
+
+        return jax.tree.map(without, model, is_leaf=_is_external)
+
 
 def external_inputs(
     system: System, elements: Mapping[str, Any], units: Mapping[str, str], time: float

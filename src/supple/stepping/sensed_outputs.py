@@ -248,6 +248,22 @@ def _joint_force(seen: SeenMachine, sensor: JointForceSensor) -> Reads:
     return lambda model, motion, *_: wrench(model, motion)
 
 
+class _Unnamed:
+    """A function that counts as any other: what it reads stands beside it, as data."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.function(*arguments)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Unnamed)
+
+    def __hash__(self) -> int:
+        return 0
+
+
 def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor) -> Reads | None:
     system, element = seen.system, seen.element(sensor.element)
     if element.law is not None and not any(each is element for each in system.loads):
@@ -256,7 +272,7 @@ def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor)
     carried = _joint_wrench(system, element.joint.name) if isinstance(element, JointFriction) else None
     kind, energy = type(element), isinstance(sensor, ElementEnergySensor)
 
-    def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
+    def read(group: Any, model: Model, motion: SystemMotion, *_: Any) -> Any:
         first, second = _pose(group.first, motion), _pose(group.second, motion)
         parameters = _one(group.parameters, 0)
         value = None if carried is None else carried(model, motion)[:2]
@@ -272,7 +288,7 @@ def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor)
         )
         return jnp.stack([stored, power])
 
-    return read
+    return jax.tree_util.Partial(_Unnamed(read), group)
 
 
 _READS: dict[type, Callable[[SeenMachine, Any], Reads | None]] = {

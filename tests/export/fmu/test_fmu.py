@@ -16,8 +16,8 @@ from fixtures.exported_machines import (
 )
 
 from supple.errors import ModelError
-from supple.export.c.machine_step import machine_step
 from supple.export.fmu.write_fmu import write_fmu
+from supple.stepping import step_program
 
 N = 200
 MACHINES = (chain, driven_pair, servo_arm, slider_crank, stops_and_friction, blade)
@@ -45,7 +45,7 @@ def marched(step):
 def written(machine, path, fmi):
     """The machine as it is stepped, and its FMU."""
     system, run, sensors, inputs = machine
-    step = machine_step(system, run, sensors, inputs)
+    step = step_program(system, run, sensors, inputs)
     return step, write_fmu(path / f"machine{fmi}.fmu", step, "machine", fmi=fmi)
 
 
@@ -122,6 +122,6 @@ def test_instances_stand_side_by_side_and_their_states_come_back(fmi, tmp_path):
 
 def test_another_version_is_refused(tmp_path):
     system, run, sensors, inputs = driven_pair()
-    step = machine_step(system, run, sensors, inputs)
+    step = step_program(system, run, sensors, inputs)
     with pytest.raises(ModelError, match="FMI 3 and 2"):
         write_fmu(tmp_path / "machine.fmu", step, "machine", fmi=1)

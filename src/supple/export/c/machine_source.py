@@ -14,11 +14,11 @@ import jax
 import numpy as np
 
 from supple.export.c.function import HEAD, named_view, printed_function
-from supple.export.c.machine_step import Instant, MachineStep
 from supple.export.c.values import View, c_type, literal
-from supple.export.c.variables import Variable
+from supple.stepping import Instant, StepProgram
+from supple.stepping.variables import Variable
 
-__all__ = ["machine_files", "machine_sources", "sensor_sizes"]
+__all__ = ["machine_files", "machine_sources", "sensor_sizes", "struct_fields"]
 
 _RECORDED = 20
 """Instants that the test compares."""
@@ -58,21 +58,21 @@ class _Field:
         )
 
 
-def machine_sources(step: MachineStep, title: str) -> dict[str, str]:
+def machine_sources(step: StepProgram, title: str) -> dict[str, str]:
     """`machine.h` and `machine.c` by name.
 
     Raises ModelError for an operation of the equations that has no form in C.
     """
-    fields = _fields(step.start)
+    fields = struct_fields(step.start)
     return {"machine.h": _header(step, fields, title), "machine.c": _source(step, fields)}
 
 
-def machine_files(step: MachineStep, title: str) -> dict[str, str]:
+def machine_files(step: StepProgram, title: str) -> dict[str, str]:
     """The same with `test.c`, which has recorded values, and a `Makefile`."""
     return machine_sources(step, title) | {"test.c": _test(step), "Makefile": _filled("Makefile")}
 
 
-def _fields(start: Instant) -> list[_Field]:
+def struct_fields(start: Instant) -> list[_Field]:
     """Members of the struct, by the order of the leaves; those of no element left out."""
     found = []
     for path, leaf in jax.tree_util.tree_flatten_with_path(start)[0]:
@@ -111,22 +111,25 @@ def _filled(name: str, **parts: object) -> str:
     return Template(text).substitute(parts)
 
 
-def _header(step: MachineStep, fields: Sequence[_Field], title: str) -> str:
+def _header(step: StepProgram, fields: Sequence[_Field], title: str) -> str:
     return _filled(
         "machine.h",
         title=title.replace("*/", "* /"),
         version=version("supple"),
+        parameters=_listed(step.parameters),
         inputs=_listed(step.inputs.variables),
         outputs=_listed(step.outputs.variables),
+        n_parameters=len(step.parameters),
         n_inputs=len(step.inputs.variables),
         n_outputs=len(step.outputs.variables),
+        n_contacts=len(step.start.touching),
         step=literal(step.size, np.float64),
         duration=literal(step.duration, np.float64),
         members="\n".join(f"    {each.declaration}" for each in fields if each.start.size),
     )
 
 
-def _source(step: MachineStep, fields: Sequence[_Field]) -> str:
+def _source(step: StepProgram, fields: Sequence[_Field]) -> str:
     views = [each.view for each in fields]
     end = named_view("end", (), np.float64, is_scalar=True)
     printed = printed_function(step.advanced, (step.start, np.float64(0.0)), [*views, end], views)
@@ -134,14 +137,27 @@ def _source(step: MachineStep, fields: Sequence[_Field]) -> str:
         "machine.c",
         head=HEAD,
         constants=printed.constants,
+        parameters=_table("machine_parameters", step.parameters),
         inputs=_table("machine_inputs", step.inputs.variables),
         outputs=_table("machine_outputs", step.outputs.variables),
         start=",\n    ".join(each.initializer for each in fields if each.start.size),
+        begin=_begin(step, views),
         body=printed.body,
     )
 
 
-def _recorded(step: MachineStep) -> tuple[np.ndarray, np.ndarray]:
+def _begin(step: StepProgram, views: Sequence[View]) -> str:
+    """`machine_start`: the state that the parameters give; as it is in `START` where there are none."""
+    constants, body = "", "    (void)m;"
+    if step.parameters:
+        given = (step.start.parameter, step.start.input)
+        printed = printed_function(step.started, given, views[: len(given)], views)
+        # Tables of two functions have the same names: each keeps its own.
+        constants, body = printed.constants, printed.body
+    return f"int machine_start(machine *m)\n{{\n{constants}\n{body}\n    return m->failed ? 1 : 0;\n}}"
+
+
+def _recorded(step: StepProgram) -> tuple[np.ndarray, np.ndarray]:
     """Times (k,) and outputs there (k, o), by the program that JAX compiles."""
     total = max(1, min(_STEPS, round(step.duration / step.size)))
     every = max(1, total // _RECORDED)
@@ -167,7 +183,7 @@ def sensor_sizes(variables: Sequence[Variable], outputs: np.ndarray) -> np.ndarr
     return np.array([max(largest[kind], least) for kind in kinds])
 
 
-def _test(step: MachineStep) -> str:
+def _test(step: StepProgram) -> str:
     times, outputs = _recorded(step)
     rows = ",\n".join(
         "    {" + ", ".join(literal(value, np.float64) for value in (time, *row)) + "}"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from supple.export.c.machine_source import machine_files
-from supple.export.c.machine_step import MachineStep
+from supple.stepping import StepProgram
 from supple.storage.atomic_write import replacing
 
 __all__ = ["write_machine"]
 
 
-def write_machine(folder: Path, step: MachineStep, title: str) -> tuple[Path, ...]:
+def write_machine(folder: Path, step: StepProgram, title: str) -> tuple[Path, ...]:
     """Write `machine.c`, `machine.h`, `test.c` and `Makefile`; files of these names are replaced.
 
     Raises

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.metadata import version
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from supple.export.c.machine_step import MachineStep
-from supple.export.c.variables import Variable
+from supple.stepping import StepProgram
+from supple.stepping.variables import Variable
 
 __all__ = ["IDENTIFIER", "build_description", "model_description_2", "model_description_3"]
 
@@ -20,16 +21,15 @@ def _written(root: Element) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
-def _units(root: Element, step: MachineStep) -> None:
-    every = (*step.inputs.variables, *step.outputs.variables)
-    names = sorted({variable.unit for variable in every} - {""})
+def _units(root: Element, step: StepProgram) -> None:
+    names = sorted({each.variable.unit for each in _referenced(step)} - {""})
     if names:
         units = SubElement(root, "UnitDefinitions")
         for name in names:
             SubElement(units, "Unit", name=name)
 
 
-def _experiment(root: Element, step: MachineStep) -> None:
+def _experiment(root: Element, step: StepProgram) -> None:
     start = float(step.start.state.time)
     SubElement(
         root,
@@ -40,18 +40,52 @@ def _experiment(root: Element, step: MachineStep) -> None:
     )
 
 
-def _referenced(step: MachineStep) -> list[tuple[int, Variable, str]]:
-    """Value references, variables and what they are; 0 is the time."""
-    inputs = [(variable, "input") for variable in step.inputs.variables]
-    outputs = [(variable, "output") for variable in step.outputs.variables]
-    return [(place + 1, *each) for place, each in enumerate([*inputs, *outputs])]
+class _Referenced(NamedTuple):
+    """A variable under its value reference."""
+
+    reference: int
+    variable: Variable
+    causality: str
+    variability: str
+
+    @property
+    def named(self) -> dict[str, str]:
+        """Attributes of the variable."""
+        return {
+            "name": self.variable.name,
+            "valueReference": str(self.reference),
+            "description": self.variable.description,
+            "causality": self.causality,
+            "variability": self.variability,
+        }
+
+    @property
+    def value(self) -> dict[str, str]:
+        """Attributes of its value: unit and start."""
+        unit = {"unit": self.variable.unit} if self.variable.unit else {}
+        start = {} if self.causality == "output" else {"start": repr(self.variable.start)}
+        return unit | start
 
 
-def _attributes(variable: Variable) -> dict[str, str]:
-    return {"unit": variable.unit} if variable.unit else {}
+def _referenced(step: StepProgram) -> list[_Referenced]:
+    """Parameters, inputs and outputs; 0 is the time."""
+    fixed = step.fixed_parameters
+    kinds = [
+        *(
+            (each, "parameter", "fixed" if k in fixed else "tunable")
+            for k, each in enumerate(step.parameters)
+        ),
+        *((each, "input", "continuous") for each in step.inputs.variables),
+        *((each, "output", "continuous") for each in step.outputs.variables),
+    ]
+    return [_Referenced(place + 1, *each) for place, each in enumerate(kinds)]
 
 
-def model_description_3(step: MachineStep, title: str, token: str) -> str:
+def _true(*names: str, when: bool) -> dict[str, Any]:
+    return dict.fromkeys(names, "true") if when else {}
+
+
+def model_description_3(step: StepProgram, title: str, token: str) -> str:
     """`modelDescription.xml` of FMI 3.0."""
     root = Element(
         "fmiModelDescription",
@@ -68,6 +102,8 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
         canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUState="true",
         canSerializeFMUState="true",
+        **_true("providesDirectionalDerivatives", when=bool(step.inputs.variables)),
+        **_true("hasEventMode", "mightReturnEarlyFromDoStep", when=bool(len(step.start.touching))),
     )
     _units(root, step)
     _experiment(root, step)
@@ -80,16 +116,8 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
         causality="independent",
         variability="continuous",
     )
-    for reference, variable, causality in _referenced(step):
-        own = _attributes(variable) | ({"start": repr(variable.start)} if causality == "input" else {})
-        SubElement(
-            variables,
-            "Float64",
-            {"name": variable.name, "valueReference": str(reference), "description": variable.description},
-            causality=causality,
-            variability="continuous",
-            **own,
-        )
+    for each in _referenced(step):
+        SubElement(variables, "Float64", each.named | each.value)
     structure = SubElement(root, "ModelStructure")
     for kind in ("Output", "InitialUnknown"):
         for reference in _output_references(step):
@@ -97,11 +125,11 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
     return _written(root)
 
 
-def _output_references(step: MachineStep) -> list[int]:
-    return [reference for reference, _, causality in _referenced(step) if causality == "output"]
+def _output_references(step: StepProgram) -> list[int]:
+    return [each.reference for each in _referenced(step) if each.causality == "output"]
 
 
-def model_description_2(step: MachineStep, title: str, token: str, sources: Sequence[str]) -> str:
+def model_description_2(step: StepProgram, title: str, token: str, sources: Sequence[str]) -> str:
     """`modelDescription.xml` of FMI 2.0."""
     root = Element(
         "fmiModelDescription",
@@ -118,6 +146,7 @@ def model_description_2(step: MachineStep, title: str, token: str, sources: Sequ
         canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUstate="true",
         canSerializeFMUstate="true",
+        **_true("providesDirectionalDerivative", when=bool(step.inputs.variables)),
     )
     files = SubElement(simulation, "SourceFiles")
     for name in sources:
@@ -125,16 +154,9 @@ def model_description_2(step: MachineStep, title: str, token: str, sources: Sequ
     _units(root, step)
     _experiment(root, step)
     variables = SubElement(root, "ModelVariables")
-    for reference, variable, causality in _referenced(step):
-        own = SubElement(
-            variables,
-            "ScalarVariable",
-            {"name": variable.name, "valueReference": str(reference), "description": variable.description},
-            causality=causality,
-            variability="continuous",
-        )
-        start = {"start": repr(variable.start)} if causality == "input" else {}
-        SubElement(own, "Real", _attributes(variable) | start)
+    for each in _referenced(step):
+        own = SubElement(variables, "ScalarVariable", each.named)
+        SubElement(own, "Real", each.value)
     structure = SubElement(root, "ModelStructure")
     for kind in ("Outputs", "InitialUnknowns"):
         if step.outputs.variables:

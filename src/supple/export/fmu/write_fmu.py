@@ -1,13 +1,10 @@
-"""Write a machine as an FMU: a description, its sources, and a library for the computer it is written on."""
+"""Write a machine as an FMU: a description, its sources, and libraries for kinds of computers."""
 
 from __future__ import annotations
 
 import hashlib
 import os
-import platform
-import shutil
 import subprocess
-import sys
 import tempfile
 import zipfile
 from collections.abc import Mapping
@@ -17,47 +14,52 @@ from string import Template
 
 from supple.errors import ModelError
 from supple.export.c.machine_source import machine_sources
-from supple.export.c.machine_step import MachineStep
+from supple.export.fmu.derivative_source import derivative_source
 from supple.export.fmu.model_description import (
     IDENTIFIER,
     build_description,
     model_description_2,
     model_description_3,
 )
+from supple.export.fmu.platforms import Compiler, Platform, compilers_of
+from supple.stepping import StepProgram
 from supple.storage.atomic_write import replacing
 
 __all__ = ["write_fmu"]
 
 _WRAPPERS = {2: "fmi2.c", 3: "fmi3.c"}
-_FOLDERS = {2: {"x86_64": "linux64"}, 3: {"x86_64": "x86_64-linux", "aarch64": "aarch64-linux"}}
-"""Of the library, by version and kind of processor."""
 
 
-def write_fmu(path: Path, step: MachineStep, title: str, *, fmi: int = 3) -> Path:
+def write_fmu(
+    path: Path, step: StepProgram, title: str, *, fmi: int = 3, platforms: tuple[Platform, ...] = ()
+) -> Path:
     """Write an FMU for co-simulation.
 
     fmi : version of the interface, 3 or 2
+    platforms : kinds of computers that it has libraries for (`PLATFORMS`); this one where none is given
 
     Raises
     ------
-    ModelError          another version; no C compiler, or one that fails; an operation of the equations that
+    ModelError          another version; no compiler, or one that fails; an operation of the equations that
                         has no form in C
     ResultFileError     a file that cannot be written
     """
     if fmi not in _WRAPPERS:
         raise ModelError(f"FMUs of FMI 3 and 2 are written, not of {fmi}: give one of these")
+    compilers = compilers_of(platforms, fmi)
     made = machine_sources(step, title)
     # One and the same machine has one token: an importer may cache what it knows of it.
     token = hashlib.sha256((made["machine.c"] + made["machine.h"]).encode()).hexdigest()[:32]
     wrapper = _WRAPPERS[fmi]
-    inputs_at = "offsetof(machine, input)" if step.inputs.variables else 0
-    instance = Template(_asset("instance.h")).substitute(token=token, inputs_at=inputs_at)
+    instance = Template(_asset("instance.h")).substitute(token=token, **_of_instance(step))
     sources = {
         "machine.c": made["machine.c"],
         "machine.h": made["machine.h"],
         "instance.h": instance,
         wrapper: _asset(wrapper),
     }
+    if step.inputs.variables:
+        sources["derivative.c"] = derivative_source(step)
     compiled = [name for name in sources if name.endswith(".c")]
     parts: dict[str, str | bytes] = {f"sources/{name}": own for name, own in sources.items()}
     if fmi == 3:
@@ -65,7 +67,9 @@ def write_fmu(path: Path, step: MachineStep, title: str, *, fmi: int = 3) -> Pat
         parts["sources/buildDescription.xml"] = build_description(compiled)
     else:
         parts["modelDescription.xml"] = model_description_2(step, title, token, compiled)
-    parts[f"binaries/{_platform(fmi)}/{IDENTIFIER}.so"] = _library(sources, compiled)
+    for each in compilers:
+        name = f"binaries/{each.platform.folders[fmi]}/{IDENTIFIER}{each.platform.suffix}"
+        parts[name] = _library(each, sources, compiled)
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(parts):
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
@@ -74,37 +78,36 @@ def write_fmu(path: Path, step: MachineStep, title: str, *, fmi: int = 3) -> Pat
     return path
 
 
+def _of_instance(step: StepProgram) -> dict[str, str]:
+    """Parts of `instance.h`."""
+    first = "parameter" if step.parameters else "input" if step.inputs.variables else None
+    numbers = range(len(step.parameters))
+    return {
+        "given_at": "0" if first is None else f"offsetof(machine, {first})",
+        "tunable": ", ".join("false" if k in step.fixed_parameters else "true" for k in numbers) or "false",
+    }
+
+
 def _asset(name: str) -> str:
     return files("supple.export.fmu").joinpath("assets", name).read_text("utf-8")
 
 
-def _platform(fmi: int) -> str:
-    kind = _FOLDERS[fmi].get(platform.machine())
-    if not sys.platform.startswith("linux") or kind is None:
-        raise ModelError(
-            f"an FMU of FMI {fmi} is built on Linux ({', '.join(_FOLDERS[fmi])}), not on {sys.platform} "
-            f"{platform.machine()}: export the machine as C (--c FOLDER) and build it there"
-        )
-    return kind
-
-
-def _library(sources: Mapping[str, str], compiled: list[str]) -> bytes:
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    if compiler is None:
-        raise ModelError("an FMU needs a C compiler: install one (gcc, clang), or name it in the variable CC")
+def _library(compiler: Compiler, sources: Mapping[str, str], compiled: list[str]) -> bytes:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file, text in sources.items():
             (folder / file).write_text(text, "utf-8")
         own = os.environ.get("CFLAGS", "-O2 -ffp-contract=off").split()
         options = ["-std=c99", *own, "-fPIC", "-shared", "-fvisibility=hidden"]
+        target = f"{IDENTIFIER}{compiler.platform.suffix}"
         done = subprocess.run(
-            [compiler, *options, "-o", f"{IDENTIFIER}.so", *compiled, "-lm"],
+            [*compiler.command, *options, "-o", target, *compiled, "-lm"],
             cwd=folder,
             capture_output=True,
             text=True,
             check=False,
         )
         if done.returncode:
-            raise ModelError(f"{compiler} could not build the FMU: {done.stderr.strip()[-400:]}")
-        return (folder / f"{IDENTIFIER}.so").read_bytes()
+            command = " ".join(compiler.command)
+            raise ModelError(f"{command} could not build the FMU: {done.stderr.strip()[-400:]}")
+        return (folder / target).read_bytes()

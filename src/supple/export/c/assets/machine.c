@@ -3,6 +3,8 @@
 $head
 $constants
 
+$parameters
+
 $inputs
 
 $outputs
@@ -16,13 +18,15 @@ void machine_init(machine *m)
     *m = START;
 }
 
+$begin
+
 int machine_advance(machine *m, double end)
 {
 $body
     return m->failed ? 1 : 0;
 }
 
-int machine_step(machine *m)
+int step_program(machine *m)
 {
     return machine_advance(m, m->time + MACHINE_STEP);
 }

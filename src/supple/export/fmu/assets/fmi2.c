@@ -19,7 +19,8 @@ typedef struct {
 } fmi2CallbackFunctions;
 
 typedef struct {
-    machine m;
+    simulation s;
+    last_step last;
     const fmi2CallbackFunctions *callbacks;
 } instance;
 
@@ -54,7 +55,7 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, int type, fmi2String token
     instance *one = calloc(1, sizeof *one);
     if (!one) return NULL;
     one->callbacks = callbacks;
-    machine_init(&one->m);
+    reset(&one->s);
     return one;
 }
 
@@ -68,7 +69,7 @@ EXPORT fmi2Status fmi2SetupExperiment(fmi2Component given, fmi2Boolean has_toler
 {
     instance *one = given;
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    return same_time(start, one->m.time) ? fmi2OK : failed(one, OTHER_START);
+    return same_time(start, one->s.m.time) ? fmi2OK : failed(one, OTHER_START);
 }
 
 EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component given)
@@ -79,8 +80,9 @@ EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component given)
 
 EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component given)
 {
-    (void)given;
-    return fmi2OK;
+    instance *one = given;
+    one->s.begun = true;
+    return started(&one->s) ? fmi2OK : failed(one, NO_START);
 }
 
 EXPORT fmi2Status fmi2Terminate(fmi2Component given)
@@ -91,7 +93,9 @@ EXPORT fmi2Status fmi2Terminate(fmi2Component given)
 
 EXPORT fmi2Status fmi2Reset(fmi2Component given)
 {
-    machine_init(&((instance *)given)->m);
+    instance *one = given;
+    reset(&one->s);
+    one->last.made = false;
     return fmi2OK;
 }
 
@@ -99,8 +103,9 @@ EXPORT fmi2Status fmi2GetReal(fmi2Component given, const fmi2ValueReference refe
                               fmi2Real values[])
 {
     instance *one = given;
+    if (!started(&one->s)) return failed(one, NO_START);
     for (size_t k = 0; k < n; ++k) {
-        const double *found = readable(&one->m, references[k]);
+        const double *found = readable(&one->s.m, references[k]);
         if (!found) return failed(one, "there is no variable of this value reference");
         values[k] = *found;
     }
@@ -112,22 +117,22 @@ EXPORT fmi2Status fmi2SetReal(fmi2Component given, const fmi2ValueReference refe
 {
     instance *one = given;
     for (size_t k = 0; k < n; ++k) {
-        double *found = writable(&one->m, references[k]);
-        if (!found) return failed(one, "only inputs can be set");
-        if (!isfinite(values[k])) return failed(one, "an input must be a finite number");
-        *found = values[k];
+        const char *cause = set(&one->s, references[k], values[k]);
+        if (cause) return failed(one, cause);
     }
     return fmi2OK;
 }
 
 EXPORT fmi2Status fmi2GetFMUstate(fmi2Component given, fmi2FMUstate *state)
 {
-    return kept(state, &((instance *)given)->m) ? fmi2OK : fmi2Error;
+    return kept(state, &((instance *)given)->s) ? fmi2OK : fmi2Error;
 }
 
 EXPORT fmi2Status fmi2SetFMUstate(fmi2Component given, fmi2FMUstate state)
 {
-    memcpy(&((instance *)given)->m, state, sizeof(machine));
+    instance *one = given;
+    memcpy(&one->s, state, sizeof(simulation));
+    one->last.made = false;
     return fmi2OK;
 }
 
@@ -142,13 +147,13 @@ EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component given, fmi2FMUstate *state)
 EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component given, fmi2FMUstate state, size_t *size)
 {
     (void)given, (void)state;
-    *size = sizeof(machine);
+    *size = sizeof(simulation);
     return fmi2OK;
 }
 
 EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component given, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
 {
-    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
     memcpy(bytes, state, size);
     return fmi2OK;
 }
@@ -156,7 +161,7 @@ EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component given, fmi2FMUstate state,
 EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component given, const fmi2Byte bytes[], size_t size,
                                           fmi2FMUstate *state)
 {
-    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
     return kept(state, bytes) ? fmi2OK : fmi2Error;
 }
 
@@ -164,8 +169,19 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component given, fmi2Real begin, fmi2Real size,
 {
     instance *one = given;
     (void)no_return;
-    const int how = moved(&one->m, begin, size);
+    begin_step(&one->last, &one->s.m);
+    const int how = moved(&one->s.m, begin, size);
+    if (how == 0) end_step(&one->last, &one->s.m);
     return how == 0 ? fmi2OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
+}
+
+EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component given, const fmi2ValueReference unknowns[],
+                                               size_t n_unknowns, const fmi2ValueReference knowns[],
+                                               size_t n_knowns, const fmi2Real seed[], fmi2Real found[])
+{
+    instance *one = given;
+    const char *cause = derivatives(&one->last, unknowns, n_unknowns, knowns, n_knowns, seed, found);
+    return cause ? failed(one, cause) : fmi2OK;
 }
 
 /* What co-simulation of this machine has no use for. */
@@ -175,7 +191,6 @@ EXPORT fmi2Status fmi2GetBoolean(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2SetBoolean(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2GetString(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2SetString(void) { return fmi2Error; }
-EXPORT fmi2Status fmi2GetDirectionalDerivative(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2SetRealInputDerivatives(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(void) { return fmi2Error; }
 EXPORT fmi2Status fmi2CancelStep(void) { return fmi2Error; }

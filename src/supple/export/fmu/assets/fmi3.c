@@ -13,7 +13,12 @@ typedef enum { fmi3OK, fmi3Warning, fmi3Discard, fmi3Error, fmi3Fatal } fmi3Stat
 typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String);
 
 typedef struct {
-    machine m;
+    simulation s;
+    last_step last;
+#if MACHINE_CONTACTS
+    machine before, trial;
+    bool returns_early;
+#endif
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
 } instance;
@@ -41,7 +46,7 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
                                                 fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                                 void *intermediate)
 {
-    (void)name, (void)resources, (void)visible, (void)logging, (void)events, (void)early, (void)required, (void)n;
+    (void)name, (void)resources, (void)visible, (void)logging, (void)required, (void)n;
     (void)intermediate;
     if (!token || strcmp(token, TOKEN) != 0) {
         if (log) log(environment, fmi3Error, "logStatusError", "the instantiation token is another machine's");
@@ -51,7 +56,12 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String toke
     if (!one) return NULL;
     one->environment = environment;
     one->log = log;
-    machine_init(&one->m);
+#if MACHINE_CONTACTS
+    one->returns_early = events && early;
+#else
+    (void)events, (void)early;
+#endif
+    reset(&one->s);
     return one;
 }
 
@@ -65,13 +75,14 @@ EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance given, fmi3Boolean ha
 {
     instance *one = given;
     (void)has_tolerance, (void)tolerance, (void)has_stop, (void)stop;
-    return same_time(start, one->m.time) ? fmi3OK : failed(one, OTHER_START);
+    return same_time(start, one->s.m.time) ? fmi3OK : failed(one, OTHER_START);
 }
 
 EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance given)
 {
-    (void)given;
-    return fmi3OK;
+    instance *one = given;
+    one->s.begun = true;
+    return started(&one->s) ? fmi3OK : failed(one, NO_START);
 }
 
 EXPORT fmi3Status fmi3Terminate(fmi3Instance given)
@@ -82,7 +93,9 @@ EXPORT fmi3Status fmi3Terminate(fmi3Instance given)
 
 EXPORT fmi3Status fmi3Reset(fmi3Instance given)
 {
-    machine_init(&((instance *)given)->m);
+    instance *one = given;
+    reset(&one->s);
+    one->last.made = false;
     return fmi3OK;
 }
 
@@ -91,8 +104,9 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance given, const fmi3ValueReference re
 {
     instance *one = given;
     if (n != n_values) return failed(one, "one number is needed for each variable");
+    if (!started(&one->s)) return failed(one, NO_START);
     for (size_t k = 0; k < n; ++k) {
-        const double *found = readable(&one->m, references[k]);
+        const double *found = readable(&one->s.m, references[k]);
         if (!found) return failed(one, "there is no variable of this value reference");
         values[k] = *found;
     }
@@ -105,22 +119,22 @@ EXPORT fmi3Status fmi3SetFloat64(fmi3Instance given, const fmi3ValueReference re
     instance *one = given;
     if (n != n_values) return failed(one, "one number is needed for each variable");
     for (size_t k = 0; k < n; ++k) {
-        double *found = writable(&one->m, references[k]);
-        if (!found) return failed(one, "only inputs can be set");
-        if (!isfinite(values[k])) return failed(one, "an input must be a finite number");
-        *found = values[k];
+        const char *cause = set(&one->s, references[k], values[k]);
+        if (cause) return failed(one, cause);
     }
     return fmi3OK;
 }
 
 EXPORT fmi3Status fmi3GetFMUState(fmi3Instance given, fmi3FMUState *state)
 {
-    return kept(state, &((instance *)given)->m) ? fmi3OK : fmi3Error;
+    return kept(state, &((instance *)given)->s) ? fmi3OK : fmi3Error;
 }
 
 EXPORT fmi3Status fmi3SetFMUState(fmi3Instance given, fmi3FMUState state)
 {
-    memcpy(&((instance *)given)->m, state, sizeof(machine));
+    instance *one = given;
+    memcpy(&one->s, state, sizeof(simulation));
+    one->last.made = false;
     return fmi3OK;
 }
 
@@ -135,13 +149,13 @@ EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance given, fmi3FMUState *state)
 EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance given, fmi3FMUState state, size_t *size)
 {
     (void)given, (void)state;
-    *size = sizeof(machine);
+    *size = sizeof(simulation);
     return fmi3OK;
 }
 
 EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance given, fmi3FMUState state, fmi3Byte bytes[], size_t size)
 {
-    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
     memcpy(bytes, state, size);
     return fmi3OK;
 }
@@ -149,7 +163,7 @@ EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance given, fmi3FMUState state, 
 EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance given, const fmi3Byte bytes[], size_t size,
                                           fmi3FMUState *state)
 {
-    if (size != sizeof(machine)) return failed(given, "a serialized state has another size");
+    if (size != sizeof(simulation)) return failed(given, "a serialized state has another size");
     return kept(state, bytes) ? fmi3OK : fmi3Error;
 }
 
@@ -158,10 +172,53 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance given, fmi3Float64 begin, fmi3Float64 
 {
     instance *one = given;
     (void)no_return;
-    const int how = moved(&one->m, begin, size);
     *event = *terminate = *early = false;
-    *reached = one->m.time;
+    begin_step(&one->last, &one->s.m);
+#if MACHINE_CONTACTS
+    const double asked = begin + size;
+    const int how = one->returns_early ? moved_to_event(&one->s.m, &one->before, &one->trial, begin, size, event)
+                                       : moved(&one->s.m, begin, size);
+    *early = *event && one->s.m.time < asked;
+#else
+    const int how = moved(&one->s.m, begin, size);
+#endif
+    *reached = one->s.m.time;
+    if (how == 0) end_step(&one->last, &one->s.m);
     return how == 0 ? fmi3OK : failed(one, how == 1 ? NO_CONVERGENCE : OTHER_TIME);
+}
+
+/* A penalty acts on its own: at an event the importer may set inputs, and the machine changes nothing. */
+EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance given)
+{
+    (void)given;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance given, fmi3Boolean *again, fmi3Boolean *terminate,
+                                           fmi3Boolean *nominals, fmi3Boolean *values, fmi3Boolean *known,
+                                           fmi3Float64 *next)
+{
+    (void)given;
+    *again = *terminate = *nominals = *values = *known = false;
+    *next = 0.0;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance given)
+{
+    (void)given;
+    return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance given, const fmi3ValueReference unknowns[],
+                                                size_t n_unknowns, const fmi3ValueReference knowns[],
+                                                size_t n_knowns, const fmi3Float64 seed[], size_t n_seed,
+                                                fmi3Float64 found[], size_t n_found)
+{
+    if (n_seed != n_knowns || n_found != n_unknowns) return failed(given, "one number is needed for each variable");
+    instance *one = given;
+    const char *cause = derivatives(&one->last, unknowns, n_unknowns, knowns, n_knowns, seed, found);
+    return cause ? failed(one, cause) : fmi3OK;
 }
 
 /* What co-simulation of this machine has no use for. */
@@ -195,11 +252,9 @@ EXPORT fmi3Status fmi3GetClock(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetClock(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNumberOfVariableDependencies(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetVariableDependencies(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3GetDirectionalDerivative(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetAdjointDerivative(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3EnterConfigurationMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3ExitConfigurationMode(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3EnterEventMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetIntervalDecimal(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetIntervalFraction(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetShiftDecimal(void) { return fmi3Error; }
@@ -209,7 +264,6 @@ EXPORT fmi3Status fmi3SetIntervalFraction(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetShiftDecimal(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetShiftFraction(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3EvaluateDiscreteStates(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3UpdateDiscreteStates(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3EnterContinuousTimeMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3CompletedIntegratorStep(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3SetTime(void) { return fmi3Error; }
@@ -220,6 +274,5 @@ EXPORT fmi3Status fmi3GetContinuousStates(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNominalsOfContinuousStates(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNumberOfEventIndicators(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetNumberOfContinuousStates(void) { return fmi3Error; }
-EXPORT fmi3Status fmi3EnterStepMode(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3GetOutputDerivatives(void) { return fmi3Error; }
 EXPORT fmi3Status fmi3ActivateModelPartition(void) { return fmi3Error; }

@@ -1,0 +1,42 @@
+"""Directional derivatives of a machine's outputs with respect to its inputs, in C."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import numpy as np
+
+from supple.export.c.function import HEAD, named_view, printed_function
+from supple.export.c.machine_source import struct_fields
+from supple.stepping import Instant, StepProgram
+
+__all__ = ["derivative_source"]
+
+
+def derivative_source(step: StepProgram) -> str:
+    """`derivative.c`: the derivative of the outputs at the end of a step along a direction of the inputs.
+
+    It is that of the march itself, `d output(end)/d input . direction` with the inputs constant in between,
+    by JAX's forward mode.
+
+    Raises ModelError for an operation of the derivative that has no form in C.
+    """
+
+    def rates(now: Instant, end: Any, direction: Any) -> Any:
+        def outputs(given: Any) -> Any:
+            return step.advanced(now._replace(input=given), end).output
+
+        return jax.jvp(outputs, (now.input,), (direction,))[1]
+
+    views = [each.view for each in struct_fields(step.start)]
+    end = named_view("end", (), np.float64, is_scalar=True)
+    direction = named_view("direction", step.start.input.shape, np.float64)
+    result = named_view("rates", step.start.output.shape, np.float64)
+    arguments = (step.start, np.float64(0.0), np.zeros_like(step.start.input))
+    printed = printed_function(rates, arguments, [*views, end, direction], [result])
+    return (
+        f'#include "machine.h"\n\n{HEAD}\n{printed.constants}\n\n'
+        "void machine_derivative(const machine *m, double end, const double *direction, double *rates)\n"
+        f"{{\n{printed.body}\n}}\n"
+    )
