@@ -70,3 +70,34 @@ def test_values_of_the_wrong_shape_are_refused():
 def test_functions_of_numpy_are_refused():
     with pytest.raises(ModelError, match=r"a load: its function of time must be written with jax\.numpy"):
         check_law_shape("a load", TimeFunction(np.sin), ())
+
+
+def test_laws_that_differ_in_numbers_alone_are_traced_once():
+    calls = []
+
+    def pulse(time):
+        calls.append(time)
+        return jnp.sin(time)
+
+    for amplitude in (1.0, 2.0, 3.0):
+        check_law_shape("a load", Scaled([amplitude, 0.0, 0.0], TimeFunction(pulse)), (3,))
+    assert len(calls) == 2  # of the factor, and of the whole
+    with pytest.raises(ModelError, match=r"have shape \(3,\); they must have \(\)"):
+        check_law_shape("a joint", Scaled([1.0, 0.0, 0.0], TimeFunction(pulse)), ())
+    with pytest.raises(ModelError, match=r"have shape \(2,\); they must have \(3,\)"):
+        check_law_shape("a load", Scaled([1.0, 0.0], TimeFunction(pulse)), (3,))
+
+
+def test_laws_of_no_registered_class_are_traced_each():
+    class Rows:
+        begin, end = 0.0, 1.0
+
+        def __init__(self, number):
+            self.number = number
+
+        def __call__(self, time):
+            return time * jnp.ones(self.number)
+
+    check_law_shape("a load", Rows(3), (3,))
+    with pytest.raises(ModelError, match=r"have shape \(2,\)"):
+        check_law_shape("a load", Rows(2), (3,))
