@@ -204,3 +204,9 @@ def test_the_first_modes_are_sought_once_whatever_was_asked_before(body, monkeyp
     np.testing.assert_array_equal(body.lowest_modes(5, held).vectors, five.vectors)
     with pytest.raises(TypeError):  # that is another clamp
         again.lowest_modes(2, MeanAxisFrame().constraint(body))
+
+
+def test_no_modes_are_sought_where_none_are_asked_for(body):
+    copy = pickle.loads(pickle.dumps(body))
+    assert copy.lowest_modes(0, NodalFixedFrame("root").constraint(copy)).vectors.shape == (copy.n, 0)
+    assert not copy._known_modes

@@ -148,7 +148,7 @@ class FlexibleBody(Summarized):
         """
         rows = constraint_rows(constraint, self.n)
         held, few = _digest(rows), min(FEW_MODES, self.n - len(rows))
-        number = few if 0 <= n_modes <= few else n_modes
+        number = few if 0 < n_modes <= few else n_modes
         found = self._known_modes.get(held) if number == few else None
         if found is None:
             found = lowest_modes(
