@@ -31,6 +31,10 @@ class _Form(Protocol):
         """Whether the internal force is proportional to the deformation."""
         ...
 
+    def expand(self, coordinates: Array, nodes: NDArray[np.intp] | slice = ..., /) -> Array:
+        """Displacements (..., k, 3) of some nodes or all by coordinates (..., r)."""
+        ...
+
 
 class FormDefaults:
     """Members of `BodyForm` that most forms answer alike."""
@@ -74,6 +78,12 @@ class FormDefaults:
     def missing_centrifugal_stiffness(self) -> Array:
         """(3,) none."""
         return np.zeros(3)
+
+    def expand_rates(
+        self: _Form, _coordinates: Array, rates: Array, nodes: NDArray[np.intp] | slice = slice(None), /
+    ) -> Array:
+        """Rates (..., k, 3) of displacements that are linear in the coordinates, whatever these are."""
+        return self.expand(rates, nodes)
 
     def node_rotations(self: Any, motion: Motion) -> Array:
         """(t, N, 3, 3) those of the frame, times that of the rotation vector of a node that has one."""

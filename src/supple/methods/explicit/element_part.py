@@ -92,12 +92,6 @@ class ElementPart(FormDefaults):
         given = np.asarray(coordinates)
         return given.reshape(*given.shape[:-1], -1, 3)[..., nodes, :]
 
-    def expand_rates(
-        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
-    ) -> FloatArray:
-        """Their rates (..., k, 3)."""
-        return self.expand(rates, nodes)
-
     def nodal_fields(
         self, coordinates: FloatArray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[FloatArray, None]:

@@ -198,12 +198,6 @@ class IntrinsicBody(FormDefaults, Summarized):
         """Linear displacements (..., k, 3) of elastic amplitudes (..., e), the root as it is supported."""
         return np.einsum("nie,...e->...ni", self.expansion.modes[nodes, :3], np.asarray(coordinates))
 
-    def expand_rates(
-        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
-    ) -> Array:
-        """Their rates (..., k, 3)."""
-        return self.expand(rates, nodes)
-
     def places(self, motion: Motion) -> tuple[Array, Array]:
         """Rotations (t, n, 3, 3) and positions (t, n, 3) of the stations in space."""
         own = motion.of_type(IntrinsicMotion)
