@@ -24,6 +24,7 @@ from supple.mesh import CellType, cylinder
 from supple.methods.explicit import (
     J2Plasticity,
     LinearHardening,
+    NodalMotion,
     explicit_subdomain,
 )
 from supple.simulation import simulate
@@ -43,7 +44,7 @@ def taylor_bar_end(n_core: int, n_ring: int, n_length: int) -> tuple[float, floa
         [Placed(bar, velocity=np.array([-SPEED, 0.0, 0.0]))],
         contacts=[Contact(At("bar", "root"), RigidPlane((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))],
     )
-    motion = simulate(system, Run(DURATION, DURATION / 10)).bodies["bar"]
+    motion = simulate(system, Run(DURATION, DURATION / 10)).motion("bar", NodalMotion)
     x = motion.nodes[-1]
     radius = float(np.hypot(x[:, 1], x[:, 2]).max())
     return float(x[mesh.node_sets["tip"], 0].mean()), radius, float(motion.plastic_strain[-1].max())

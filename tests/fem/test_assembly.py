@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import coo_array, csc_array, eye_array
+from scipy.sparse import csc_array, eye_array
 
 from supple.errors import ModelError
 from supple.fem import HomogeneousSection, assemble, assembly, shell_model, solid_model
 from supple.fem.quadratic_strain import tangent
-from supple.mesh import CellType, Mesh, block, box_beam, strip
+from supple.mesh import CellType, Mesh, block, box_beam
 
 STEP = 1e-30
 
@@ -141,25 +141,6 @@ def test_every_matrix_has_the_same_sorted_pattern(model, rigid_end, rng):
 def _entries(matrix):
     n = matrix.shape[1]
     return np.repeat(np.arange(n), np.diff(matrix.indptr)) * n + matrix.indices
-
-
-def test_pattern_data_aligns_the_mass_with_the_tangent(model, rigid_end):
-    T = rigid_end
-    reduced = assemble(model, T)
-    M = (T.T @ model.mass @ T).tocoo()
-    aligned = csc_array((reduced.pattern_data(M), reduced.indices, reduced.indptr), shape=M.shape)
-    np.testing.assert_array_equal(aligned.toarray(), M.toarray())
-
-
-def test_pattern_data_refuses_what_does_not_fit(material):
-    reduced = assemble(shell_model(strip(3.0, 1.0, 3, 2), HomogeneousSection(material, 0.01)))
-    with pytest.raises(ModelError, match=r"matrix has shape \(3, 3\); the assembly has"):
-        reduced.pattern_data(eye_array(3))
-    far = coo_array(([1.0], ([0], [reduced.n - 1])), shape=(reduced.n, reduced.n))
-    with pytest.raises(
-        ModelError, match=rf"1 entries, first \(0, {reduced.n - 1}\), couple freedoms that share"
-    ):
-        reduced.pattern_data(far)
 
 
 def test_expansion_of_another_model_is_refused(model):

@@ -7,7 +7,9 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from supple.integrate import FloatingMotion, Solution, Statistics, concatenate
+from supple.errors import ModelError
+from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution, Statistics, concatenate
+from supple.methods.explicit import NodalMotion
 
 
 def chunk(times):
@@ -75,3 +77,27 @@ def test_solution_at_some_instants_is_that_of_its_parts():
             expected = getattr(parts[1].bodies["link"], f.name)
             np.testing.assert_array_equal(getattr(some.bodies["link"], f.name), expected)
         assert some.statistics == whole.statistics
+
+
+@pytest.mark.parametrize("expected", [FloatingMotion, FramedMotion, Motion])
+def test_a_motion_is_found_as_one_of_its_types(expected):
+    solution = chunk([0.0, 1.0])
+    assert solution.motion("link", expected) is solution.bodies["link"]
+
+
+def test_a_motion_of_another_type_is_refused_with_its_fields():
+    places, values = np.zeros((2, 8, 3)), np.ones((2, 1))
+    nodal = NodalMotion(places, places, places, values, values, values)
+    solution = Solution(np.array([0.0, 1.0]), {"bar": nodal}, {}, Statistics())
+    refused = (
+        "body 'bar': its motion is of type NodalMotion, and this needs FramedMotion: .* nodes, velocities"
+    )
+    with pytest.raises(ModelError, match=refused):
+        solution.motion("bar", FramedMotion)
+    with pytest.raises(ModelError, match=r"needs NodalMotion: .* position, rotation, coordinates"):
+        chunk([0.0]).motion("link", NodalMotion)
+
+
+def test_a_body_that_is_not_there_is_named():
+    with pytest.raises(ModelError, match="no body 'lnk' in the solution; it has link"):
+        chunk([0.0]).motion("lnk", FloatingMotion)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +12,16 @@ from supple.body.interface import Interface
 from supple.body.point_motion import InterfaceMotion, NodeMotion
 from supple.body.sections import Sections
 from supple.fem import FiniteElementModel
+from supple.integrate.motion import FramedMotion, Motion
 
 __all__ = ["BodyForm"]
 
 
 class BodyForm(Protocol):
-    """A body as a machine holds it. Code that uses these members does not depend on the form of the body."""
+    """A body as a machine holds it. Code that uses these members does not depend on the form of the body.
+
+    A motion is that of this body in a solution; ModelError for one of another type.
+    """
 
     @property
     def kind(self) -> str:
@@ -71,18 +75,18 @@ class BodyForm(Protocol):
         """Their rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
         ...
 
-    def positions(self, motion: Any, nodes: ArrayLike | slice = slice(None)) -> NDArray[np.float64]:
+    def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> NDArray[np.float64]:
         """Positions (t, k, 3) in space of some nodes, or all: the only way from a motion to space.
 
         Raises ModelError for a node number outside the body.
         """
         ...
 
-    def node_rotations(self, motion: Any) -> NDArray[np.float64]:
+    def node_rotations(self, motion: Motion) -> NDArray[np.float64]:
         """Rotation matrices (t, N, 3, 3) of the material at all nodes, from rest to space."""
         ...
 
-    def node_motion(self, motion: Any, nodes: ArrayLike) -> NodeMotion:
+    def node_motion(self, motion: Motion, nodes: ArrayLike) -> NodeMotion:
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
         ...
 
@@ -93,15 +97,17 @@ class BodyForm(Protocol):
         coordinates: np.ndarray,
         displacement: np.ndarray,
         rates: np.ndarray,
-    ) -> Any:
+        /,
+    ) -> FramedMotion:
         """The motion of small motions p = (A^T dR, psi, dq) about a pose and coordinates.
 
+        ModelError of a form without a frame.
         displacement : p (t, 6 + r)
         rates : p' (t, 6 + r)     as at p = 0
         """
         ...
 
-    def interface_motion(self, motion: Any, name: str) -> InterfaceMotion:
+    def interface_motion(self, motion: Motion, name: str) -> InterfaceMotion:
         """Pose, velocities and acceleration (t, ...) of an interface in space: all that joints see of it."""
         ...
 

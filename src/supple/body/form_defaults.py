@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from supple.body.sections import Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
+from supple.integrate.motion import FramedMotion, Motion
 
 __all__ = ["FormDefaults"]
 
@@ -28,6 +29,10 @@ class _Form(Protocol):
     @property
     def is_linear(self) -> bool:
         """Whether the internal force is proportional to the deformation."""
+        ...
+
+    def expand(self, coordinates: Array, nodes: NDArray[np.intp] | slice = ..., /) -> Array:
+        """Displacements (..., k, 3) of some nodes or all by coordinates (..., r)."""
         ...
 
 
@@ -74,13 +79,20 @@ class FormDefaults:
         """(3,) none."""
         return np.zeros(3)
 
-    def node_rotations(self: Any, motion: Any) -> Array:
+    def expand_rates(
+        self: _Form, _coordinates: Array, rates: Array, nodes: NDArray[np.intp] | slice = slice(None), /
+    ) -> Array:
+        """Rates (..., k, 3) of displacements that are linear in the coordinates, whatever these are."""
+        return self.expand(rates, nodes)
+
+    def node_rotations(self: Any, motion: Motion) -> Array:
         """(t, N, 3, 3) those of the frame, times that of the rotation vector of a node that has one."""
-        n_times, n_nodes = len(motion.coordinates), len(self.nodes)
-        of_frame = np.broadcast_to(motion.rotation[:, None], (n_times, n_nodes, 3, 3))
+        own = motion.of_type(FramedMotion)
+        n_times, n_nodes = len(own.coordinates), len(self.nodes)
+        of_frame = np.broadcast_to(own.rotation[:, None], (n_times, n_nodes, 3, 3))
         if self.dofs_per_node < 6:
             return of_frame
-        moved, condensed = self.nodal_fields(motion.coordinates)
+        moved, condensed = self.nodal_fields(own.coordinates)
         fields = (moved if condensed is None else moved + condensed).T.reshape(-1, 6)
         local = Rotation.from_rotvec(fields[:, 3:]).as_matrix()
         return of_frame @ local.reshape(n_times, n_nodes, 3, 3)

@@ -94,12 +94,6 @@ class FullBody(FloatingForm):
         shape = (*nodal.shape[:-1], len(self.nodes), self.body.dofs_per_node)
         return nodal.reshape(shape)[..., nodes, :3]
 
-    def expand_rates(
-        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
-    ) -> np.ndarray:
-        """Their rates (..., k, 3) at rates (..., n), whatever the coordinates are."""
-        return self.expand(rates, nodes)
-
     @property
     def dofs_per_node(self) -> int:
         """Freedoms of a node."""

@@ -21,7 +21,7 @@ from supple.body.interface import Interface, place_in_frame
 from supple.body.sections import Sections, section_loads
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
-from supple.integrate.motion import FloatingMotion
+from supple.integrate.motion import FloatingMotion, Motion
 
 __all__ = ["InterfaceMotion", "NodeMotion"]
 
@@ -56,18 +56,18 @@ class FloatingForm(FormDefaults):
     """What rigid, reduced and full bodies share: points that a floating frame carries."""
 
     def positions(
-        self: Deforming, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)
+        self: Deforming, motion: Motion, nodes: ArrayLike | slice = slice(None)
     ) -> NDArray[np.float64]:
         """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
-        return floating_positions(self, motion, nodes)
+        return floating_positions(self, motion.of_type(FloatingMotion), nodes)
 
-    def node_motion(self: Deforming, motion: FloatingMotion, nodes: ArrayLike) -> NodeMotion:
+    def node_motion(self: Deforming, motion: Motion, nodes: ArrayLike) -> NodeMotion:
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
-        return floating_node_motion(self, motion, nodes)
+        return floating_node_motion(self, motion.of_type(FloatingMotion), nodes)
 
-    def interface_motion(self: Deforming, motion: FloatingMotion, name: str) -> InterfaceMotion:
+    def interface_motion(self: Deforming, motion: Motion, name: str) -> InterfaceMotion:
         """Pose, velocities and acceleration (t, ...) of an interface in space."""
-        return floating_interface_motion(self.interface(name), motion)
+        return floating_interface_motion(self.interface(name), motion.of_type(FloatingMotion))
 
     def sections(self: Any, model: FiniteElementModel | None, /) -> Sections:
         """Those that its elements carry; ModelError of a rigid body, and without elements."""

@@ -100,12 +100,6 @@ class RigidBody(FloatingForm, Summarized):
         """No displacement, (..., k, 3), for coordinates (..., 0)."""
         return np.zeros((*np.shape(coordinates)[:-1], len(self.nodes[nodes]), 3))
 
-    def expand_rates(
-        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
-    ) -> NDArray[np.float64]:
-        """No velocity, likewise."""
-        return self.expand(rates, nodes)
-
     def nodal_fields(
         self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[NDArray[np.float64], None]:

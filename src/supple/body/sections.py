@@ -15,7 +15,7 @@ from supple.errors import ModelError
 from supple.fem import FiniteElementModel, QuadraticStrain, RigidPiece
 from supple.fem.node_sparsity import cell_nodes
 from supple.fem.quadratic_strain import internal_forces
-from supple.integrate.motion import FloatingMotion
+from supple.integrate.motion import FloatingMotion, Motion
 
 __all__ = ["CuttingPlane", "Sections", "section_loads"]
 
@@ -74,11 +74,11 @@ class Sections(NamedTuple):
 
     axes: str
     """What these are along, in words"""
-    loads: Callable[[Any, CuttingPlane], Array]
+    loads: Callable[[Motion, CuttingPlane], Array]
     """Force and moment (t, 6) in a motion, of what lies beyond a plane on what lies before it"""
 
 
-def section_loads(body: Any, model: FiniteElementModel, motion: FloatingMotion, plane: CuttingPlane) -> Array:
+def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: CuttingPlane) -> Array:
     """Force and moment (t, 6) of what lies beyond a plane on what lies before it, in the body's axes.
 
         F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
@@ -101,7 +101,7 @@ def section_loads(body: Any, model: FiniteElementModel, motion: FloatingMotion, 
     if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
         raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
     layer = _layer(body, model, plane)
-    coordinates = np.asarray(motion.coordinates)
+    coordinates = motion.of_type(FloatingMotion).coordinates
     elements = sum(block.B[..., 0].size + block.G[..., 0].size for block in layer.blocks)
     rows = max(1, ROOM // max(1, elements))
     found = np.empty((len(coordinates), 6))

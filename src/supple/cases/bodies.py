@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from supple.body import (
+    BodyForm,
     BodySource,
     FlexibleBody,
     FullBody,
@@ -205,7 +206,7 @@ class Body(CheckedTable):
             return self.placed(self._part(flexible, elements, notify))
         return self.placed(self._form(flexible, folder, notify))
 
-    def placed(self, form: Any) -> Placed:
+    def placed(self, form: BodyForm) -> Placed:
         """The body, made already, where it starts."""
         given = {key: getattr(self, key) for key in _START}
         start: dict[str, Any] = {key: np.array(value) for key, value in given.items() if value is not None}

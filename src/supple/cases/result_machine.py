@@ -15,6 +15,7 @@ from supple.cases.notify import Notify, silent
 from supple.cases.read_case import read_case
 from supple.cases.static_case import assembled_system
 from supple.errors import ResultFileError
+from supple.integrate import FramedMotion
 from supple.machine import Placed, System
 from supple.methods.intrinsic.complete_motion import with_modes
 from supple.methods.intrinsic.enough_modes import FEWEST
@@ -139,7 +140,7 @@ def _kept(placed: Placed, path: Path) -> Placed:
 def _with_recorded_modes(placed: Placed, path: Path) -> Placed:
     """With as many modes as its run found to be enough, which tried twice as many each time."""
     (instant,) = ResultParts(path, [0])
-    recorded = instant.bodies[placed.body.name].coordinates.shape[1]
+    recorded = instant.motion(placed.body.name, FramedMotion).coordinates.shape[1]
     number, whole = FEWEST, with_modes(placed, None)
     while number < whole.body.n_coordinates:
         found = with_modes(placed, number)

@@ -11,7 +11,7 @@ import numpy as np
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.joint_wrench import joint_wrenches
 from supple.errors import ModelError
-from supple.integrate import FloatingMotion, Motion, Solution, Statistics
+from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution, Statistics
 from supple.machine import System
 
 __all__ = [
@@ -118,12 +118,13 @@ class LastInstant(NamedTuple):
 
 def last_instant(system: System, done: Solution) -> LastInstant:
     """Where a recorded part ends; ModelError when it has other bodies or joints than the system."""
-    last, known = done.bodies, done.engine_state
-    names = [placed.body.name for placed in system.bodies]
-    if set(names) != set(last) or {joint.name for joint in system.joints} != set(done.multipliers):
+    known, names = done.engine_state, [placed.body.name for placed in system.bodies]
+    if set(names) != set(done.bodies) or {joint.name for joint in system.joints} != set(done.multipliers):
         raise ModelError(
             "the recorded part has other bodies or joints than this system: it cannot be continued"
         )
+
+    last = {name: done.motion(name, FramedMotion) for name in names}
 
     def joined(*items: str) -> np.ndarray:
         return np.concatenate([getattr(last[name], item)[-1] for name in names for item in items])

@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from supple.equations.configuration import AnyArray
-from supple.integrate import FloatingMotion, Motion
+from supple.integrate import FloatingMotion, FramedMotion, Motion
 from supple.machine import System
 
 __all__ = ["BodyState", "SeenMachine", "StationBody", "StationBodyForces", "Stations"]
@@ -81,7 +81,7 @@ class StationBody(Protocol):
         """Derivatives M, C, K (6 + r, 6 + r) by u', u and increments, under forces (6 s,) at the stations."""
         ...
 
-    def motion(self, states: list[BodyState]) -> Motion:
+    def motion(self, states: list[BodyState]) -> FramedMotion:
         """Its motion over some instants."""
         ...
 

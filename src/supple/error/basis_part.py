@@ -16,7 +16,7 @@ from supple.body.full_body import FullBody
 from supple.error.basis_error import ENRICH
 from supple.error.check_run import check_run
 from supple.error.error_estimate import INSTANTS, ErrorEstimate, ErrorEstimator
-from supple.integrate import ErrorPart, Run, Solution, StepProgress
+from supple.integrate import ErrorPart, FramedMotion, Run, Solution, StepProgress
 from supple.machine import System
 from supple.quantities.quantity_of_interest import QuantityOfInterest, largest_displacement, quantity_distance
 from supple.reduction import ReductionBasis
@@ -110,7 +110,7 @@ def distances(
 
 def _negligible(system: System, solution: Solution, name: str) -> float:
     body = system.placed(name).body
-    return NEGLIGIBLE * largest_displacement(body, solution.bodies[name].coordinates)
+    return NEGLIGIBLE * largest_displacement(body, solution.motion(name, FramedMotion).coordinates)
 
 
 def in_full(system: System, fulls: Mapping[str, FullBody], bases: Mapping[str, ReductionBasis]) -> System:

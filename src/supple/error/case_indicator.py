@@ -149,7 +149,9 @@ def case_indicators(
     """
     found = [
         {
-            name: Indicated(np.inf, size_of_motion(reduced_form(system, name), solution.bodies[name]))
+            name: Indicated(
+                np.inf, size_of_motion(reduced_form(system, name), solution.motion(name, FloatingMotion))
+            )
             for name in bodies
         }
         for system, solution in zip(cases, solutions, strict=True)
@@ -165,7 +167,9 @@ def case_indicators(
             ErrorEquation(
                 cases[i],
                 {
-                    name: body.along(each.bodies[name], dampings[i][name], reduced_form(cases[i], name))
+                    name: body.along(
+                        each.motion(name, FloatingMotion), dampings[i][name], reduced_form(cases[i], name)
+                    )
                     for name, body in bodies.items()
                 },
                 run.second_order_method.coefficients,

@@ -36,7 +36,7 @@ from supple.error.residual_correction import (
 from supple.error.sample_times import followed, load_peaks, stratified_samples
 from supple.error.stopping import withheld
 from supple.errors import ModelError, RedundantConstraintWarning, StartWarning
-from supple.integrate import Progress, Run, Solution
+from supple.integrate import FloatingMotion, FramedMotion, Progress, Run, Solution
 from supple.machine import ForceElement, System
 from supple.methods.floating.compiled.every_step import as_outputs, every_step
 from supple.methods.floating.full.full_system import FullSystem
@@ -235,7 +235,7 @@ class ErrorEstimator:
         if name not in self._modes:
             self._modes[name] = modes_in_frame(full.body, full.frame)
         body = reduced_form(reduced, name)
-        motion = run_columns(full.body, body, basis, steps.bodies[name])
+        motion = run_columns(full.body, body, basis, steps.motion(name, FloatingMotion))
         corrections = missed.deformation[:, :n_looked]
         if name in start:
             at_start = np.column_stack([start[name].position[6:], start[name].velocity[6:]])
@@ -250,11 +250,12 @@ class ErrorEstimator:
         as_given = all(
             np.array_equal(np.asarray(given), motion[0])
             for name, each in placed.items()
+            for own in (steps.motion(name, FramedMotion),)
             for given, motion in (
-                (each.position, steps.bodies[name].position),
-                (each.rotation, steps.bodies[name].rotation),
-                (each.twist[:3], steps.bodies[name].velocity),
-                (each.twist[3:], steps.bodies[name].angular_velocity),
+                (each.position, own.position),
+                (each.rotation, own.rotation),
+                (each.twist[:3], own.velocity),
+                (each.twist[3:], own.angular_velocity),
             )
         )
         if as_given and not any(
@@ -322,7 +323,7 @@ def _start_error(
     steps: Solution,
     bases: Mapping[str, ReductionBasis],
 ) -> StartError:
-    own, part = steps.bodies[name], machine.slices[index]
+    own, part = steps.motion(name, FloatingMotion), machine.slices[index]
     gamma, rates = own.coordinates[0], own.coordinate_rates[0]
     if name in bases:
         gamma, rates = bases[name].vectors @ gamma, bases[name].vectors @ rates

@@ -40,7 +40,7 @@ from supple.error.residual_correction import (
     corrections_of,
     expanded_states,
 )
-from supple.integrate import ErrorPart, FloatingMotion, Solution
+from supple.integrate import ErrorPart, FramedMotion, Solution
 from supple.integrate.engine import Progress
 from supple.machine import System
 from supple.methods.floating.full.full_state import FullState
@@ -160,7 +160,7 @@ def model_errors_by_limit(
     found = {}
     for placed in system.bodies:
         body = placed.body
-        motion = solution.bodies[body.name]
+        motion = solution.motion(body.name, FramedMotion)
         if not body.n_coordinates or body.name in but:
             continue
         size = largest_displacement(body, motion.coordinates)
@@ -182,13 +182,13 @@ def widest_instants(system: System, solution: Solution) -> np.ndarray:
     turns = np.zeros(len(solution.times))
     for placed in system.bodies:
         if placed.body.n_coordinates:
-            own = _widest_turn(placed.body, solution.bodies[placed.body.name])
+            own = _widest_turn(placed.body, solution.motion(placed.body.name, FramedMotion))
             turns = np.maximum(turns, own / max(float(own.max(initial=0.0)), 1e-300))
     parts = np.array_split(np.arange(len(turns)), min(INSTANTS, len(turns)))
     return np.array([part[np.argmax(turns[part])] for part in parts])
 
 
-def _widest_turn(body: BodyForm, motion: FloatingMotion) -> np.ndarray:
+def _widest_turn(body: BodyForm, motion: FramedMotion) -> np.ndarray:
     """Largest rotation of material against the frame, (t,), rad; where unknown, the motion's own size."""
     rows = body.rotation_rows
     if rows is None:
@@ -223,7 +223,8 @@ def _part(
     for body, own in errors.items():
         if name not in (None, body):
             continue
-        size = largest_displacement(system.placed(body).body, solution.bodies[body].coordinates)
+        motion = solution.motion(body, FramedMotion)
+        size = largest_displacement(system.placed(body).body, motion.coordinates)
         if size > 0:
             shares.append(own / size)
     return ErrorPart(max(shares) * quantity.size(system, solution), "in parts of the body's motion", remedy)

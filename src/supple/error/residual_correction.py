@@ -33,7 +33,7 @@ from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import Configuration
 from supple.error.missing_motion import CONVERGED, FOLLOWED, MissingMotionSearch
 from supple.errors import ModelError, RedundantConstraintWarning
-from supple.integrate import Progress, Solution
+from supple.integrate import FramedMotion, Progress, Solution
 from supple.integrate.motion import FloatingMotion
 from supple.machine.system import System
 from supple.methods.floating.full.full_state import FullState
@@ -155,7 +155,7 @@ def system_corrections(
         raise search.singular
     for index, full in zip(indices, fulls, strict=True):
         own, rigid = steps[:, prepared.slices[index]], seen.expanded[full.name].rigid[: len(instants)]
-        rotations = solution.bodies[full.name].rotation[instants]
+        rotations = solution.motion(full.name, FloatingMotion).rotation[instants]
         own[:, :3] -= np.einsum("tij,tj->ti", rotations, rigid[:, :3])
         own[:, 3:6] -= rigid[:, 3:]
     found = corrections_of(seen, fulls, states, steps)
@@ -222,8 +222,9 @@ def expanded_states(
         at_rest = np.zeros(full.n_coordinates)
         placed[index] = replace(placed[index], body=full, coordinates=at_rest, coordinate_rates=at_rest)
     expanded = {
-        full.name: _expanded_motion(full, body, bases[full.name], solution.bodies[full.name], instants)
+        full.name: _expanded_motion(full, body, bases[full.name], motion, instants)
         for full, body in zip(fulls, reduced, strict=True)
+        for motion in (solution.motion(full.name, FloatingMotion),)
     }
     prepared = FullSystem(replace(system, bodies=placed), active_constraints(system, solution))
     lowest = min(body.lowest_frequency() for body in reduced)
@@ -253,7 +254,8 @@ def active_constraints(system: System, solution: Solution) -> tuple[int, ...]:
 
 def _slowness_in_flight(solution: Solution, lowest: float) -> float:
     """How many times slower than the body's lowest vibration, by how fast the bodies spin."""
-    spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in solution.bodies.values()]
+    motions = [solution.motion(name, FramedMotion) for name in solution.bodies]
+    spins = [float(np.linalg.norm(own.angular_velocity, axis=1).max()) for own in motions]
     return float(np.clip(lowest / (_SLOWER_THAN_SPIN * max([*spins, 1e-300])), *_SLOWNESS_IN_FLIGHT))
 
 

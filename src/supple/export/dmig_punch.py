@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from supple.errors import ModelError
+from supple.export.ascii_file import write_ascii
 
 __all__ = ["dmig_cards", "write_dmig_punch"]
 
@@ -29,13 +30,12 @@ def write_dmig_punch(path: Path | str, node_ids: ArrayLike, dofs_per_node: int, 
     node_ids : (N,) ids of the grids;   dofs_per_node : 3 or 6, components 1 to 3 or 6
     matrices : (n, n) symmetric, sparse or dense, n = N * dofs_per_node, by names of at most eight characters
     Raises ModelError for a matrix of another size, or that is not symmetric or finite; for no matrix.
+    Raises ResultFileError where the file cannot be written.
     """
     ids = np.asarray(node_ids)
     components = np.tile(np.arange(1, dofs_per_node + 1), len(ids))
     lines = dmig_cards(np.column_stack([np.repeat(ids, dofs_per_node), components]), matrices)
-    target = Path(path)
-    target.write_text("\n".join(lines) + "\n", encoding="ascii")
-    return target
+    return write_ascii(path, lines)
 
 
 def dmig_cards(freedoms: ArrayLike, matrices: Mapping[str, Any]) -> list[str]:

@@ -201,30 +201,6 @@ class Assembly:
             forces[own.reached] += own.summed(pairs)
         return forces
 
-    def pattern_data(self, matrix: SparseArray) -> Array:
-        """Entries of a sparse matrix (n, n), for instance the mass, aligned with the pattern.
-
-        Raises
-        ------
-        ModelError   wrong shape, or nonzero entries outside the pattern
-        """
-        if matrix.shape != (self.n, self.n):
-            raise ModelError(f"matrix has shape {matrix.shape}; the assembly has {self.n} freedoms")
-        given = csc_array(matrix, copy=True)
-        given.sum_duplicates()
-        given.eliminate_zeros()
-        pattern, wanted = (_keys(m.indices, m.indptr) for m in (self, given))
-        position = np.minimum(np.searchsorted(pattern, wanted), len(pattern) - 1)
-        outside = np.flatnonzero(pattern[position] != wanted)
-        if outside.size:
-            column, row = np.divmod(wanted[outside[0]], self.n)
-            raise ModelError(
-                f"{outside.size} entries, first ({row}, {column}), couple freedoms that share no element"
-            )
-        data = np.zeros(len(pattern), dtype=given.dtype)
-        data[position] = given.data
-        return data
-
     @cached_property
     def _portions(self) -> tuple[tuple[QuadraticStrain, ...], ...]:
         """The elements of each block in portions whose matrices stay in a processor's cache."""
@@ -357,9 +333,3 @@ def _ranges(n_elements: int, each: int, larger: int = 1) -> Iterator[slice]:
     """Elements, `each` numbers of work apiece, in portions of about `CHUNK` numbers, or of so many times."""
     bounds = np.append(np.arange(0, n_elements, max(1, larger * CHUNK // each)), n_elements)
     return (slice(first, last) for first, last in pairwise(bounds))
-
-
-def _keys(indices: IntArray, indptr: IntArray) -> NDArray[np.int64]:
-    """Column * n + row of all entries of compressed columns: sorted where the pattern is."""
-    n = len(indptr) - 1
-    return np.repeat(np.arange(n, dtype=np.int64), np.diff(indptr)) * n + indices

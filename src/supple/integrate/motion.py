@@ -5,54 +5,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
-from typing import Any, ClassVar, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
+from supple.errors import ModelError
 from supple.integrate.error_statement import ErrorStatement
 from supple.optional_packages import optional_package
 from supple.summary import Summarized, Summary
 
-__all__ = ["FloatingMotion", "Motion", "StackedMotion", "motion_from_arrays", "register_motion"]
+__all__ = ["FloatingMotion", "FramedMotion", "Motion", "motion_from_arrays", "register_motion"]
 
-
-class Motion(Protocol):
-    """What every motion offers, whatever the form of its body; `register_motion` makes it readable."""
-
-    kind: ClassVar[str]
-    """Written to result files, so that the right class is made of the arrays again."""
-
-    def at(self, rows: slice | np.ndarray) -> Self:
-        """The motion at some of its output times, by their numbers."""
-        ...
-
-    def arrays(self) -> Mapping[str, np.ndarray]:
-        """Arrays (t, ...) by name, from which `kind(**arrays)` makes the same motion."""
-        ...
-
-
-_M = TypeVar("_M", bound=type[Motion])
-_KINDS: dict[str, type[Motion]] = {}
-
-
-def register_motion(motion: _M) -> _M:
-    """Class decorator: result files with motions of this `kind` can be read."""
-    _KINDS[motion.kind] = motion
-    return motion
-
-
-def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
-    """The motion of a kind from its arrays; KeyError for a kind that no imported method registers."""
-    if kind not in _KINDS:
-        raise KeyError(f"motions of kind '{kind}', which this supple does not know")
-    return _KINDS[kind](**arrays)
+_M = TypeVar("_M", bound="Motion")
 
 
 @dataclass(frozen=True, repr=False)
-class StackedMotion(Summarized):
-    """A motion all of whose fields are arrays with one row per output time."""
+class Motion(Summarized):
+    """A motion of a body, whatever its form: all fields are arrays with one row per output time."""
 
     kind: ClassVar[str]
+    """Written to result files; `register_motion` makes a kind readable."""
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType({})
     """Of a field, behind the time; ("axis",) of those that are not named."""
 
@@ -71,8 +43,21 @@ class StackedMotion(Summarized):
         return type(self)(**{name: array[rows] for name, array in self.arrays().items()})
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The fields by name."""
+        """The fields by name, of which `type(self)(**arrays)` makes the same motion."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def of_type(self, expected: type[_M], what: str = "body") -> _M:
+        """The motion as one of the expected type, which gives it that type's fields.
+
+        what : of which body, for the message
+        Raises ModelError for a motion of another type.
+        """
+        if not isinstance(self, expected):
+            raise ModelError(
+                f"{what}: its motion is of type {type(self).__name__}, and this needs {expected.__name__}: "
+                f"give a body of that form, or read the fields of this one: {', '.join(self.arrays())}"
+            )
+        return self
 
     def to_xarray(self, times: np.ndarray) -> Any:
         """An `xarray.Dataset` of the fields over `time`.
@@ -88,10 +73,42 @@ class StackedMotion(Summarized):
         return xarray.Dataset(variables, coords={"time": times})
 
 
+_KINDS: dict[str, type[Motion]] = {}
+
+
+def register_motion(motion: type[_M]) -> type[_M]:
+    """Class decorator: result files with motions of this `kind` can be read."""
+    _KINDS[motion.kind] = motion
+    return motion
+
+
+def motion_from_arrays(kind: str, arrays: Mapping[str, np.ndarray]) -> Motion:
+    """The motion of a kind from its arrays; KeyError for a kind that no imported method registers."""
+    if kind not in _KINDS:
+        raise KeyError(f"motions of kind '{kind}', which this supple does not know")
+    return _KINDS[kind](**arrays)
+
+
+@dataclass(frozen=True, repr=False)
+class FramedMotion(Motion):
+    """A motion of a body that deforms in axes which move with it: floating, or intrinsic."""
+
+    position: np.ndarray
+    """(t, 3) origin of the body's axes, global components."""
+    rotation: np.ndarray
+    """(t, 3, 3) rotation matrix, body components to global ones."""
+    coordinates: np.ndarray
+    """(t, r) deformation coordinates, which the form of the body defines."""
+    velocity: np.ndarray
+    """(t, 3) velocity of the origin, global components."""
+    angular_velocity: np.ndarray
+    """(t, 3) angular velocity of the axes, body components, rad/s."""
+
+
 @register_motion
 @dataclass(frozen=True, repr=False)
-class FloatingMotion(StackedMotion):
-    """Motion of one body's floating frame and of its deformation coordinates, one row per output time."""
+class FloatingMotion(FramedMotion):
+    """Motion of one body's floating frame and of its deformation coordinates: reduced, or nodal, or none."""
 
     kind: ClassVar[str] = "floating"
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
@@ -103,16 +120,6 @@ class FloatingMotion(StackedMotion):
         }
     )
 
-    position: np.ndarray
-    """(t, 3) frame origin, global components."""
-    rotation: np.ndarray
-    """(t, 3, 3) rotation matrix, body components to global ones."""
-    coordinates: np.ndarray
-    """(t, r) deformation coordinates: reduced ones, or the nodal ones of a full body."""
-    velocity: np.ndarray
-    """(t, 3) velocity of the frame origin, global components."""
-    angular_velocity: np.ndarray
-    """(t, 3) angular velocity of the frame, body components, rad/s."""
     coordinate_rates: np.ndarray
     """(t, r)."""
     acceleration: np.ndarray

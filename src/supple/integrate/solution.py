@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from supple.errors import ModelError
 from supple.integrate.error_statement import ErrorPart, ErrorStatement
-from supple.integrate.motion import FloatingMotion
+from supple.integrate.motion import FloatingMotion, Motion
 from supple.summary import Summarized, Summary, listed
 
 __all__ = ["JOINT_AXES", "JOINT_COMPONENTS", "Solution", "Statistics", "concatenate"]
+
+_M = TypeVar("_M", bound=Motion)
 
 JOINT_COMPONENTS = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
 """Columns of the forces of a joint."""
@@ -66,8 +69,8 @@ class Solution(Summarized):
 
     times: np.ndarray
     """(t,) output times."""
-    bodies: Mapping[str, Any]
-    """Body name to its `Motion`, of the kind that belongs to the form of the body."""
+    bodies: Mapping[str, Motion]
+    """Body name to its motion, of the type that belongs to the form of the body; see `motion`."""
     joint_forces: Mapping[str, np.ndarray]
     """Joint name to (t, 6) force and moment on the joint's second end, at that end's point: x, y, z of the
     force, then of the moment, along the joint axes that turn with the first end (z is the joint's axis)."""
@@ -106,10 +109,19 @@ class Solution(Summarized):
         ]
         return Summary(f"Solution of {len(self.bodies)} bodies at {self.times.size} times", rows)
 
+    def motion(self, body: str, expected: type[_M]) -> _M:
+        """The motion of a body as one of a type: `solution.motion("blade", FloatingMotion).coordinates`.
+
+        Raises ModelError for a body that the solution does not have, and for a motion of another type.
+        """
+        if body not in self.bodies:
+            raise ModelError(f"no body '{body}' in the solution; it has {', '.join(self.bodies) or 'none'}")
+        return self.bodies[body].of_type(expected, f"body '{body}'")
+
     def with_errors(self, errors: Mapping[str, ErrorStatement]) -> Solution:
         """The same run with what is known of its error; bodies find theirs in `motion.error` as well."""
 
-        def assessed(name: str, motion: Any) -> Any:
+        def assessed(name: str, motion: Motion) -> Motion:
             known = isinstance(motion, FloatingMotion) and name in errors
             return motion.with_error(errors[name]) if known else motion
 
@@ -138,7 +150,7 @@ def concatenate(parts: Sequence[Solution]) -> Solution:
     if not parts:
         raise ValueError("no parts to join: a solution needs at least one chunk of output times")
 
-    def joined(name: str) -> Any:
+    def joined(name: str) -> Motion:
         motions = [part.bodies[name] for part in parts]
         arrays = [motion.arrays() for motion in motions]
         return type(motions[0])(**{key: np.concatenate([own[key] for own in arrays]) for key in arrays[0]})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from supple.errors import ModelError
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution
 from supple.linearization.machine_modes import MachineModes
 
 __all__ = ["mode_motion"]
@@ -52,7 +52,7 @@ def _largest_translation_and_turn(modes: MachineModes, number: int) -> tuple[flo
     rates = np.array([np.real(shape), np.imag(shape)])
     moving = modes.machine.motion_near(np.zeros_like(rates), rates)
     for body in (placed.body for placed in modes.machine.system.bodies):
-        motion = moving.bodies[body.name]
+        motion = moving.motion(body.name, FramedMotion)
         real, imaginary = np.concatenate(
             [
                 motion.velocity[:, None],

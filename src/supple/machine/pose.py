@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
 
-__all__ = ["Pose", "Wrench"]
+__all__ = ["Parameters", "Pose", "Wrench", "Wrenches"]
+
+Parameters = Sequence[jax.Array]
+"""Numbers of a force element, and arrays of them, as its equations see them."""
 
 
 class Pose(NamedTuple):
@@ -27,3 +31,7 @@ class Wrench(NamedTuple):
 
     force: jax.Array
     moment: jax.Array
+
+
+Wrenches = tuple[Wrench, Wrench]
+"""On the first end and on the second."""

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from supple.arguments import check_instance, check_members, check_numbers, check_sequence
-from supple.body import FlexibleBody, RigidBody
-from supple.body.full_body import FullBody
+from supple.body import BodyForm, FlexibleBody
 from supple.errors import ModelError, did_you_mean
 from supple.machine.contacts import Contact, Support, SurfaceContact
 from supple.machine.control.controller import Controller, SampledController
@@ -29,12 +28,10 @@ from supple.machine.nodal_loads.nodal_load import NodalLoad
 from supple.machine.placement import rotation_matrix, space_vector
 from supple.machine.ties.tie import Tie
 from supple.mesh import Mesh
-from supple.reduction import ReducedBody
 from supple.summary import N_LINES, Summarized, Summary, listed, point
 
 __all__ = ["Placed", "System"]
 
-Body = RigidBody | ReducedBody | FullBody
 _Form = TypeVar("_Form")
 
 
@@ -82,7 +79,7 @@ class Placed(Summarized):
         must first be reduced or stand in full.
     """
 
-    body: Body | Any
+    body: BodyForm
     position: np.ndarray = field(default_factory=lambda: np.zeros(3))
     rotation: np.ndarray = field(default_factory=lambda: np.zeros(3))
     velocity: np.ndarray | None = None

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from supple.arguments import check_fields
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, beam_force_recovery
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution
 from supple.machine import System
 from supple.mesh import CellType
 from supple.quantities.place import body_named
@@ -65,7 +65,8 @@ class BeamForceSensor:
         cell = self._cell()
         node = self.model.mesh.cells[CellType.LINE2][cell, self.end - 1]
         forces = NodalTensor(partial(beam_force_recovery, cell=cell), partial(np.linalg.norm, axis=-1))
-        form, coordinates = body_named(system, self.body, self.name), solution.bodies[self.body].coordinates
+        form = body_named(system, self.body, self.name)
+        coordinates = solution.motion(self.body, FramedMotion).coordinates
         found = np.zeros((len(coordinates), 6))
         for times, _, field in tensor_blocks(forces, form, self.model, coordinates, [node]):
             found[times] = field[:, 0, 0]

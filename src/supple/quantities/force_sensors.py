@@ -144,8 +144,8 @@ class ElementEnergySensor(_OfElement):
 def _of_element(
     kind: type[ForceElement], law: Any, parameters: Any, first: Any, second: Any, times: Any, carried: Any
 ) -> jax.Array:
-    def at(one: Pose, other: Pose, time: Any, reaction: Any) -> jax.Array:
-        value = (reaction if kind.reads_reaction else None) if law is None else law(time)
+    def at(one: Pose, other: Pose, time: jax.Array, reaction: jax.Array) -> jax.Array:
+        value: Any = (reaction if kind.reads_reaction else None) if law is None else law(time)
         loads = kind.wrenches(one, other, value, parameters)
         stored = jnp.asarray(kind.energy(one, other, value, parameters), dtype=float)
         power = _power(one, loads[0]) + _power(other, loads[1])

@@ -12,7 +12,7 @@ from supple.arguments import check_sequence, check_text, given
 from supple.body import BodyForm, NodeMotion
 from supple.body.floating_kinematics import node_numbers
 from supple.errors import ArgumentError, ModelError
-from supple.integrate import Solution
+from supple.integrate import Motion, Solution
 from supple.machine import At, System, as_end
 
 __all__ = ["Place"]
@@ -35,7 +35,7 @@ class Place:
         if not self.at:
             raise ModelError(f"a place of body '{self.body}': give an interface, or node numbers")
 
-    def body_of(self, system: System, sensor: str) -> Any:
+    def body_of(self, system: System, sensor: str) -> BodyForm:
         """The form of the body; ModelError where the machine has none, or it has no such place."""
         body = body_named(system, self.body, sensor)
         if isinstance(self.at, str):
@@ -50,7 +50,7 @@ class Place:
             return body.interface(self.at).position
         return body.nodes[list(self.at)].mean(axis=0)
 
-    def points(self, body: BodyForm, motion: Any) -> Array:
+    def points(self, body: BodyForm, motion: Motion) -> Array:
         """Positions (t, k, 3) in space of the k nodes, or of the interface alone."""
         if isinstance(self.at, str):
             return body.interface_motion(motion, self.at).position[:, None]
@@ -76,6 +76,6 @@ def as_place(what: str, value: Any) -> Place:
     raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
 
-def body_named(system: System, body: str, sensor: str) -> Any:
+def body_named(system: System, body: str, sensor: str) -> BodyForm:
     """The form of a body; ModelError names the nearest where there is none."""
     return system.placed(body, f"sensor '{sensor}'").body

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from supple.arguments import check_text
 from supple.errors import ModelError
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution
 from supple.machine import GROUND, At, BaseAcceleration, System, as_end
 from supple.quantities.place import Place, as_place, body_named
 from supple.quantities.quantity import vector_channels
@@ -83,7 +83,7 @@ class PositionSensor(_AtPlace):
         """Largest displacement of its nodes, or of the body's, seen from the first interface."""
         form, nodes = body_named(system, self.body, self.name), self.place.at
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
-        return largest_displacement(form, solution.bodies[self.body].coordinates, some)
+        return largest_displacement(form, solution.motion(self.body, FramedMotion).coordinates, some)
 
 
 class VelocitySensor(_AtPlace):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution
 from supple.machine import System
 
 __all__ = ["QuantityOfInterest", "WholeBody"]
@@ -85,7 +85,7 @@ class WholeBody:
     def size(self, system: System, solution: Solution) -> float:
         """Largest displacement of a node, seen from the first interface."""
         body = system.placed(self.body, "stated error").body
-        return largest_displacement(body, solution.bodies[self.body].coordinates)
+        return largest_displacement(body, solution.motion(self.body, FramedMotion).coordinates)
 
 
 def largest_displacement(

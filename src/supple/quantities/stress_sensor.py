@@ -15,7 +15,7 @@ from supple.arguments import check_fields
 from supple.body.floating_kinematics import node_numbers
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel, stress_layers, stress_recovery, von_mises, von_mises_strain
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution
 from supple.machine import System
 from supple.quantities.over_nodes import Maximum, Mean, MeasuredBlock, OverNodes
 from supple.quantities.place import body_named
@@ -143,7 +143,7 @@ class _TensorSensor(ABC):
     def located(self, system: System, solution: Solution) -> Located:
         """(t, l k), layer by layer, and the ids and undeformed places of the nodes that they were read at."""
         form, mesh, chosen = _elastic(system, self.body, self.name), self.model.mesh, self._chosen()
-        coordinates, layers = solution.bodies[self.body].coordinates, self._layers()
+        coordinates, layers = solution.motion(self.body, FramedMotion).coordinates, self._layers()
         blocks = (
             MeasuredBlock(times, nodes, self._measured(field[:, :, layers]).reshape(*field.shape[:2], -1))
             for times, nodes, field in tensor_blocks(self.tensor, form, self.model, coordinates, chosen)
@@ -162,7 +162,7 @@ class _TensorSensor(ABC):
     def at_points(self, system: System, solution: Solution) -> Array:
         """What is measured (t, N, k) at each of the nodes."""
         form, chosen = _elastic(system, self.body, self.name), self._chosen()
-        coordinates = solution.bodies[self.body].coordinates
+        coordinates = solution.motion(self.body, FramedMotion).coordinates
         if form.has_stress_modes and form not in self._modes:
             self._modes[form] = tensor_modes(self.tensor, form, self.model, chosen)
         if form.has_stress_modes:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.body import BodyForm
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import FramedMotion, Motion, Solution
 from supple.machine import At, System
 from supple.quantities.place import Place
 
@@ -30,7 +30,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-def node_positions(body: BodyForm, motion: FloatingMotion, nodes: ArrayLike | slice = slice(None)) -> Array:
+def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
     """Positions (t, k, 3) of some nodes (k,), or all, in space, as the body's form has them.
 
     Raises
@@ -76,13 +76,14 @@ class Observer(NamedTuple):
     axes: Array
 
 
-def observer(body: BodyForm, motion: Any, interface: str | None = None) -> Observer:
+def observer(body: BodyForm, motion: Motion, interface: str | None = None) -> Observer:
     """An interface of a body as an observer: its first one unless named, its frame where it has none.
 
     Raises ModelError for an interface that the body does not have.
     """
     if interface is None and not body.interfaces:
-        return Observer("", np.zeros(3), motion.position, motion.rotation)
+        own = motion.of_type(FramedMotion)
+        return Observer("", np.zeros(3), own.position, own.rotation)
     seen_from = body.interfaces[0] if interface is None else body.interface(interface)
     moving = body.interface_motion(motion, seen_from.name)
     return Observer(seen_from.name, seen_from.position, moving.position, moving.rotation)
@@ -130,7 +131,7 @@ class TrackedMotion:
 
 
 def tracked_motion(
-    body: BodyForm, motion: Any, at: str | ArrayLike, seen_from: Observer | None = None
+    body: BodyForm, motion: Motion, at: str | ArrayLike, seen_from: Observer | None = None
 ) -> TrackedMotion:
     """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
 
@@ -139,7 +140,7 @@ def tracked_motion(
 
     Parameters
     ----------
-    motion : FloatingMotion | IntrinsicMotion   of the body, at t times
+    motion : of the body, at t times
     at : name of an interface, or node numbers (k,), whose mean is taken
     seen_from : another p, of this or another body, at the same times
 
@@ -178,7 +179,7 @@ def tracked_places(
     }
 
 
-def deflections(body: BodyForm, motion: Any, seen_from: Observer | None = None) -> Array:
+def deflections(body: BodyForm, motion: Motion, seen_from: Observer | None = None) -> Array:
     """Displacements (t, N, 3) of all nodes, seen from the body's first interface, or else from its frame.
 
     seen_from : another interface, of this or another body, at the same times

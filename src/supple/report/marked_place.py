@@ -133,7 +133,8 @@ def _wrenches(
     kind: type[ForceElement], law: Any, parameters: Any, first: Pose, second: Pose, times: Any
 ) -> jax.Array:
     def at(one: Pose, other: Pose, time: jax.Array) -> jax.Array:
-        wrenches = kind.wrenches(one, other, None if law is None else law(time), parameters)
+        value: Any = None if law is None else law(time)
+        wrenches = kind.wrenches(one, other, value, parameters)
         return jnp.stack([jnp.concatenate([each.force, each.moment]) for each in wrenches])
 
     return jax.vmap(at)(first, second, jnp.asarray(times))

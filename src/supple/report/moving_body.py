@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm, RigidBody
 from supple.fem import FiniteElementModel
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import At, System
 from supple.mesh.feature_edges import feature_edges
 from supple.quantities import displacement_from_axes, node_positions, observer_of
@@ -148,8 +147,9 @@ def moving_body(
     )
 
 
-def rigid_links(body: RigidBody, motion: Any, thickness: float) -> MovingBody:
+def rigid_links(body: RigidBody, motion: Motion, thickness: float) -> MovingBody:
     """A rigid body: bars from its centre of mass to its interfaces, and a ball there without any."""
+    own = motion.of_type(FloatingMotion)
     centre = body.centre[None]
     nodes, triangles = _bars(np.broadcast_to(centre, body.nodes.shape), body.nodes, 0.5 * thickness)
     ball, ball_triangles = _bars(centre - thickness / 2, centre + thickness / 2, thickness)
@@ -165,8 +165,8 @@ def rigid_links(body: RigidBody, motion: Any, thickness: float) -> MovingBody:
         np.empty(0, dtype=np.int64),
         surface,
         edges,
-        motion.position,
-        motion.rotation,
+        own.position,
+        own.rotation,
     )
 
 
@@ -190,7 +190,7 @@ def _bars(starts: Array, ends: Array, thickness: float) -> tuple[Array, IntArray
     return nodes.reshape(-1, 3), (8 * np.arange(len(starts))[:, None, None] + one).reshape(-1, 3)
 
 
-def _fitted_axes(body: BodyForm, motion: Any) -> tuple[Array, Array]:
+def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[Array, Array]:
     """Origin (t, 3) and axes (t, 3, 3) of the rigid motion of the rest that is nearest to the nodes.
 
     Source: [Kabsch1976]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from supple.body import BodyForm, RigidBody
 from supple.fem import FiniteElementModel, has_stress
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import At, System
 from supple.report.marked_place import Arrow, JointMark, Link, arrows_of, joint_marks, links_of
 from supple.report.moving_body import FIELD_TOLERANCE, MovingBody, moving_body, rigid_links
@@ -116,7 +116,7 @@ def moving_machine(
     seen = [body.positions(rows).reshape(-1, 3) for body in elastic]
     seen += [place.points[rows] for place in (*places, *(arrow.place for arrow in arrows))]
     seen += [body.positions(solution.bodies[name].at(rows)).reshape(-1, 3) for name, body in rigid.items()]
-    seen += [solution.bodies[name].position[rows] for name in rigid]
+    seen += [solution.motion(name, FloatingMotion).position[rows] for name in rigid]
     points = np.concatenate(seen)
     extent = float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0
     reached = np.concatenate([points, *_arrow_tails(arrows, _ARROW_LENGTH * extent, rows)])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel
+from supple.integrate import Motion
 from supple.mesh import CellType
 from supple.mesh.outer_faces import FACE_TRIANGLES
 from supple.results.body_surface import Look, SurfacePoints, body_surface
@@ -46,7 +47,7 @@ class VisibleSurface:
         return first[own]
 
 
-def surface_of(body: BodyForm, look: Look | None, motion: Any) -> VisibleSurface:
+def surface_of(body: BodyForm, look: Look | None, motion: Motion) -> VisibleSurface:
     """The skin of a body, of which elements may be deleted; without a look all nodes.
 
     Beams are drawn with their sections if the look has them, else as lines; springs and ties are

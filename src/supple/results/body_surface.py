@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel, beam_end_ranks
+from supple.integrate import Motion
 from supple.mesh import CellType, Mesh
 from supple.mesh.skin import Skin, skin_of
 from supple.quantities.tracked_motion import Observer, displacement_from_axes, node_positions
@@ -53,7 +53,7 @@ class SurfacePoints:
         """Places (..., P, 3) where nodes are at (..., N, 3) and have turned by rotations (..., N, 3, 3)."""
         return self._out_on_arms(nodes[..., self.nodes, :], rotations)
 
-    def positions(self, body: BodyForm, motion: Any, nodes: Array | None = None) -> Array:
+    def positions(self, body: BodyForm, motion: Motion, nodes: Array | None = None) -> Array:
         """Places (t, P, 3) in space.
 
         nodes : (t, N, 3) where the nodes are seen; where they are, when omitted
@@ -104,7 +104,7 @@ class BodySurface(SurfacePoints):
         found = shapes[..., self.nodes, :]
         return found if rotations is None else found + np.cross(rotations[..., self.nodes, :], self.arms)
 
-    def deflections(self, body: BodyForm, motion: Any, seen_from: Observer) -> Array:
+    def deflections(self, body: BodyForm, motion: Motion, seen_from: Observer) -> Array:
         """Displacements (t, P, 3) as an observer sees them."""
         origin = seen_from.origin[:, None]
         places = self.positions(body, motion)

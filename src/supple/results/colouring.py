@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.fem import FiniteElementModel, has_stress
+from supple.integrate import FramedMotion, Motion
 from supple.methods.explicit.modal_stress import isotropic_materials
+from supple.methods.explicit.motions import NodalMotion
 from supple.quantities import von_mises_by_end
 from supple.results import without_noise
 from supple.results.explicit_fields import element_means
@@ -30,7 +32,7 @@ class Colouring:
     label : of a unit system: what stands under the colour bar, and what the values are shown times
     """
 
-    values: Callable[[Any, Any, Array | None], Array | None]
+    values: Callable[[Any, Motion, Array | None], Array | None]
     label: Callable[[UnitSystem], tuple[str, float]]
 
 
@@ -39,10 +41,11 @@ def _stress_label(units: UnitSystem) -> tuple[str, float]:
     return labelled("von Mises stress", unit), factor
 
 
-def _plastic_strain(body: Any, motion: Any, _deflection: Array | None) -> Array | None:
+def _plastic_strain(body: Any, motion: Motion, _deflection: Array | None) -> Array | None:
     if body.has_frame or getattr(body, "law", None) is None:
         return None
-    return element_means(body, motion.plastic_strain, motion.alive)
+    own = motion.of_type(NodalMotion)
+    return element_means(body, own.plastic_strain, own.alive)
 
 
 def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
@@ -51,14 +54,15 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
     elements : of the bodies, by name
     """
 
-    def values(body: Any, motion: Any, _deflection: Array | None) -> Array | None:
+    def values(body: Any, motion: Motion, _deflection: Array | None) -> Array | None:
         model = elements[body.name]
         if not has_stress(model):
             return None
         if body.has_frame:
-            stress = von_mises_by_end(body, model, motion.coordinates)
+            stress = von_mises_by_end(body, model, motion.of_type(FramedMotion).coordinates)
         else:
-            stress = element_means(body, motion.von_mises, motion.alive)
+            own = motion.of_type(NodalMotion)
+            stress = element_means(body, own.von_mises, own.alive)
         return without_noise(stress, like=[each.youngs_modulus for each in isotropic_materials(model)])
 
     return Colouring(values, _stress_label)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-from supple.integrate import JOINT_COMPONENTS
+from supple.integrate import JOINT_COMPONENTS, FramedMotion, Motion
 from supple.reduction import ReductionReport
 from supple.storage import column_measures, read_header, read_solution
 from supple.units import UnitSystem, measured
@@ -54,9 +53,9 @@ def describe_result(path: Path) -> Iterator[Row]:
     yield "cost", f"{cost.steps} steps, {cost.iterations} iterations, {cost.seconds:.2f} s"
 
 
-def _described(motion: Any) -> str:
+def _described(motion: Motion) -> str:
     """The size of a motion: coordinates of a form that has them, or the kinds and shapes of its arrays."""
-    if hasattr(motion, "coordinates"):
+    if isinstance(motion, FramedMotion):
         return f"{motion.coordinates.shape[1]} coordinates"
     first, values = next(iter(motion.arrays().items()))
     return f"{first} {' x '.join(str(n) for n in values.shape[1:])}"

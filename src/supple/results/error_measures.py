@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from supple.body import BodyForm
 from supple.body.floating_kinematics import time_slices
 from supple.errors import ModelError
-from supple.integrate.motion import FloatingMotion
+from supple.integrate.motion import Motion
 from supple.integrate.solution import Solution
 
 __all__ = ["MotionError", "motion_error", "relative_error", "rms_error"]
@@ -88,7 +88,7 @@ def motion_error(
     ModelError  no such body, other output times, or other nodes
     Source: [Wu2019] (52), (53)
     """
-    expected, found = _motion_of(reference, body), _motion_of(candidate, body)
+    expected, found = reference.motion(body, Motion), candidate.motion(body, Motion)
     times = reference.times
     # Output times come from sums of steps, which may differ in their last digits.
     if times.shape != candidate.times.shape or not np.allclose(
@@ -123,9 +123,3 @@ def _squared_distance(reference: Array, positions: Array) -> Array:
 
 def _percent(squared_distance: float, squared_size: float) -> float:
     return 100.0 * float(np.sqrt(squared_distance / squared_size))
-
-
-def _motion_of(solution: Solution, body: str) -> FloatingMotion:
-    if body not in solution.bodies:
-        raise ModelError(f"no body '{body}' in the solution; it has {', '.join(solution.bodies) or 'none'}")
-    return solution.bodies[body]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from supple.integrate import Motion
 from supple.methods.explicit import ExplicitShell, ExplicitSubdomain
+from supple.methods.explicit.motions import NodalMotion
 
 __all__ = ["PartStress", "element_means", "largest_part_stress"]
 
@@ -48,11 +50,11 @@ class PartStress(NamedTuple):
 
 
 def largest_part_stress(
-    body: ExplicitSubdomain | ExplicitShell, times: FloatArray, motion: Any
+    body: ExplicitSubdomain | ExplicitShell, times: FloatArray, motion: Motion
 ) -> PartStress:
     """Of all output times (t,)."""
-    mesh, sections = body.mesh, body.model.sections
-    row, cell = np.unravel_index(motion.von_mises.argmax(), motion.von_mises.shape)
+    mesh, sections, stress = body.mesh, body.model.sections, motion.of_type(NodalMotion).von_mises
+    row, cell = np.unravel_index(stress.argmax(), stress.shape)
     ids = np.concatenate([mesh.cell_ids[own.cell_type][own.cells] for own in sections])
     points = np.concatenate([own.corners(mesh).mean(axis=1) for own in sections])
-    return PartStress(float(motion.von_mises[row, cell]), float(times[row]), int(ids[cell]), points[cell])
+    return PartStress(float(stress[row, cell]), float(times[row]), int(ids[cell]), points[cell])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.integrate import Solution
+from supple.integrate import Motion, Solution
 from supple.methods.explicit import (
     ENERGIES,
     STEPS,
@@ -17,6 +17,7 @@ from supple.methods.explicit import (
     ExplicitSubdomain,
     ModalSubdomain,
 )
+from supple.methods.explicit.motions import NodalMotion
 
 __all__ = ["energy_balance", "explicit_cost_line", "march_numbers", "part_numbers"]
 
@@ -56,16 +57,17 @@ def march_numbers(solution: Solution) -> dict[str, Any]:
     }
 
 
-def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: Any) -> dict[str, Any]:
+def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: Motion) -> dict[str, Any]:
     """Size, step limit at rest, and what yielded and broke of a part."""
     size: dict[str, Any] = {"mass": body.mass, "nodes": len(body.nodes), "step limit": body.step_limit}
     if body.has_frame:
         return {**size, "coordinates": body.n_coordinates}
+    own = motion.of_type(NodalMotion)
     return {
         **size,
-        "elements": motion.alive.shape[1],
-        "deleted": int((motion.alive[-1] == 0).sum()),
-        "largest plastic strain": float(motion.plastic_strain.max()),
+        "elements": own.alive.shape[1],
+        "deleted": int((own.alive[-1] == 0).sum()),
+        "largest plastic strain": float(own.plastic_strain.max()),
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from supple.equations.start_change import velocities_taken
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution
 from supple.machine import System
 
 __all__ = ["first_swing", "start_lines", "start_numbers"]
@@ -23,7 +23,7 @@ def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
     """Bodies that were given no velocity and start with one; those that gravity sets swinging."""
     if not all(placed.body.has_frame for placed in system.bodies):  # and start as they are placed
         return {"velocities taken": [], "swings from gravity": {}}
-    motions = [solution.bodies[placed.body.name] for placed in system.bodies]
+    motions = [solution.motion(placed.body.name, FramedMotion) for placed in system.bodies]
     moving = np.array([[*motion.velocity[0], *motion.angular_velocity[0]] for motion in motions])
     swings = {}
     for placed, motion in zip(system.bodies, motions, strict=True):

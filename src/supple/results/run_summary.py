@@ -11,7 +11,7 @@ import numpy as np
 from supple.arguments import checked_arguments
 from supple.body import BodyForm, FullBody
 from supple.fem import FiniteElementModel, cells_without_stress, has_stress
-from supple.integrate import Solution, Statistics
+from supple.integrate import FramedMotion, Motion, Solution, Statistics
 from supple.machine import System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities.force_sensors import joint_loads, joint_meanings
@@ -85,7 +85,8 @@ def stress_numbers(
         if not body.has_frame:
             found[body.name] = _part_stress(body, solution, units)
         elif body.n_coordinates:
-            largest = largest_stress(body, model, solution.bodies[body.name].coordinates)
+            motion = solution.motion(body.name, FramedMotion)
+            largest = largest_stress(body, model, motion.coordinates)
             found[body.name] = {
                 "largest von Mises stress": largest.value,
                 "unit": units.stress,
@@ -120,7 +121,7 @@ def body_numbers(
     body: Any,
     units: UnitSystem = UNNAMED,
     full: FullBody | None = None,
-    motion: Any = None,
+    motion: Motion | None = None,
 ) -> dict[str, Any]:
     """Kind, size, mass and frequencies (Hz, or one over the time where no unit is stated) of a body.
 

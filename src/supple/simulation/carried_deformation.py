@@ -20,7 +20,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
-from supple.body import FlexibleBody, MeanAxisFrame
+from supple.body import BodyForm, FlexibleBody, MeanAxisFrame
 from supple.errors import ModelError
 from supple.simulation.kept_basis import kept_basis
 
@@ -77,7 +77,7 @@ class CarriedDeformation(NamedTuple):
     loss: ProjectionLoss
 
 
-def deformation_of(body: Any, coordinates: Array, rates: Array) -> Deformation:
+def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformation:
     """Of coordinates (r,) and rates (r,), with what follows them outside the columns."""
     linear, beside = body.nodal_fields(coordinates[None])
     moving, _ = body.nodal_fields(rates[None])
@@ -87,7 +87,7 @@ def deformation_of(body: Any, coordinates: Array, rates: Array) -> Deformation:
 
 
 def carried_deformation(
-    then: Any, state: FloatingState, deformation: Deformation, now: Any, nodes: Array
+    then: BodyForm, state: FloatingState, deformation: Deformation, now: Any, nodes: Array
 ) -> CarriedDeformation:
     """The state of a body in another form or basis.
 
@@ -145,7 +145,7 @@ def carried_deformation(
     )
 
 
-def _interfaces(now: Any, body: FlexibleBody) -> tuple[Array, Array, Any]:
+def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
     """The least coordinates (r, 6 p) that move interfaces by a unit; their motions (6 p, r) and (6 p, n)."""
     ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
     if not ends:
@@ -158,7 +158,7 @@ def _interfaces(now: Any, body: FlexibleBody) -> tuple[Array, Array, Any]:
     return back, moved, wanted
 
 
-def _following_rates(body: Any, coordinates: Array, rates: Array) -> Array:
+def _following_rates(body: BodyForm, coordinates: Array, rates: Array) -> Array:
     """Rates (n_nodal,) of what follows the coordinates: twice a symmetric form, by polarisation."""
     size, speed = np.linalg.norm(coordinates), np.linalg.norm(rates)
     if not (size and speed):
@@ -238,7 +238,7 @@ def _nodal_rates(
     return np.hstack([moved, turned]).ravel()
 
 
-def _check_same_mesh(now: Any, nodes: Array) -> None:
+def _check_same_mesh(now: BodyForm, nodes: Array) -> None:
     size = float(np.ptp(now.nodes, axis=0).max())
     if nodes.shape != now.nodes.shape:
         why = f"{len(nodes)} nodes moved and it has {len(now.nodes)}"

@@ -11,6 +11,7 @@ from supple.machine import Placed, System
 from supple.methods.explicit import Explicit, ExplicitShell, ExplicitSubdomain, ModalSubdomain
 from supple.methods.explicit.method import explicit_method
 from supple.methods.intrinsic import IntrinsicBody
+from supple.reduction import ReducedBody
 from supple.simulation.engines import is_explicit
 from supple.storage.run_inputs import Inputs
 from supple.storage.value_bytes import bytes_of, digest_of_parts
@@ -75,5 +76,7 @@ def _of_body(placed: Placed) -> Iterator[bytes]:
             yield from bytes_of((body.body, body.mass_damping, body.stiffness_damping, spun))
         case IntrinsicBody():
             yield from bytes_of((body.support, body.damping))
-        case _:
+        case ReducedBody():
             yield from bytes_of((body.frame, body.is_linear))
+        case _:
+            yield from bytes_of(body)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from supple.body import FullBody
+from supple.body import BodyForm, FullBody
 from supple.errors import ModelError, ResultFileError
 from supple.integrate import Solution
 from supple.machine import Placed, System
@@ -121,7 +121,7 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
         yield f"initial_{name}", np.array([getattr(placed, name) @ probe(body.n_coordinates)])
 
 
-def _of_body(body: Any) -> Iterator[tuple[str, np.ndarray]]:
+def _of_body(body: BodyForm) -> Iterator[tuple[str, np.ndarray]]:
     """Name of an array of an elastic body and what distinguishes it from others."""
     match body:
         case ReducedBody():

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from supple.arguments import Positive, check_fields
+from supple.body import BodyForm
 from supple.errors import BasisWarning, ModelError, StartWarning, did_you_mean
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import FloatingMotion, FramedMotion, Motion, Solution
 from supple.machine import Controller, Placed, System
 from supple.methods.intrinsic.going_on import placed_as_moved
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
@@ -154,10 +155,10 @@ class Start:
         velocities = {"velocity": state.velocity, "angular_velocity": state.angular_velocity}
         return replace(moved, coordinates=q, coordinate_rates=dq, **velocities), loss
 
-    def _is_same(self, placed: Placed, motion: Any) -> bool:
+    def _is_same(self, placed: Placed, motion: Motion) -> bool:
         """Whether coordinates mean the same; ModelError where that is not known."""
         name, here = placed.body.name, placed.body.n_coordinates
-        there = motion.coordinates.shape[1] if hasattr(motion, "coordinates") else -1
+        there = motion.coordinates.shape[1] if isinstance(motion, FramedMotion) else -1
         if not here and not there:
             return True
         known = self.solution.columns or (measured_columns(self.machine) if self.machine else {})
@@ -186,7 +187,7 @@ class Start:
         nodal, rates = (each.reshape(-1, dofs_per_node) * units for each in deformation)
         return Deformation(nodal.ravel(), rates.ravel() / self.duration)
 
-    def _body_that_moved(self, placed: Placed, size: int) -> Any:
+    def _body_that_moved(self, placed: Placed, size: int) -> BodyForm:
         name = placed.body.name
         if not (size and placed.body.n_coordinates):
             words = ("rigid", "elastic") if not size else ("elastic", "rigid")
@@ -201,7 +202,7 @@ class Start:
                 "machine), whose shapes are then projected on the new ones"
             )
         then = self.machine.placed(name, "start")
-        if not hasattr(then.body, "nodal_fields") or then.body.n_coordinates != size:
+        if not then.body.has_frame or then.body.n_coordinates != size:
             raise ModelError(
                 f"the motion of body '{name}' has {size} coordinates, and the machine that is named for it "
                 f"{then.body.n_coordinates}: name the one that moved"

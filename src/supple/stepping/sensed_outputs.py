@@ -275,7 +275,7 @@ def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor)
     def read(group: Any, model: Model, motion: SystemMotion, *_: Any) -> Any:
         first, second = _pose(group.first, motion), _pose(group.second, motion)
         parameters = _one(group.parameters, 0)
-        value = None if carried is None else carried(model, motion)[:2]
+        value: Any = None if carried is None else carried(model, motion)[:2]
         if group.law is not None:
             value = jnp.asarray(_one(group.law, 0)(motion.time))
         loads = kind.wrenches(first, second, value, parameters)

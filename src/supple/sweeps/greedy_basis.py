@@ -34,7 +34,7 @@ from supple.error.round_archive import InMemoryArchive, RoundBases
 from supple.error.start_deformation import with_start
 from supple.error.system_correction import Problem, correct
 from supple.errors import CaseError, ConvergenceError, LockingWarning
-from supple.integrate import Solution, Validity
+from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
 from supple.quantities.quantity_of_interest import WholeBody
 from supple.reduction import CondensedQuartic, PlainQuartic, ReducedBody, ReductionBasis, project
@@ -155,7 +155,7 @@ class _Search:
         sizes = np.array(
             [
                 [
-                    size_of_motion(body, solution.bodies[name])
+                    size_of_motion(body, solution.motion(name, FloatingMotion))
                     for name, body in self._group.bodies.reduced.items()
                 ]
                 for solution in self._solutions
@@ -197,7 +197,9 @@ class _Search:
                     others=sum(np.nan if part is None else part.value for part in other),
                     indicator=known[name].error if name in known else np.nan,
                     final=np.nan,
-                    size=size_of_motion(self._group.bodies.reduced[name], solution.bodies[name]),
+                    size=size_of_motion(
+                        self._group.bodies.reduced[name], solution.motion(name, FloatingMotion)
+                    ),
                 )
             )
         return rows, dict(estimate.missed)
@@ -213,7 +215,9 @@ class _Search:
                 fulls[name],
                 reduced[name],
                 basis,
-                np.concatenate([solution.bodies[name].coordinates for solution in self._solutions]),
+                np.concatenate(
+                    [solution.motion(name, FloatingMotion).coordinates for solution in self._solutions]
+                ),
                 np.hstack(self._fields[name]),
             )
             for name, basis in bases.items()

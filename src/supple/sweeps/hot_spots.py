@@ -16,7 +16,7 @@ from supple.errors import CaseError, SuppleError, did_you_mean
 from supple.fatigue import Goodman, Residue, SNCurve, ThicknessEffect
 from supple.fem import FiniteElementModel
 from supple.importers.toml import CheckedTable, Positive
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import System
 from supple.quantities import CriticalPlane, SignedVonMises, hot_spot_damage, stress_modes
 from supple.quantities.tensor_modes import TensorModes
@@ -108,7 +108,7 @@ def damage_of_hot_spots(
         damages.append(
             hot_spot_damage(
                 modes,
-                solution.bodies[spot.body].coordinates,
+                solution.motion(spot.body, FloatingMotion).coordinates,
                 spot.curve.build(),
                 spot.criterion.build(),
                 residue=residue,

@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import FramedMotion, Motion, Solution
 from supple.machine import At, System
 from supple.methods.intrinsic import IntrinsicBody
 from supple.quantities import deflections, largest_stress, observer, observer_of, von_mises_by_end
@@ -169,7 +169,7 @@ def _title(drawn: DrawnBody, time: float, scale: float) -> str:
 def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solution: Solution) -> Path:
     """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
     body, surface = drawn.body, drawn.surface
-    motion = solution.bodies[body.name]
+    motion = solution.motion(body.name, FramedMotion)
     worst = largest_stress(body, model, motion.coordinates).instant
     then = motion.at(np.array([worst]))
     stress = von_mises_by_end(body, model, then.coordinates)[0]
@@ -190,7 +190,7 @@ def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solutio
     )
 
 
-def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, FloatingMotion]:
+def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, Motion]:
     """Instants to search for the largest value, and the motion of a body then."""
     instants = instants_of(solution.times, N_INSTANTS)
     return instants, solution.bodies[body.name].at(instants)

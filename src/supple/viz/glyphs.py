@@ -15,7 +15,7 @@ from matplotlib.legend import Legend
 from numpy.typing import NDArray
 
 from supple.body import RigidBody, in_space
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import GROUND, At, Joint, System
 from supple.quantities import tracked_motion
 from supple.results.body_surface import BodySurface
@@ -105,7 +105,7 @@ def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64
     marks: list[Mark] = []
     n_times = len(solution.times[rows])
     for name, body in system.bodies_of(RigidBody).items():
-        motion = solution.bodies[name].at(rows)
+        motion = solution.motion(name, FloatingMotion).at(rows)
         centre = in_space(motion.position, motion.rotation, body.centre[None, None])
         ends = body.positions(motion)
         lines.append(np.stack([np.broadcast_to(centre, ends.shape), ends], axis=2))

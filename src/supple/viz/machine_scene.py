@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from supple.body import BodyForm
 from supple.errors import ModelError
-from supple.integrate import Solution
+from supple.integrate import Motion, Solution
 from supple.machine import At, RigidPlane, System
 from supple.mesh.skin import Skin
 from supple.quantities import deflections, node_positions, observer_of
@@ -68,7 +67,7 @@ class _Seen:
 
     body: BodyForm
     surface: BodySurface | None
-    motion: Any
+    motion: Motion
     observer: Observer | None
     nodes: Array
 

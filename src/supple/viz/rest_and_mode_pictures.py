@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from supple.arguments import checked_arguments
 from supple.body import BodyForm
 from supple.fem import FiniteElementModel
-from supple.integrate import Solution
+from supple.integrate import Motion, Solution
 from supple.machine import At, System
 from supple.quantities import deflections, node_positions, observer_of
 from supple.results.body_surface import Look
@@ -138,7 +137,7 @@ def _largest(system: System, motion: Solution, rest: Solution) -> float:
     return max(float(_displacement(each, motion.bodies[each.name], rest).max(initial=0.0)) for each in bodies)
 
 
-def _displacement(body: BodyForm, motion: Any, rest: Solution) -> Array:
+def _displacement(body: BodyForm, motion: Motion, rest: Solution) -> Array:
     """Lengths (t, N) of the way of all nodes from where they rest."""
     still = rest.bodies[body.name].at(np.array([0]))
     return np.linalg.norm(node_positions(body, motion) - node_positions(body, still), axis=2)

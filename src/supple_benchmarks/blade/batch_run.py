@@ -10,7 +10,7 @@ import jax
 import numpy as np
 
 from supple.errors import AccuracyError
-from supple.integrate import Run
+from supple.integrate import FloatingMotion, Run
 from supple.reduction import ReducedBody
 from supple.simulation import simulate, simulate_batch
 from supple_benchmarks.blade.full_run import OUTPUT_STEP, STEP, TOLERANCES
@@ -71,7 +71,10 @@ def run_batch(
     differences, seconds = [], []
     for done, number in enumerate(checked, start=1):
         alone = simulate(systems[number], run)
-        one, other = (solution.bodies[BODY].coordinates for solution in (alone, together.solutions[number]))
+        one, other = (
+            solution.motion(BODY, FloatingMotion).coordinates
+            for solution in (alone, together.solutions[number])
+        )
         differences.append(float(abs(one - other).max() / abs(one).max()))
         seconds.append(alone.statistics.seconds)
         progress(0.8 + 0.2 * done / len(checked))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from supple.integrate import FloatingMotion
 from supple.mesh import skin_of
 from supple.quantities import node_positions, stress_modes
 from supple.reduction import CraigBampton, modal_derivatives, rayleigh_ritz
@@ -162,7 +163,7 @@ def animation(run: BladeRun, path: Path, progress: Progress) -> Path:
     """The first case, self-corrected, seen from axes that turn with the hub; stress in colour."""
     corrected = run.corrected[0]
     body, solution = corrected.rounds[-1].body, corrected.rounds[-1].solution
-    mesh, motion = run.benchmark.blade.mesh, solution.bodies[BODY]
+    mesh, motion = run.benchmark.blade.mesh, solution.motion(BODY, FloatingMotion)
     last = int(np.searchsorted(solution.times, 4 * corrected.case.start))
     rows = np.unique(
         np.linspace(0, min(last, len(solution.times) - 1), _ANIMATION_FRAMES).round().astype(int)

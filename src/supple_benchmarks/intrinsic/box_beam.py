@@ -16,7 +16,7 @@ from supple.fem import HomogeneousSection, Isotropic, shell_model
 from supple.integrate import FixedStep, Run, RungeKutta4
 from supple.machine import Fixed, Placed, System
 from supple.mesh import box_beam as box_mesh
-from supple.methods.intrinsic import IntrinsicBody, LoadPath, condense
+from supple.methods.intrinsic import IntrinsicBody, IntrinsicMotion, LoadPath, condense
 from supple.simulation import simulate
 from supple_benchmarks.intrinsic.box_against_shells import box_against_shells, parabolic_velocity
 from supple_benchmarks.intrinsic.box_modes import box_modes, kinds_of
@@ -134,6 +134,6 @@ def _vibration(body: IntrinsicBody, speed: float, duration: float) -> Vibration:
     step = min(2.0 / body.modes.omega.max(), 0.01)
     run = Run(duration, duration / N_OUTPUTS, step=FixedStep(step), method=RungeKutta4())
     solution = simulate(system, run)
-    motion = solution.bodies["box"]
+    motion = solution.motion("box", IntrinsicMotion)
     tip = body.places(motion)[1][:, -1] - body.line.tree.points[-1]
     return Vibration(solution.times, tip, motion.coordinates)

@@ -14,7 +14,7 @@ import numpy as np
 
 from supple.integrate import FixedStep, ResidualRungeKutta4, Run, RungeKutta4
 from supple.machine import DeadForce, Placed, System
-from supple.methods.intrinsic import IntrinsicBody
+from supple.methods.intrinsic import IntrinsicBody, IntrinsicMotion
 from supple.methods.intrinsic.stable_step import largest_stable_step
 from supple.simulation import simulate
 from supple_benchmarks.intrinsic.u_beam import of_beam_elements, on_stations, solid_u
@@ -163,6 +163,6 @@ def energy_drift(quick: bool) -> float:
     step = 0.1 * _longest_step(body)
     duration = (100 if quick else 1000) * step
     run = Run(duration, duration / 20, step=FixedStep(step), method=RungeKutta4())
-    motion = simulate(System([placed]), run).bodies["u"]
+    motion = simulate(System([placed]), run).motion("u", IntrinsicMotion)
     energy = np.sum(motion.rates**2, axis=1) + np.sum(body.forces_of(motion.coordinates) ** 2, axis=1)
     return float(np.abs(energy / energy[0] - 1).max())

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from supple.body import in_space
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.mesh.skin import skin_of
 from supple.quantities import node_positions, von_mises_history
 from supple.units import SI
@@ -127,7 +127,7 @@ def _draw_contours(study: Study, runs: list[MachineRun], folder: Path) -> list[P
 
 
 def _stress_at(machine: FlexibleMachine, run: MachineRun, i: int) -> np.ndarray:
-    coordinates = run.solution.bodies[run.body.name].coordinates[i : i + 1]
+    coordinates = run.solution.motion(run.body.name, FloatingMotion).coordinates[i : i + 1]
     return von_mises_history(run.body, machine.model, coordinates)[0]
 
 
@@ -144,13 +144,13 @@ def _draw_separations(study: Study, path: Path) -> Path:
 def _actors(study: Study, run: MachineRun, rows: slice, *, coloured: bool) -> list[Actor]:
     machine = study.machine
     mesh = machine.model.mesh
-    motion = run.solution.bodies[run.body.name].at(rows)
+    motion = run.solution.motion(run.body.name, FloatingMotion).at(rows)
     stress = von_mises_history(run.body, machine.model, motion.coordinates) if coloured else None
     actors = [
         Actor(skin_of(mesh), node_positions(run.body, motion), None if stress is None else 1e-6 * stress)
     ]
     for name, look in machine.looks.items():
-        rigid = run.solution.bodies[name].at(rows)
+        rigid = run.solution.motion(name, FloatingMotion).at(rows)
         actors.append(Actor(skin_of(look), in_space(rigid.position, rigid.rotation, look.nodes[None])))
     return actors
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from supple.body import FullBody
 from supple.equations import balances, joint_residuals
 from supple.fem import Isotropic
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import System
 from supple.quantities import von_mises_history
 from supple.reduction import ReducedBody
@@ -97,7 +97,7 @@ def drift(machine: FlexibleMachine, system: System, solution: Solution) -> Drift
 
 def point_history(machine: FlexibleMachine, body: FullBody | ReducedBody, solution: Solution) -> PointHistory:
     """The motion of node A, and its stress and strain."""
-    motion = solution.bodies[body.name]
+    motion = solution.motion(body.name, FloatingMotion)
     node = body.node_motion(motion, [machine.point])
     stress = von_mises_history(body, machine.model, motion.coordinates, [machine.point])[:, 0]
     return PointHistory(
@@ -118,7 +118,7 @@ def equivalent_strain(material: Isotropic, stress: Array) -> Array:
 
 def deformation(body: FullBody | ReducedBody, solution: Solution) -> Array:
     """Displacements (n_nodal, t) of all nodes in the body's frame, m."""
-    expanded = body.expand(solution.bodies[body.name].coordinates)
+    expanded = body.expand(solution.motion(body.name, FloatingMotion).coordinates)
     return expanded.reshape(len(expanded), -1).T
 
 

@@ -16,7 +16,7 @@ from scipy.integrate import cumulative_simpson
 
 from supple.body import FullBody, RigidBody, RigidInterface, flexible_body
 from supple.fem import Isotropic, solid_model
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import GROUND, At, DeadTorque, Placed, Prismatic, Revolute, System, Table
 from supple.mesh import (
     CellType,
@@ -149,7 +149,7 @@ def _system(rod: FullBody | ReducedBody, rod_mass: float) -> System:
 def _work(solution: Solution) -> np.ndarray:
     """Work of the torque, by Simpson's rule on the output times, J."""
     torque = -TORQUE * np.minimum(solution.times / RAMP, 1.0)
-    power = torque * solution.bodies["crank"].angular_velocity[:, 2]
+    power = torque * solution.motion("crank", FloatingMotion).angular_velocity[:, 2]
     return cumulative_simpson(power, x=solution.times, initial=0.0)
 
 

@@ -24,7 +24,7 @@ from supple.body import (
     flexible_body,
 )
 from supple.fem import Isotropic, shell_model
-from supple.integrate import FixedStep, GeneralizedAlpha, Run, Solution
+from supple.integrate import FixedStep, FloatingMotion, GeneralizedAlpha, Run, Solution
 from supple.machine import (
     GROUND,
     At,
@@ -173,7 +173,7 @@ def bus_and_panels() -> Sequence[Comparison]:
     return [
         Comparison(
             "spin of the bus at the end, rad/s",
-            float(solution.bodies["bus"].angular_velocity[-1, 1]),
+            float(solution.motion("bus", FloatingMotion).angular_velocity[-1, 1]),
             spin,
             "closed form: a rigid satellite keeps its spin",
             1e-6,
@@ -206,12 +206,13 @@ def slider_crank() -> Sequence[Comparison]:
     placed = Placed(rod, position=radius * UP, rotation=np.array([0, np.arcsin(radius), 0]))
     system = System([crank, placed, Placed(slider, position=np.sqrt(1 - radius**2) * X)], joints)
     solution = simulate(system, Run(0.02, 0.01, FixedStep(0.01)))
-    rates, source = solution.bodies["beam"].coordinate_rates[0], "closed form: the mechanism of rigid links"
+    rates = solution.motion("beam", FloatingMotion).coordinate_rates[0]
+    source = "closed form: the mechanism of rigid links"
     speed = radius * SPIN
     return [
         Comparison(
             "speed of the slider at the start, m/s",
-            float(solution.bodies["slider"].velocity[0, 0]),
+            float(solution.motion("slider", FloatingMotion).velocity[0, 0]),
             speed,
             source,
             1e-9,

@@ -15,7 +15,7 @@ from supple.body import FullBody, NodalFixedFrame, RayleighDamping, RigidBody, R
 from supple.error import ErrorStudy, ReductionStart, SelfCorrection, self_correct, state_errors
 from supple.errors import SuppleWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Run, Tolerances
+from supple.integrate import FixedStep, FloatingMotion, Run, Tolerances
 from supple.machine import GROUND, At, DeadForce, Fixed, ForceBetween, Placed, Prismatic, Ramp, System
 from supple.mesh import strip
 from supple.quantities import JointForceSensor, PositionSensor, QuantityOfInterest, StressSensor, WholeBody
@@ -105,7 +105,7 @@ def _jumps() -> list[Comparison]:
         study = ErrorStudy(quantities=(WholeBody("block"),))
         stated = state_errors(system, run, solution, study).errors["block"]
     exact = 3.0 / 2.0 * np.maximum(solution.times - 0.1, 0.0) ** 2 / 2.0
-    true = float(np.abs(solution.bodies["block"].position[:, 0] - exact).max())
+    true = float(np.abs(solution.motion("block", FloatingMotion).position[:, 0] - exact).max())
     step = float("nan") if stated.step is None else stated.step.value
     return [Comparison("stated error of the step", step, true, "closed form", 0.1)]
 

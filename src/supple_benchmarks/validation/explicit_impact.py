@@ -10,7 +10,7 @@ from scipy.special import ellipj, ellipk
 
 from supple.body import flexible_body
 from supple.fem import Isotropic, solid_model
-from supple.integrate import FixedStep, Run, Solution
+from supple.integrate import FixedStep, FloatingMotion, Run, Solution
 from supple.machine import (
     At,
     DeadForce,
@@ -23,6 +23,7 @@ from supple.methods.explicit import (
     ENERGIES,
     STEPS,
     ModalSubdomain,
+    NodalMotion,
     explicit_subdomain,
 )
 from supple.simulation import simulate
@@ -63,10 +64,11 @@ def _two_bars() -> Sequence[Comparison]:
     solution = simulate(System([first, second], contacts=[touch]), Run(1.25 * contact, contact / 80))
     masses = model.mass @ np.ones(model.n_dofs)
     weights = masses[::3] / masses[::3].sum()
-    mean = {name: solution.bodies[name].velocities[:, :, 0] @ weights for name in ("first", "second")}
+    moving = {name: solution.motion(name, NodalMotion) for name in ("first", "second")}
+    mean = {name: motion.velocities[:, :, 0] @ weights for name, motion in moving.items()}
     # The force is constant: the mean velocity of the second grows linearly from 0 to v.
     reached = [np.interp(share * v, mean["second"], solution.times) for share in (0.25, 0.75)]
-    stress = solution.bodies["second"].von_mises[24]  # at 0.3 of the contact, fronts within the bars
+    stress = moving["second"].von_mises[24]  # at 0.3 of the contact, fronts within the bars
     return (
         Comparison("velocity of the second bar afterwards", mean["second"][-1], v, _ST_VENANT, 0.02),
         Comparison("velocity of the first bar afterwards", mean["first"][-1], 0.0, _ST_VENANT, 0.02, v),
@@ -87,7 +89,7 @@ def _front() -> Sequence[Comparison]:
     push = DeadForce(at="bar.root", force=(stress * 0.01, 0.0, 0.0))
     time = 0.6 * 0.1 * cells / SPEED_OF_SOUND
     solution = simulate(System([bar], loads=[push]), Run(time, time / 4))
-    motion, velocity = solution.bodies["bar"], stress / SPEED_OF_SOUND
+    motion, velocity = solution.motion("bar", NodalMotion), stress / SPEED_OF_SOUND
     x, v = bar.nodes[:, 0], motion.velocities[-1, :, 0]
     order = np.argsort(-x)
     place = float(np.interp(0.5 * velocity, v[order], x[order]))
@@ -125,7 +127,7 @@ def _turning_over() -> Sequence[Comparison]:
     part = Placed(box, angular_velocity=start, velocity=-np.cross(start, centre))
     h = over / 4000
     solution = simulate(System([part]), Run(800 * 5 * h, 5 * h, FixedStep(h)))
-    found, times = solution.bodies["box"].angular_velocity[1:], solution.times[1:]
+    found, times = solution.motion("box", FloatingMotion).angular_velocity[1:], solution.times[1:]
     sn, cn, dn, _ = ellipj(rate * times + ellipk(m), m)
     expected = np.column_stack(
         [

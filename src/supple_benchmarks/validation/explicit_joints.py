@@ -11,7 +11,7 @@ from scipy.special import ellipk
 
 from supple.body import RigidBody, RigidInterface, flexible_body
 from supple.fem import Isotropic, solid_model
-from supple.integrate import FixedStep, Run
+from supple.integrate import FixedStep, FloatingMotion, Run
 from supple.linearization import linearize, machine_modes
 from supple.machine import Fixed, Placed, Revolute, SpringDamper, System
 from supple.mesh import CellType, block
@@ -99,7 +99,7 @@ def _oscillator() -> Sequence[Comparison]:
     a = c / mass / 2
     w = np.sqrt(k / mass - a**2)
     exact = -z0 * np.exp(-a * run.times) * (np.cos(w * run.times) + a / w * np.sin(w * run.times))
-    found = simulate(system, run).bodies["ball"].position[:, 2]
+    found = simulate(system, run).motion("ball", FloatingMotion).position[:, 2]
     return (largest_difference("height of the mass, m", found, exact, "closed form", 1e-3),)
 
 

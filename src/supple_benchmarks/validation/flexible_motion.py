@@ -17,7 +17,7 @@ from supple.body import (
     flexible_body,
 )
 from supple.fem import BeamSection, Isotropic, shell_model
-from supple.integrate import FixedStep, Run
+from supple.integrate import FixedStep, FloatingMotion, Run
 from supple.linearization import frequency_response, linearize, state_space
 from supple.linearization.ports import TranslationPort
 from supple.machine import (
@@ -66,7 +66,7 @@ def spun_up() -> Sequence[Comparison]:
         name="motor", first=GROUND, second=At("beam", "root"), axis=(0, -1, 0), angle=SpinUp(6.0, 15.0)
     )
     solution = simulate(System([Placed(reduced)], [motor]), Run(20.0, 0.1, step=FixedStep(0.025)))
-    tip = reduced.expand(solution.bodies["beam"].coordinates)[:, -1]
+    tip = reduced.expand(solution.motion("beam", FloatingMotion).coordinates)[:, -1]
     exact = spin_up_beam(ROTATING_BEAM, motor.angle, duration=10.0, step=0.0125, n_elements=10)
     last = solution.times > 16
     return (

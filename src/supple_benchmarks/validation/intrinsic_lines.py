@@ -26,6 +26,7 @@ from supple.methods.intrinsic import (
     CLAMPED,
     FREE,
     IntrinsicBody,
+    IntrinsicMotion,
     RootSupport,
     condensed_line,
     intrinsic_body,
@@ -107,7 +108,7 @@ def _flying() -> Sequence[Comparison]:
     placed = Placed(body, coordinate_rates=rates, angular_velocity=spin, velocity=about_centre)
     machine = System([placed])
     solution = simulate(machine, Run(0.5, 0.05, step=FixedStep(2.5e-3), method=GeneralizedAlpha(1.0)))
-    motion = solution.bodies["beam"]
+    motion = solution.motion("beam", IntrinsicMotion)
     energies = np.sum(motion.rates**2, axis=1) + np.sum(body.forces_of(motion.coordinates) ** 2, axis=1)
     drift = centre_drift(machine, solution, "beam")
     energy = float(energies[-1] / energies[0])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from supple.body import FlexibleBody, FullBody, NodalFixedFrame, RigidInterface, flexible_body
+from supple.body import BodyForm, FlexibleBody, FullBody, NodalFixedFrame, RigidInterface, flexible_body
 from supple.error import ReductionStart, SelfCorrection, correct_at_rest
 from supple.errors import BasisWarning
 from supple.fem import HomogeneousSection, Isotropic, shell_model, solid_model
@@ -110,7 +110,7 @@ def _hub() -> PrescribedRotation:
     return PrescribedRotation(name="hub", first=GROUND, second=At("bar", "root"), axis=(0, 0, 1), angle=0.0)
 
 
-def _on_hub(form: object) -> System:
+def _on_hub(form: BodyForm) -> System:
     return System((Placed(form),), (_hub(),))
 
 

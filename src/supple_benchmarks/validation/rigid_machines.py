@@ -15,7 +15,7 @@ from scipy.special import ellipj, ellipk
 
 from supple.body import RigidBody
 from supple.errors import RedundantConstraintWarning
-from supple.integrate import FixedStep, Kinematic, Run, Solution
+from supple.integrate import FixedStep, FloatingMotion, Kinematic, Run, Solution
 from supple.machine import (
     GROUND,
     At,
@@ -81,7 +81,7 @@ def pendulum() -> Sequence[Comparison]:
     system = System([Placed(bob, rotation=np.array([swing, 0, 0]))], [hinge], gravity=np.array([0, 0, -g]))
     run = Run(period, period / 60, step=FixedStep(period / 3000))
     solution = simulate(system, run)
-    rotation = solution.bodies["bob"].rotation
+    rotation = solution.motion("bob", FloatingMotion).rotation
     angle = np.arctan2(rotation[:, 2, 1], rotation[:, 1, 1])
     exact = 2 * np.arcsin(k * ellipj(ellipk(k**2) - rate * solution.times, k**2)[0])
     carried = float(np.linalg.norm(solution.multipliers["hinge"][15, :3]))
@@ -128,7 +128,7 @@ def double_pendulum() -> Sequence[Comparison]:
     solution = simulate(system, Run(duration, duration / 30, step=FixedStep(duration / 3000)))
     found = [
         np.arctan2(motion.rotation[-1, 0, 0], -motion.rotation[-1, 1, 0])
-        for motion in (solution.bodies["upper"], solution.bodies["lower"])
+        for motion in (solution.motion(name, FloatingMotion) for name in ("upper", "lower"))
     ]
     source = "Lagrange's equations of two uniform rods, integrated by DOP853 to 1e-11"
     return [
@@ -179,7 +179,7 @@ def n_four_bar() -> Sequence[Comparison]:
         joints.append(_hinge(At(f"bar {k}", "b"), At(f"post {k + 1}", "b"), f"right {k}"))
     system = System(bodies, joints, gravity=np.array([0.0, -g, 0.0]))
     solution = _simulated(system, Run(duration, 0.05, step=FixedStep(0.0025)))
-    tip = solution.bodies["bar 0"].position
+    tip = solution.motion("bar 0", FloatingMotion).position
     angle = exact(solution.times)[0]
     arm = np.column_stack([np.sin(angle), np.cos(angle)])
     source = f"{LIBRARY} A02; one pendulum, by DOP853 to 1e-11"
@@ -249,8 +249,9 @@ def squeezer() -> Sequence[Comparison]:
     solution = _simulated(system, Run(0.03, 3e-4, step=FixedStep(3e-5)))
     turned = JointMotionSensor("beta", "K1.foot on ground").values(system, solution)[-1, 0]
     angles = {
-        name: float(np.arctan2(motion.rotation[-1, 1, 0], motion.rotation[-1, 0, 0]))
-        for name, motion in solution.bodies.items()
+        name: float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+        for name in solution.bodies
+        for rotation in (solution.motion(name, FloatingMotion).rotation[-1],)
     }
     source = "E. Hairer, G. Wanner, Solving ODEs II, section VII.7; Test Set for IVP Solvers: Andrews"
     return (
@@ -335,7 +336,7 @@ def bricard() -> Sequence[Comparison]:
     ]
     system = System(bodies, joints, gravity=np.array([0.0, -g, 0.0]))
     solution = _simulated(system, Run(2.0, 0.02, step=FixedStep(4e-3)))
-    found = solution.bodies["rod 3"].position
+    found = solution.motion("rod 3", FloatingMotion).position
     psi = cube.swung(np.array(tensors), g, solution.times)
     exact = np.array([cube.poses(each)[1][3] for each in psi])
     source = f"{LIBRARY} A04; its closure in closed form and its energy, by DOP853 to 1e-10"
@@ -393,7 +394,7 @@ def slider_crank() -> Sequence[Comparison]:
     angle = speed * solution.times
     moment = -solution.multipliers["motor"][:, 5]
     exact = energy(angle + 1e-30j).imag / 1e-30
-    slide = solution.bodies["slider"].position[:, 0]
+    slide = solution.motion("slider", FloatingMotion).position[:, 0]
     return (
         largest_difference("slide, m", slide, place(angle), "cosine rule", 1e-9),
         largest_difference("moment, N m", moment, exact, "virtual work", 1e-7),
@@ -437,7 +438,7 @@ def universal_joint() -> Sequence[Comparison]:
     )
     solution = _simulated(System(bodies, joints), Run(1.2, 0.02, method=Kinematic()))
     exact = speed * np.cos(bend) / (1 - (np.sin(bend) * np.cos(speed * solution.times)) ** 2)
-    found = solution.bodies["driven"].angular_velocity[:, 0]
+    found = solution.motion("driven", FloatingMotion).angular_velocity[:, 0]
     return (largest_difference("driven speed, rad/s", found, exact, "spherical trigonometry", 1e-8),)
 
 

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.body import FullBody, RigidBody
+from supple.body import BodyForm, FullBody, RigidBody
 from supple.equations.build_model import build_model
 from supple.equations.configuration import AnyArray
 from supple.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
@@ -18,7 +18,7 @@ from supple.equations.full_inertia import FullInertia
 from supple.equations.model import BodyGroup
 from supple.equations.polynomial_force import Quartic, polynomial_energy
 from supple.errors import ModelError
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import Placed, System
 from supple.programs.kept_programs import KeptProgram
 from supple.reduction import ReducedBody
@@ -58,19 +58,20 @@ def balances(system: System, solution: Solution) -> Balances:
 
 
 @singledispatch
-def body_balances(body: Any, _motion: Any, _gravity: np.ndarray) -> Balances:
+def body_balances(body: BodyForm, _motion: Motion, _gravity: np.ndarray) -> Balances:
     """Energies and momenta of one body; each method registers those of its form."""
     raise ModelError(f"body '{body.name}' is {body.kind}, whose energies are not known")
 
 
 @body_balances.register(RigidBody | ReducedBody)
-def _(body: Any, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
+def _(body: Any, motion: Motion, gravity: np.ndarray) -> Balances:
     """Of a rigid or reduced body: its Gram matrix and tensors."""
     if body not in _ARRAYS:
         (group,) = build_model(System((Placed(body),))).groups
         _ARRAYS[body] = jax.tree.map(lambda leaf: np.asarray(leaf)[0], _Arrays.of(group))
     arrays = _ARRAYS[body]
-    moving = _Motion(*(np.asarray(getattr(motion, name)) for name in _Motion._fields))
+    own = motion.of_type(FloatingMotion)
+    moving = _Motion(*(np.asarray(getattr(own, name)) for name in _Motion._fields))
     return Balances(*map(np.asarray, _of_reduced_body(arrays, gravity, moving)))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -14,7 +14,7 @@ from supple.equations.build_model import build_model, seen_coordinates
 from supple.equations.configuration import Configuration
 from supple.equations.joint_force import constraints
 from supple.equations.model import Model
-from supple.integrate import FloatingMotion, Solution
+from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import GROUND, At, Placed, System
 from supple.programs.kept_programs import KeptProgram
 
@@ -54,10 +54,12 @@ class _Pose(NamedTuple):
     coordinates: np.ndarray
 
 
-def _with_stations(system: System, bodies: Mapping[str, Any]) -> tuple[System, dict[str, Any]]:
+def _with_stations(
+    system: System, bodies: Mapping[str, Motion]
+) -> tuple[System, dict[str, FloatingMotion | _Pose]]:
     """Ends on bodies that are in no floating frame as bodies of their own; loads do not matter."""
-    floating = {name for name, motion in bodies.items() if isinstance(motion, FloatingMotion)}
-    motions = {name: bodies[name] for name in floating}
+    floating = {name: motion for name, motion in bodies.items() if isinstance(motion, FloatingMotion)}
+    motions: dict[str, FloatingMotion | _Pose] = dict(floating)
     placed = [each for each in system.bodies if each.body.name in floating]
 
     def seen(end: At) -> At:

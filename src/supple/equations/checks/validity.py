@@ -20,7 +20,7 @@ from supple.algebra.largest_vector import largest_vector
 from supple.body import BodyForm, Frame, MeanAxisFrame, smaller_rotations
 from supple.body.averaging_error import DEFLECTION_ERROR
 from supple.errors import ValidityError, ValidityWarning
-from supple.integrate import FloatingMotion, Solution, Validity
+from supple.integrate import FramedMotion, Solution, Validity
 from supple.machine import At, ForceElement
 from supple.machine.system import System
 
@@ -97,10 +97,9 @@ class Watch:
     def peaks(self, chunk: Solution) -> dict[str, Peaks]:
         """Largest spin and rotation of every flexible body in a part of a run."""
         return {
-            own.name: _peaks(own, chunk.times, chunk.bodies[own.name]).merged(
-                _softened(own, chunk.times, chunk.bodies[own.name])
-            )
+            own.name: _peaks(own, chunk.times, motion).merged(_softened(own, chunk.times, motion))
             for own in self.limits
+            for motion in (chunk.motion(own.name, FramedMotion),)
         }
 
     def observe(self, so_far: Mapping[str, Peaks], chunk: Solution) -> dict[str, Peaks]:
@@ -172,7 +171,7 @@ def _out_of_shape(limits: _Limits, peak: Peaks) -> str:
     )
 
 
-def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
+def _peaks(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks:
     spins = np.linalg.norm(motion.angular_velocity * limits.axes, axis=1)
     fastest = int(np.argmax(spins))
     peaks = Peaks(spin=float(spins[fastest]), spin_time=float(times[fastest]))
@@ -182,7 +181,7 @@ def _peaks(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
     return peaks._replace(rotation=rotation, rotation_time=float(times[widest]))
 
 
-def _softened(limits: _Limits, times: np.ndarray, motion: FloatingMotion) -> Peaks:
+def _softened(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks:
     """The error of averaging interfaces alone: 6 phi^2 c / C of the worst at each time."""
     if limits.averaging is None:
         return Peaks()

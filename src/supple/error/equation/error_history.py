@@ -37,7 +37,7 @@ from supple.error.equation.linearised_march import (
 )
 from supple.error.equation.products_of_run import monomials, rate_monomials
 from supple.error.equation.steps_of_run import blocks_of_run, rotation_vectors, rotations, standing
-from supple.integrate import Coefficients, Solution, Statistics
+from supple.integrate import Coefficients, FloatingMotion, Solution, Statistics
 from supple.machine import System
 
 __all__ = ["ErrorEquation", "ErrorHistory", "TangentMotion"]
@@ -217,18 +217,19 @@ class ErrorEquation:
     def point(self) -> _Point:
         """The run itself."""
         steps, names = self.steps, self._names
+        motions = {name: steps.motion(name, FloatingMotion) for name in names}
         sizes = {name: place.stop - place.start for name, place in self._coordinate_places.items()}
 
         def deformation(name: str, of_run: str, of_columns: str) -> Array:
             if name not in self.bodies:
-                return getattr(steps.bodies[name], of_run)
+                return getattr(motions[name], of_run)
             own = getattr(self.bodies[name].motion, of_columns)
             return np.pad(own, ((0, 0), (0, sizes[name] - own.shape[1])))
 
         def joined(linear: str, angular: str, *coordinates: str) -> Array:
             parts = []
             for name in names:
-                own = steps.bodies[name]
+                own = motions[name]
                 parts += [getattr(own, linear), getattr(own, angular), deformation(name, *coordinates)]
             return np.hstack(parts)
 
@@ -237,8 +238,8 @@ class ErrorEquation:
             + [steps.multipliers[joint.name] for joint in self._system.joints]
         )
         configuration = Configuration(
-            np.stack([steps.bodies[name].position for name in names], axis=1),
-            np.stack([steps.bodies[name].rotation for name in names], axis=1),
+            np.stack([motions[name].position for name in names], axis=1),
+            np.stack([motions[name].rotation for name in names], axis=1),
             np.hstack([deformation(name, "coordinates", "coordinates") for name in names]),
         )
         motion = SystemMotion(
@@ -412,7 +413,7 @@ class ErrorEquation:
         )
 
     def _history(self, name: str, errors: Array) -> ErrorHistory:
-        assessed, own = self.bodies[name], self.steps.bodies[name]
+        assessed, own = self.bodies[name], self.steps.motion(name, FloatingMotion)
         motion = assessed.motion
         coordinates = errors[:, 6 : 6 + assessed.space.size]
         origin = errors[:, :3] - np.einsum("tij,tj->ti", own.rotation, motion.rigid[:, :3])

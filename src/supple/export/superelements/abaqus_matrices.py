@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from supple.export.superelements.ascii_file import write_ascii
+from supple.export.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
 
 __all__ = ["write_abaqus_superelement"]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.export.superelements.ascii_file import write_ascii
+from supple.export.ascii_file import write_ascii
 from supple.importers import SectionTable
 from supple.importers.section_table import twisted_axes
 

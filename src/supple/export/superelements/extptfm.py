@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError, did_you_mean
-from supple.export.superelements.ascii_file import write_ascii
+from supple.export.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
 
 __all__ = ["write_extptfm"]

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from supple.errors import ModelError
-from supple.export.superelements.ascii_file import write_ascii
+from supple.export.ascii_file import write_ascii
 from supple.export.superelements.stated_frequencies import floating_frequencies, frequency_lines
 from supple.reduction import ReducedBody
 

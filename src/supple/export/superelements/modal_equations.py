@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from supple.export.superelements.ascii_file import write_ascii
+from supple.export.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
 from supple.export.superelements.stated_frequencies import N_RIGID
 

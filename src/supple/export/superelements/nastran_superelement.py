@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from supple.export.ascii_file import write_ascii
 from supple.export.dmig_punch import dmig_cards
-from supple.export.superelements.ascii_file import write_ascii
 from supple.export.superelements.interface_form import InterfaceForm
 from supple.export.superelements.output4 import write_output4
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from supple.errors import ModelError
-from supple.export.superelements.ascii_file import write_ascii
+from supple.export.ascii_file import write_ascii
 
 __all__ = ["write_output4"]
 

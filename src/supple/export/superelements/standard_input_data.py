@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ModelError
-from supple.export.superelements.ascii_file import write_ascii
+from supple.export.ascii_file import write_ascii
 from supple.reduction import ReducedBody
 from supple.reduction.tensors import unpack_symmetric
 

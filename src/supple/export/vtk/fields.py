@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from supple.body import BodyForm
 from supple.export.vtk.pieces import Piece
 from supple.fem import FiniteElementModel
-from supple.integrate import Solution
+from supple.integrate import FramedMotion, Solution
 from supple.machine import At, System
+from supple.methods.explicit.motions import NodalMotion
 from supple.quantities import displacement_from_axes, observer_of
 from supple.quantities.stress_history import equivalent_stress
 from supple.results.explicit_fields import element_means
@@ -128,11 +129,11 @@ def _stress(piece: Piece, model: FiniteElementModel, factor: float) -> Evaluator
     if not body.has_frame:
         return lambda part, _: factor * _node_means(body, part)
     stress = equivalent_stress(body, model)
-    return lambda part, _: factor * stress(part.bodies[body.name].coordinates)
+    return lambda part, _: factor * stress(part.motion(body.name, FramedMotion).coordinates)
 
 
 def _node_means(body: Any, part: Solution) -> Array:
-    motion = part.bodies[body.name]
+    motion = part.motion(body.name, NodalMotion)
     return element_means(body, motion.von_mises, motion.alive)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from supple.body import BodyForm, RigidBody, in_space
 from supple.errors import ModelError, did_you_mean
 from supple.export.vtk.cells import LINE, TRIANGLE, VERTEX, Cells, cells_of
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Solution
 from supple.machine import GROUND, Placed, System
 from supple.mesh import Mesh
 
@@ -103,7 +103,7 @@ def _rigid_piece(placed: Placed, body: RigidBody) -> Piece:
     lines = np.column_stack([np.full(len(ends), centre), ends])
 
     def positions(part: Solution) -> Array:
-        motion = part.bodies[body.name]
+        motion = part.motion(body.name, FloatingMotion)
         return in_space(motion.position, motion.rotation, local[None])
 
     return Piece(

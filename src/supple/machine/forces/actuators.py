@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import force_pair, moment_pair
 from supple.machine.laws.time_law import TimeLaw, as_time_law
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["ForceBetween", "TorqueBetween"]
 
@@ -28,7 +29,7 @@ class TorqueBetween(AxialElement):
         return as_time_law(self.torque)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """`M_2 = m(t) z_1 = - M_1`."""
         return moment_pair(first, value)
 
@@ -46,6 +47,6 @@ class ForceBetween(AxialElement):
         return as_time_law(self.force)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """`F_2 = f(t) z_1 = - F_1`, both on one line."""
         return force_pair(first, second, value * first.axes[:, 2], jnp.zeros(3))

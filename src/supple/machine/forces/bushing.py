@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -13,7 +14,7 @@ from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import force_pair
 from supple.machine.joints.joint import axes_along
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["Bushing"]
 
@@ -66,7 +67,7 @@ class Bushing(AxialElement):
         return replace(self, offset=tuple((self.initial_axes.T @ (second - first)).tolist()))
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """`Q` on the second end, its opposite on the first."""
         stiffness, damping, offset = parameters
         x = _deformation(first, second, offset)
@@ -80,14 +81,14 @@ class Bushing(AxialElement):
         return force_pair(first, second, first.axes @ load[:3], moment)
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """`x^T K x / 2`."""
         stiffness, _, offset = parameters
         x = _deformation(first, second, offset)
         return x @ stiffness @ x / 2
 
 
-def _deformation(first: Pose, second: Pose, offset: Any) -> Any:
+def _deformation(first: Pose, second: Pose, offset: jax.Array) -> jax.Array:
     shift = first.axes.T @ (second.point - first.point) - offset
     return jnp.concatenate([shift, rotation_log(first.axes.T @ second.axes)])
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.arguments import check_numbers
 from supple.errors import ModelError
@@ -36,7 +39,7 @@ class Curve:
         """As arrays."""
         return (np.array(self.x), np.array(self.z))
 
-    def __call__(self, x: Any) -> Any:
+    def __call__(self, x: ArrayLike) -> jax.Array:
         """The value at a place."""
         return curve_at(x, self.parameters)
 
@@ -68,19 +71,19 @@ class Surface:
         """As arrays."""
         return (np.array(self.x), np.array(self.y), np.array(self.z))
 
-    def __call__(self, x: Any, y: Any) -> Any:
+    def __call__(self, x: ArrayLike, y: ArrayLike) -> jax.Array:
         """The value at a place."""
         return surface_at(x, y, self.parameters)
 
 
-def curve_at(x: Any, parameters: Any) -> Any:
+def curve_at(x: ArrayLike, parameters: Sequence[ArrayLike]) -> jax.Array:
     """The value of a curve (x (n,), z (n, ...))."""
     places, values = map(jnp.asarray, parameters)
     row, share = _interval(x, places)
     return (1 - share) * values[row] + share * values[row + 1]
 
 
-def surface_at(x: Any, y: Any, parameters: Any) -> Any:
+def surface_at(x: ArrayLike, y: ArrayLike, parameters: Sequence[ArrayLike]) -> jax.Array:
     """The value of a surface (x (n,), y (m,), z (n, m))."""
     rows, columns, values = map(jnp.asarray, parameters)
     (row, down), (column, across) = _interval(x, rows), _interval(y, columns)
@@ -89,7 +92,7 @@ def surface_at(x: Any, y: Any, parameters: Any) -> Any:
     return (1 - down) * upper + down * lower
 
 
-def _interval(x: Any, places: Any) -> tuple[Any, Any]:
+def _interval(x: ArrayLike, places: jax.Array) -> tuple[jax.Array, jax.Array]:
     """The row before a place, and the share of the way to the next one."""
     row = jnp.clip(jnp.searchsorted(places, x, side="right") - 1, 0, len(places) - 2)
     return row, jnp.clip((x - places[row]) / (places[row + 1] - places[row]), 0.0, 1.0)

@@ -6,13 +6,14 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
+import jax
 import numpy as np
 
 from supple.arguments import check_fields, check_ranges
 from supple.errors import ModelError
 from supple.machine.ends import GROUND, At, as_end
 from supple.machine.laws.time_law import TimeLaw, check_law_kind
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["ForceElement"]
 
@@ -74,11 +75,11 @@ class ForceElement(ABC):
 
     @staticmethod
     @abstractmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
-        """Wrenches on the two ends; `value` is the law's at this time, or None."""
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
+        """Wrenches on the two ends; `value` is the law's at this time, None without a law."""
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Energy that the element has stored and can give back; zero for most."""
         return 0.0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -13,7 +14,7 @@ from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
 from supple.machine.laws.time_law import TimeLaw, as_time_law
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["Coulomb", "PrismaticFriction", "RevoluteFriction"]
 
@@ -43,7 +44,7 @@ class Coulomb:
             )
 
 
-def regularized_direction(velocity: Any, width: Any) -> Any:
+def regularized_direction(velocity: jax.Array, width: jax.Array) -> jax.Array:
     """`v / sqrt(|v|^2 + w^2)` of a number or a vector (3,)."""
     return velocity / jnp.sqrt(jnp.sum(velocity**2) + width**2)
 
@@ -72,7 +73,7 @@ class RevoluteFriction(AxialElement):
         return (self.width,)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite moments about the first end's axis."""
         rate = axial_motion(first, second).rate
         return moment_pair(first, -value * regularized_direction(rate, parameters[0]))
@@ -101,7 +102,7 @@ class PrismaticFriction(AxialElement):
         return (self.width,)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite forces along the first end's axis."""
         speed = axial_motion(first, second).speed
         force = -value * regularized_direction(speed, parameters[0]) * first.axes[:, 2]

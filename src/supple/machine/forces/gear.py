@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -14,7 +15,7 @@ from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import check_anchor
 from supple.machine.forces.relative_motion import wrapped
 from supple.machine.joints.joint import axes_along
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["Gear"]
 
@@ -79,7 +80,7 @@ class Gear(AxialElement):
         return self if self.line else replace(self, line=tuple((second - first).tolist()))
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite forces at the point where the wheels roll."""
         teeth_1, teeth_2, stiffness, damping = parameters
         length, line, across, slip = _mesh(first, second, parameters)
@@ -95,12 +96,12 @@ class Gear(AxialElement):
         )
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """`k s^2 / 2`."""
         return parameters[2] * _mesh(first, second, parameters)[3] ** 2 / 2
 
 
-def _mesh(first: Pose, second: Pose, parameters: Any) -> tuple[Any, Any, Any, Any]:
+def _mesh(first: Pose, second: Pose, parameters: Parameters) -> tuple[jax.Array, ...]:
     """Distance and line of the centres, the direction across, and `s`."""
     teeth_1, teeth_2, _, _ = parameters
     axis = first.axes[:, 2]
@@ -110,7 +111,7 @@ def _mesh(first: Pose, second: Pose, parameters: Any) -> tuple[Any, Any, Any, An
     line = between / length
     across = jnp.cross(axis, line)
 
-    def angle(pose: Pose) -> Any:
+    def angle(pose: Pose) -> jax.Array:
         x, y = pose.axes[:, 0], pose.axes[:, 1]
         return jnp.arctan2(x @ across - y @ line, x @ line + y @ across)
 

@@ -17,7 +17,7 @@ from supple.machine.forces.relative_motion import axial_motion, force_pair, mome
 from supple.machine.joints.joint import Joint
 from supple.machine.joints.prismatic import Prismatic
 from supple.machine.joints.revolute import Revolute
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["HingeFriction", "JointFriction", "SlideFriction"]
 
@@ -79,7 +79,7 @@ class HingeFriction(JointFriction):
         return (self.coefficient * self.radius, self.width)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite moments about the axis; `value` is the joint's force across it, (2,)."""
         lever, width = parameters
         rate = axial_motion(first, second).rate
@@ -101,7 +101,7 @@ class SlideFriction(JointFriction):
         return (self.coefficient, self.width)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite forces along the axis; `value` is the joint's force across it, (2,)."""
         coefficient, width = parameters
         speed = axial_motion(first, second).speed

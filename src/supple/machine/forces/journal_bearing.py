@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -13,7 +14,7 @@ from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import curve_at
 from supple.machine.forces.relative_motion import axial_motion, force_pair
 from supple.machine.joints.joint import axes_along
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["JournalBearing"]
 
@@ -66,7 +67,7 @@ class JournalBearing(AxialElement):
         return tuple(np.array(getattr(self, name)) for name in ("speeds", "stiffness", "damping"))
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """On the journal, and what balances it on the bearing."""
         speeds, stiffness, damping = parameters
         speed = axial_motion(first, second).rate

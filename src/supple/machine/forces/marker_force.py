@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import jax
 import jax.numpy as jnp
 
 from supple.machine.forces.force_element import ForceElement
 from supple.machine.laws.time_law import TimeLaw, as_time_law
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["DeadTorque", "FollowerForce", "FollowerTorque"]
 
@@ -33,7 +34,7 @@ class FollowerForce(ForceElement):
         return as_time_law(self.force)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """`F = A_p f(t)`."""
         return Wrench(first.axes @ value, jnp.zeros(3)), _at_rest()
 
@@ -53,7 +54,7 @@ class FollowerTorque(ForceElement):
         return as_time_law(self.torque)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """`M = A_p m(t)`."""
         return Wrench(jnp.zeros(3), first.axes @ value), _at_rest()
 
@@ -73,6 +74,6 @@ class DeadTorque(ForceElement):
         return as_time_law(self.torque)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """`M = m(t)`."""
         return Wrench(jnp.zeros(3), jnp.asarray(value)), _at_rest()

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import jax
+
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import Curve, Surface, curve_at, surface_at
 from supple.machine.forces.relative_motion import axial_motion, moment_pair
 from supple.machine.laws.time_law import TimeLaw, as_time_law
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["MotorCurve"]
 
@@ -40,7 +42,7 @@ class MotorCurve(AxialElement):
         return self.torque.parameters
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite moments about the first end's axis."""
         rate = axial_motion(first, second).rate
         if len(parameters) == _OF_A_CURVE:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import NotNegative, Positive, check_fields
 from supple.errors import ModelError
+from supple.machine.pose import Parameters
 
 __all__ = ["Penalty"]
 
@@ -54,7 +55,7 @@ class Penalty:
         return (self.stiffness, self.exponent, self.dissipation)
 
 
-def penalty_force(depth: Any, rate: Any, parameters: Any) -> Any:
+def penalty_force(depth: jax.Array, rate: jax.Array, parameters: Parameters) -> jax.Array:
     """`k depth^n (1 + a rate)` where there is depth and it pushes, else zero."""
     stiffness, exponent, dissipation = parameters
     touches = depth > 0
@@ -64,7 +65,7 @@ def penalty_force(depth: Any, rate: Any, parameters: Any) -> Any:
     return jnp.where(touches, push, 0.0)
 
 
-def penalty_energy(depth: Any, parameters: Any) -> Any:
+def penalty_energy(depth: jax.Array, parameters: Parameters) -> jax.Array:
     """`k depth^(n + 1) / (n + 1)`."""
     stiffness, exponent, _ = parameters
     touches = depth > 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -41,18 +41,18 @@ def axial_motion(first: Pose, second: Pose) -> AxialMotion:
     )
 
 
-def moment_pair(first: Pose, moment: Any) -> tuple[Wrench, Wrench]:
+def moment_pair(first: Pose, moment: jax.Array) -> tuple[Wrench, Wrench]:
     """A moment about the first end's z axis on the second end, and its opposite on the first."""
     own = moment * first.axes[:, 2]
     return Wrench(jnp.zeros(3), -own), Wrench(jnp.zeros(3), own)
 
 
-def force_pair(first: Pose, second: Pose, force: Any, moment: Any) -> tuple[Wrench, Wrench]:
+def force_pair(first: Pose, second: Pose, force: jax.Array, moment: jax.Array) -> tuple[Wrench, Wrench]:
     """Force and moment on the second end, and what balances both on the first: free bodies keep momentum."""
     arm = second.point - first.point
     return Wrench(-force, -moment - jnp.cross(arm, force)), Wrench(force, moment)
 
 
-def wrapped(angle: Any) -> Any:
+def wrapped(angle: jax.Array) -> jax.Array:
     """An angle in (-pi, pi] that differs by whole turns."""
     return angle - 2 * jnp.pi * jnp.ceil((angle - jnp.pi) / (2 * jnp.pi))

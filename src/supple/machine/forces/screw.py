@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -13,7 +13,7 @@ from supple.errors import ModelError
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, wrapped
 from supple.machine.joints.joint import axes_along
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["RackAndPinion", "Screw"]
 
@@ -55,7 +55,7 @@ class Screw(AxialElement):
         return self if self.offset is not None else replace(self, offset=slide)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Along and about the axis."""
         advance, stiffness, damping, offset = parameters
         motion = axial_motion(first, second)
@@ -65,7 +65,7 @@ class Screw(AxialElement):
         return force_pair(first, second, -effort * axis, advance * effort * axis)
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """`k s^2 / 2`."""
         advance, stiffness, _, offset = parameters
         motion = axial_motion(first, second)
@@ -119,7 +119,7 @@ class RackAndPinion(AxialElement):
         return self if self.offset is not None else replace(self, offset=way)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Along the rack, at the pitch point."""
         radius, stiffness, damping, _ = parameters
         along, across, _ = first.axes.T
@@ -130,12 +130,12 @@ class RackAndPinion(AxialElement):
         return force_pair(first, second, force, jnp.cross(-radius * across, force))
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """`k s^2 / 2`."""
         return parameters[1] * _rolled(first, second, parameters) ** 2 / 2
 
 
-def _rolled(first: Pose, second: Pose, parameters: Any) -> Any:
+def _rolled(first: Pose, second: Pose, parameters: Parameters) -> jax.Array:
     """`s` of a pinion on a rack."""
     radius, _, _, offset = parameters
     way = first.axes[:, 0] @ (second.point - first.point) - offset

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -14,7 +15,7 @@ from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair, wrapped
 from supple.machine.laws.time_law import TimeLaw, as_time_law, check_law_shape
 from supple.machine.laws.with_rate import WithRate
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["AngleServo", "SlideServo"]
 
@@ -54,7 +55,7 @@ class AngleServo(AxialElement):
         return (self.stiffness, self.damping, self.limit)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite moments about the first end's axis."""
         motion = axial_motion(first, second)
         return moment_pair(
@@ -94,14 +95,14 @@ class SlideServo(AxialElement):
         return (self.stiffness, self.damping, self.limit)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite forces along the first end's axis."""
         motion = axial_motion(first, second)
         effort = _effort(value[0] - motion.slide, value[1] - motion.speed, parameters)
         return force_pair(first, second, effort * first.axes[:, 2], jnp.zeros(3))
 
 
-def _effort(lag: Any, lag_rate: Any, parameters: Any) -> Any:
+def _effort(lag: jax.Array, lag_rate: jax.Array, parameters: Parameters) -> jax.Array:
     stiffness, damping, limit = parameters
     return jnp.clip(stiffness * lag + damping * lag_rate, -limit, limit)
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -14,7 +15,7 @@ from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import check_anchor
 from supple.machine.forces.friction import Coulomb, regularized_direction
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["SphereContact", "SphereInCylinder", "SphereOnCylinder", "SphereOnPlane"]
 
@@ -65,12 +66,12 @@ class SphereOnPlane(SphereContact):
     """A sphere (first end) on a plane through the second end; `axis` is the plane's normal, out of it."""
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """On sphere and plane."""
         return _pushed(first, second, _on_plane(first, second, parameters[0]), parameters)
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Of the penalty."""
         return penalty_energy(_on_plane(first, second, parameters[0]).depth, parameters[3:])
 
@@ -93,12 +94,12 @@ class SphereOnCylinder(SphereContact):
         return (*super().parameters, self.cylinder_radius)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """On sphere and cylinder."""
         return _pushed(first, second, _on_cylinder(first, second, parameters), parameters[:-1])
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Of the penalty."""
         return penalty_energy(_on_cylinder(first, second, parameters).depth, parameters[3:-1])
 
@@ -126,28 +127,28 @@ class SphereInCylinder(SphereContact):
         return (*super().parameters, self.cylinder_radius)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """On sphere and cylinder."""
         return _pushed(first, second, _in_cylinder(first, second, parameters), parameters[:-1])
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Of the penalty."""
         return penalty_energy(_in_cylinder(first, second, parameters).depth, parameters[3:-1])
 
 
 class _Touch(NamedTuple):
-    depth: Any
-    normal: Any
+    depth: jax.Array
+    normal: jax.Array
     """(3,), from the surface to the sphere"""
 
 
-def _on_plane(first: Pose, second: Pose, radius: Any) -> _Touch:
+def _on_plane(first: Pose, second: Pose, radius: jax.Array) -> _Touch:
     normal = second.axes[:, 2]
     return _Touch(radius - normal @ (first.point - second.point), normal)
 
 
-def _from_axis(first: Pose, second: Pose) -> tuple[Any, Any]:
+def _from_axis(first: Pose, second: Pose) -> tuple[jax.Array, jax.Array]:
     """Distance of the sphere's centre from the cylinder's axis, and the direction out of it."""
     axis = second.axes[:, 2]
     between = first.point - second.point
@@ -158,17 +159,17 @@ def _from_axis(first: Pose, second: Pose) -> tuple[Any, Any]:
     return jnp.where(square > 0, distance, 0.0), between / distance
 
 
-def _on_cylinder(first: Pose, second: Pose, parameters: Any) -> _Touch:
+def _on_cylinder(first: Pose, second: Pose, parameters: Parameters) -> _Touch:
     distance, outwards = _from_axis(first, second)
     return _Touch(parameters[0] + parameters[-1] - distance, outwards)
 
 
-def _in_cylinder(first: Pose, second: Pose, parameters: Any) -> _Touch:
+def _in_cylinder(first: Pose, second: Pose, parameters: Parameters) -> _Touch:
     distance, outwards = _from_axis(first, second)
     return _Touch(distance + parameters[0] - parameters[-1], -outwards)
 
 
-def _pushed(first: Pose, second: Pose, touch: _Touch, parameters: Any) -> tuple[Wrench, Wrench]:
+def _pushed(first: Pose, second: Pose, touch: _Touch, parameters: Parameters) -> Wrenches:
     """Normal force and friction, at the deepest point of the sphere."""
     radius, friction, width, *penalty = parameters
     arm = -radius * touch.normal

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.arguments import NotNegative
 from supple.machine.forces.force_element import ForceElement, check_anchor
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["SpringDamper"]
 
@@ -53,7 +54,7 @@ class SpringDamper(ForceElement):
         return (self.stiffness, self.damping, self.rest_length)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite forces along the line."""
         stiffness, damping, rest_length = parameters
         between = second.point - first.point
@@ -64,7 +65,7 @@ class SpringDamper(ForceElement):
         return Wrench(force, jnp.zeros(3)), Wrench(-force, jnp.zeros(3))
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """`k (l - l_0)^2 / 2`."""
         stiffness, _, rest_length = parameters
         between = second.point - first.point

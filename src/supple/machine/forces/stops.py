@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -13,7 +14,7 @@ from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import ForceElement, check_anchor
 from supple.machine.forces.penalty import Penalty, penalty_energy, penalty_force
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["AngleStop", "DistanceStop", "SlideStop"]
 
@@ -44,13 +45,13 @@ class AngleStop(AxialElement):
         return (self.lower, self.upper, *self.penalty.parameters)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """A moment back between the limits."""
         motion = axial_motion(first, second)
         return moment_pair(first, _push(motion.angle, motion.rate, parameters))
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Of the penalty."""
         return _stored(axial_motion(first, second).angle, parameters)
 
@@ -77,14 +78,14 @@ class SlideStop(AxialElement):
         return (self.lower, self.upper, *self.penalty.parameters)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """A force back between the limits."""
         motion = axial_motion(first, second)
         push = _push(motion.slide, motion.speed, parameters)
         return force_pair(first, second, push * first.axes[:, 2], jnp.zeros(3))
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Of the penalty."""
         return _stored(axial_motion(first, second).slide, parameters)
 
@@ -121,7 +122,7 @@ class DistanceStop(ForceElement):
         return (self.lower, self.upper, *self.penalty.parameters)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite forces along the line."""
         between = second.point - first.point
         length = jnp.sqrt(between @ between)
@@ -131,19 +132,19 @@ class DistanceStop(ForceElement):
         return Wrench(-force, jnp.zeros(3)), Wrench(force, jnp.zeros(3))
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:  # noqa: ARG004
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:  # noqa: ARG004
         """Of the penalty."""
         between = second.point - first.point
         return _stored(jnp.sqrt(between @ between), parameters)
 
 
-def _push(place: Any, rate: Any, parameters: Any) -> Any:
+def _push(place: jax.Array, rate: jax.Array, parameters: Parameters) -> jax.Array:
     """Upwards below the lower limit, downwards above the upper one."""
     lower, upper, *penalty = parameters
     return penalty_force(lower - place, -rate, penalty) - penalty_force(place - upper, rate, penalty)
 
 
-def _stored(place: Any, parameters: Any) -> Any:
+def _stored(place: jax.Array, parameters: Parameters) -> jax.Array:
     lower, upper, *penalty = parameters
     return penalty_energy(lower - place, penalty) + penalty_energy(place - upper, penalty)
 

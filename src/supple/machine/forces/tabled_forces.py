@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.characteristic import Surface, surface_at
 from supple.machine.forces.relative_motion import axial_motion, force_pair, moment_pair
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["TabledForce", "TabledTorque"]
 
@@ -27,7 +28,7 @@ class TabledTorque(AxialElement):
         return self.torque.parameters
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite moments about the first end's axis."""
         motion = axial_motion(first, second)
         return moment_pair(first, surface_at(motion.angle, motion.rate, parameters))
@@ -45,7 +46,7 @@ class TabledForce(AxialElement):
         return self.force.parameters
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """Equal and opposite forces along the first end's axis."""
         motion = axial_motion(first, second)
         force = surface_at(motion.slide, motion.speed, parameters) * first.axes[:, 2]

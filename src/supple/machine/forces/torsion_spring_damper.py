@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import jax
 import numpy as np
 
 from supple.arguments import NotNegative
@@ -12,7 +13,7 @@ from supple.machine.forces.force_element import ForceElement
 from supple.machine.forces.relative_motion import axial_motion, moment_pair
 from supple.machine.joints.joint import axes_along
 from supple.machine.laws.time_law import TimeLaw, as_time_law
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrenches
 
 __all__ = ["TorsionSpringDamper"]
 
@@ -52,7 +53,7 @@ class TorsionSpringDamper(ForceElement):
         return (self.stiffness, self.damping)
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:
         """Equal and opposite moments about the first end's axis."""
         stiffness, damping = parameters
         motion = axial_motion(first, second)
@@ -60,6 +61,6 @@ class TorsionSpringDamper(ForceElement):
         return moment_pair(first, -moment)
 
     @staticmethod
-    def energy(first: Pose, second: Pose, value: Any, parameters: Any) -> Any:
+    def energy(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> jax.Array | float:
         """`k (phi - phi_0)^2 / 2`."""
         return parameters[0] * (axial_motion(first, second).angle - value) ** 2 / 2

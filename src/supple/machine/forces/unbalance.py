@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from supple.errors import ModelError
 from supple.machine.forces.force_element import ForceElement
-from supple.machine.pose import Pose, Wrench
+from supple.machine.pose import Parameters, Pose, Wrench, Wrenches
 
 __all__ = ["Unbalance"]
 
@@ -40,7 +40,7 @@ class Unbalance(ForceElement):
         return self.moment
 
     @staticmethod
-    def wrenches(first: Pose, second: Pose, value: Any, parameters: Any) -> tuple[Wrench, Wrench]:  # noqa: ARG004
+    def wrenches(first: Pose, second: Pose, value: jax.Array, parameters: Parameters) -> Wrenches:  # noqa: ARG004
         """On the first end."""
         arm, spin = first.axes @ jnp.stack(parameters), first.angular_velocity
         force = -jnp.cross(spin, jnp.cross(spin, arm))

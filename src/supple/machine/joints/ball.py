@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 
@@ -21,6 +21,6 @@ class Ball(Joint):
     rows: ClassVar[tuple[str, ...]] = ("position x", "position y", "position z")
 
     @staticmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
         """The vector between the points, (3,)."""
         return closing(first, second)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 
@@ -28,6 +28,6 @@ class Fixed(Joint):
     )
 
     @staticmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
         """The vector between the points and the relative turn, (6,)."""
         return stack(closing(first, second), relative_turn(first, second))

@@ -98,7 +98,7 @@ class Joint(ABC):
 
     @staticmethod
     @abstractmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
         """The equations `g = 0`, (n_constraints,), affine in the second frame as the first one sees it.
 
         `value` is the law's at this time, or None.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import numpy as np
@@ -30,6 +30,6 @@ class PointOnLine(Joint):
         return axes_along(self.axis)
 
     @staticmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
         """Offset from the line, (2,)."""
         return closing(first, second)[:2]

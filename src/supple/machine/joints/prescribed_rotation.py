@@ -40,7 +40,7 @@ class PrescribedRotation(Joint):
         return as_time_law(self.angle)
 
     @staticmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
         """The vector between the points, and the turn from the first frame turned by the angle, (6,)."""
         cosine, sine = jnp.cos(value), jnp.sin(value)
         about_z = jnp.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])

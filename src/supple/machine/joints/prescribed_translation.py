@@ -40,7 +40,7 @@ class PrescribedTranslation(Joint):
         return as_time_law(self.displacement)
 
     @staticmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:
         """The vector between the points beyond the given distance, and the relative turn, (6,)."""
         offset = closing(first, second) - value * jnp.array([0.0, 0.0, 1.0])
         return stack(offset, relative_turn(first, second))

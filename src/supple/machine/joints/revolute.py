@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import numpy as np
@@ -36,6 +36,6 @@ class Revolute(Joint):
         return axes_along(self.axis)
 
     @staticmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
         """The vector between the points and the tilt of the second axis, (5,)."""
         return stack(closing(first, second), tilt(first, second))

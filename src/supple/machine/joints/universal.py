@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import jax
 import numpy as np
@@ -32,6 +32,6 @@ class Universal(Joint):
         return axes_along(self.first_axis, hint=self.second_axis)
 
     @staticmethod
-    def constraint(first: Pose, second: Pose, value: Any) -> jax.Array:  # noqa: ARG004
+    def constraint(first: Pose, second: Pose, value: jax.Array) -> jax.Array:  # noqa: ARG004
         """The vector between the points and `z_1 . x_2`, (4,)."""
         return stack(closing(first, second), first.axes[:, 2] @ second.axes[:, 0])

@@ -7,6 +7,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.errors import ModelError
@@ -35,7 +36,7 @@ class Constant(UnboundedLaw):
             raise ModelError(f"a constant quantity holds NaN or infinite entries: {value}")
         object.__setattr__(self, "value", value)
 
-    def __call__(self, time: Any) -> Any:  # noqa: ARG002 - a law is called with the time, needed or not
+    def __call__(self, time: ArrayLike) -> jax.Array:  # noqa: ARG002 - a law is called with the time, needed or not
         """The value."""
         return self.value
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import jax
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.machine.laws.law_numbers import are_numbers, finite
 from supple.machine.laws.unbounded_law import UnboundedLaw
@@ -32,7 +33,7 @@ class ConstantRate(UnboundedLaw):
             object.__setattr__(self, "rate", finite("the rate of a law of constant rate", self.rate))
             object.__setattr__(self, "start", finite("the start of a law of constant rate", self.start))
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time."""
         return self.start + self.rate * time
 

@@ -8,6 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import within
 from supple.machine.laws.law_numbers import are_numbers, finite, finite_and_positive
@@ -38,7 +39,7 @@ class Ramp(UnboundedLaw):
                 self, "duration", finite_and_positive("the duration of a ramp, in s,", self.duration)
             )
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time."""
         s = jnp.clip(time / self.duration, 0.0, 1.0)
         return self.value * (s**3 * (10.0 + s * (-15.0 + 6.0 * s)))

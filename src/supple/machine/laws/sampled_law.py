@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -35,6 +35,8 @@ TURNS = 1e-3
 MOST_TURNS = 512
 """A function with more varies everywhere: no step can jump over all of it."""
 
+_OfTime = Callable[[jax.Array], jax.Array]
+
 Sampled = Callable[[np.ndarray], np.ndarray]
 """Values (k, m) at times (k,)"""
 
@@ -46,7 +48,7 @@ class Jumps(NamedTuple):
     after: np.ndarray
 
 
-def sampled(law: Callable[[Any], Any], times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
+def sampled(law: _OfTime, times: np.ndarray, *, order: int = 0) -> list[np.ndarray]:
     """Values of a law at times (k,), (k, m), and its derivatives up to an order, (k, m) each."""
     # One program for any number of times: they go in blocks of one size.
     size = max(1, min(BLOCK, MOST_NUMBERS // _numbers(law)))
@@ -55,7 +57,7 @@ def sampled(law: Callable[[Any], Any], times: np.ndarray, *, order: int = 0) -> 
     return [np.concatenate(each)[: len(times)] for each in zip(*parts, strict=True)]
 
 
-def _numbers(law: Callable[[Any], Any]) -> int:
+def _numbers(law: _OfTime) -> int:
     """How many numbers a law gives at a time."""
     shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     return max(1, int(np.prod(shape)))
@@ -66,14 +68,14 @@ def _program(order: int) -> KeptProgram:
     return KeptProgram(partial(_of_block, order), {"xla_backend_optimization_level": 0})
 
 
-def _of_block(order: int, law: Any, times: jax.Array) -> list[jax.Array]:
-    functions: list[Callable[[Any], Any]] = [lambda time: jnp.ravel(jnp.asarray(law(time), dtype=float))]
+def _of_block(order: int, law: _OfTime, times: jax.Array) -> list[jax.Array]:
+    functions: list[_OfTime] = [lambda time: jnp.ravel(jnp.asarray(law(time), dtype=float))]
     for _ in range(order):
         functions.append(_rate(functions[-1]))
     return [jax.vmap(function)(times) for function in functions]
 
 
-def _rate(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def _rate(function: _OfTime) -> _OfTime:
     return lambda time: jax.jvp(function, (time,), (jnp.ones_like(time),))[1]
 
 
@@ -100,7 +102,7 @@ def jumps(of_times: Sampled, times: np.ndarray, values: np.ndarray) -> Jumps:
     return Jumps(left[found], right[found])
 
 
-def sampled_instants(law: Callable[[Any], Any], begin: float, end: float) -> np.ndarray:
+def sampled_instants(law: _OfTime, begin: float, end: float) -> np.ndarray:
     """Times strictly between at which a function of unknown shape jumps (both sides) or turns back, (k,)."""
     if not end > begin:
         return np.zeros(0)

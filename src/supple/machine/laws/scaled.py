@@ -8,6 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.law_numbers import are_numbers, finite
@@ -35,7 +36,7 @@ class Scaled:
             object.__setattr__(self, "factor", as_time_law(self.factor))
             check_law_shape("the factor of a scaled law", self.factor, ())
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The vector at a time."""
         return jnp.asarray(self.vector) * self.factor(time)
 

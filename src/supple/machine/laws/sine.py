@@ -9,6 +9,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.machine.laws.law_numbers import are_numbers, finite
 from supple.machine.laws.unbounded_law import UnboundedLaw
@@ -36,7 +37,7 @@ class Sine(UnboundedLaw):
                 self, "frequency_hz", finite("the frequency of a sine, in Hz,", self.frequency_hz)
             )
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time."""
         return self.amplitude * jnp.sin(2.0 * math.pi * self.frequency_hz * time)
 

@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import scipy  # its parts are imported when first used
+from jax.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.machine.laws.instants import rows_that_bend, within
@@ -42,7 +43,7 @@ class Spline(OfRows):
             self, "coefficients", read_only(scipy.interpolate.CubicSpline(times, values, bc_type="natural").c)
         )
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time."""
         starts = jnp.asarray(self.times)[:-1]
         t = jnp.clip(time, self.times[0], self.times[-1])

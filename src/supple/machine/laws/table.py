@@ -8,6 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import rows_that_bend, within
 from supple.machine.laws.law_numbers import OfRows, are_numbers, increasing_rows
@@ -37,7 +38,7 @@ class Table(OfRows):
             object.__setattr__(self, "times", times)
             object.__setattr__(self, "values", values)
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time, between the rows around it."""
         upper = jnp.clip(jnp.searchsorted(self.times, time, side="right"), 1, len(self.times) - 1)
         t0, t1 = jnp.asarray(self.times)[upper - 1], jnp.asarray(self.times)[upper]

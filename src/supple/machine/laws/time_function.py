@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import jax
+from jax.typing import ArrayLike
 
 from supple.errors import ModelError, SuppleError
 from supple.machine.laws.unbounded_law import UnboundedLaw
@@ -29,14 +30,14 @@ class TimeFunction(UnboundedLaw):
 
     function: Callable[[Any], Any] = field(metadata={"static": True})
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The function's value; ModelError where JAX cannot trace it."""
         return traced(
             self.function, getattr(self.function, "__qualname__", type(self.function).__name__), time
         )
 
 
-def traced(function: Callable[[Any], Any], name: str, time: Any) -> Any:
+def traced(function: Callable[[Any], Any], name: str, time: ArrayLike) -> jax.Array:
     """The value of a function of time; ModelError names it, and the remedy, where JAX cannot trace it."""
     try:
         return function(time)

@@ -13,6 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.arguments import check_numbers, given
 from supple.errors import ArgumentError, ModelError, SuppleError
@@ -31,7 +32,7 @@ class TimeLaw(Protocol):
     A law of one's own is a dataclass with these three, registered by `jax.tree_util.register_dataclass`.
     """
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The value at a time, traced and differentiated by JAX."""
 
     @property

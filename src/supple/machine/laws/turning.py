@@ -8,6 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.algebra import read_only
 from supple.arguments import check_numbers
@@ -51,7 +52,7 @@ class Turning:
         object.__setattr__(self, "vectors", as_time_law(self.vectors))
         object.__setattr__(self, "angle", as_time_law(self.angle))
 
-    def __call__(self, time: Any) -> Any:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """The vectors at a time, in the axes that do not turn."""
         v, a, angle = jnp.asarray(self.vectors(time)), jnp.asarray(self.axis), self.angle(time)
         along = (v @ a)[..., None] * a

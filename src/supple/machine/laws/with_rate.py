@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.typing import ArrayLike
 
 from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.time_law import TimeLaw
@@ -22,7 +22,7 @@ class WithRate:
 
     of: TimeLaw
 
-    def __call__(self, time: Any) -> jax.Array:
+    def __call__(self, time: ArrayLike) -> jax.Array:
         """Value and rate at a time."""
         law = self.of
         now = jnp.asarray(time, dtype=float)

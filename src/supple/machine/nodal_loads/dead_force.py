@@ -74,6 +74,6 @@ class DeadForce(NodalLoad):
         return ((3,),) if isinstance(self.at, str) else ((3,), (len(self.nodes), 3))
 
     @staticmethod
-    def facet_forces(places: jax.Array, rotation: jax.Array, value: Any) -> jax.Array:  # noqa: ARG004
+    def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:  # noqa: ARG004
         """`A^T F`."""
         return (value @ rotation)[None]

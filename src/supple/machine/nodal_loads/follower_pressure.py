@@ -78,7 +78,7 @@ class FollowerPressure(NodalLoad):
         return ((),)
 
     @staticmethod
-    def facet_forces(places: jax.Array, rotation: jax.Array, value: Any) -> jax.Array:  # noqa: ARG004
+    def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:  # noqa: ARG004
         """`- p / 6 (b - a) x (c - a)` on every corner of a triangle; of a quadrilateral a quarter each."""
         if places.shape[0] == 3:
             area = jnp.cross(places[1] - places[0], places[2] - places[0]) / 2

@@ -58,7 +58,7 @@ class NodalLoad(ABC):
 
     @staticmethod
     @abstractmethod
-    def facet_forces(places: jax.Array, rotation: jax.Array, value: Any) -> jax.Array:
+    def facet_forces(places: jax.Array, rotation: jax.Array, value: jax.Array) -> jax.Array:
         """Forces (m, 3) on the nodes of a facet, body components.
 
         places : (m, 3)     where they are, from the frame's origin, body components

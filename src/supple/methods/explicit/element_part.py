@@ -13,7 +13,10 @@ from supple.body.floating_kinematics import node_numbers
 from supple.body.form_defaults import FormDefaults
 from supple.body.interface import interface_named
 from supple.body.point_motion import InterfaceMotion, NodeMotion
+from supple.errors import ModelError
 from supple.fem import FiniteElementModel, node_masses, refuse_attached
+from supple.integrate import FramedMotion
+from supple.integrate.motion import Motion
 from supple.mesh import Mesh
 from supple.methods.explicit.motions import NodalMotion
 from supple.methods.explicit.node_set import NodeSet, node_sets
@@ -89,25 +92,30 @@ class ElementPart(FormDefaults):
         given = np.asarray(coordinates)
         return given.reshape(*given.shape[:-1], -1, 3)[..., nodes, :]
 
-    def expand_rates(
-        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
-    ) -> FloatArray:
-        """Their rates (..., k, 3)."""
-        return self.expand(rates, nodes)
+    def nodal_fields(
+        self, coordinates: FloatArray, freedoms: NDArray[np.intp] | slice = slice(None)
+    ) -> tuple[FloatArray, None]:
+        """Nodal freedoms (n, t), which its coordinates (t, n) are."""
+        return coordinates.T[freedoms], None
 
-    def positions(self, motion: NodalMotion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
+    def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> FloatArray:
         """Positions (t, k, 3) in space of some nodes, or all."""
-        return motion.nodes[:, nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))]
+        own = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
+        return motion.of_type(NodalMotion).nodes[:, own]
 
-    def node_motion(self, motion: NodalMotion, nodes: ArrayLike) -> NodeMotion:
+    def node_motion(self, motion: Motion, nodes: ArrayLike) -> NodeMotion:
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space."""
-        own = node_numbers(nodes, len(self.nodes))
-        return NodeMotion(motion.nodes[:, own], motion.velocities[:, own], motion.accelerations[:, own])
+        own, moved = node_numbers(nodes, len(self.nodes)), motion.of_type(NodalMotion)
+        return NodeMotion(moved.nodes[:, own], moved.velocities[:, own], moved.accelerations[:, own])
 
-    def interface_motion(self, motion: NodalMotion, name: str) -> InterfaceMotion:
+    def interface_motion(self, motion: Motion, name: str) -> InterfaceMotion:
         """Mean motion (t, ...) of a node set in space, as `NodeSet.moving`."""
         own = self.interface(name)
         return own.moving(self.node_motion(motion, own.nodes))
+
+    def motion_near(self, *_: FloatArray) -> FramedMotion:
+        """ModelError: it has no frame about which a motion could be small."""
+        raise ModelError(f"body '{self.name}' is of explicit finite elements, which have no small motions")
 
     @property
     def is_linear(self) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time as clock
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -15,7 +14,7 @@ from supple.equations.floating_solution import joint_multipliers
 from supple.equations.joint_wrench import joint_wrenches
 from supple.equations.sampling import march_sampled, sampling_of
 from supple.errors import ModelError
-from supple.integrate import FixedStep, Leg, Run, Solution, Statistics
+from supple.integrate import FixedStep, Leg, Motion, Run, Solution, Statistics
 from supple.machine import System
 from supple.methods.explicit.check_machine import check_machine, check_run
 from supple.methods.explicit.frame_chart import floating_motion
@@ -150,7 +149,7 @@ class ExplicitEngine:
         """The motion of each part, and the series of energies, steps, obstacles and contacts."""
         rows: Recorded = leg.states
         own = self._built
-        bodies: dict[str, Any] = {}
+        bodies: dict[str, Motion] = {}
         moved = [np.asarray(each).swapaxes(1, 2) for each in (rows.x, rows.v, rows.a)]
         for name, span in own.blocks.items():
             x, v, a = (each[:, own.nodes[name]] for each in moved)

@@ -159,12 +159,6 @@ class ModalSubdomain(FloatingForm):
         """Displacements (..., k, 3) of some nodes, or all, in the body's frame."""
         return np.einsum("nik,...k->...ni", self.displacement_basis[nodes], np.asarray(coordinates))
 
-    def expand_rates(
-        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
-    ) -> NDArray[np.float64]:
-        """Their rates (..., k, 3)."""
-        return self.expand(rates, nodes)
-
     def nodal_fields(
         self, coordinates: NDArray[np.float64], freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[NDArray[np.float64], None]:

@@ -9,14 +9,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from supple.integrate.motion import StackedMotion, register_motion
+from supple.integrate.motion import Motion, register_motion
 
 __all__ = ["NodalMotion"]
 
 
 @register_motion
 @dataclass(frozen=True, repr=False)
-class NodalMotion(StackedMotion):
+class NodalMotion(Motion):
     """Motion of the nodes of an explicit sub-domain."""
 
     kind: ClassVar[str] = "nodal"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.errors import ValidityError, ValidityWarning
-from supple.integrate import Solution, Validity
+from supple.integrate import FloatingMotion, Solution, Validity
 from supple.machine import System
 from supple.methods.explicit.materials import J2Plasticity
 from supple.methods.explicit.modal_stress import isotropic_materials, modal_von_mises, stress_of_modes
@@ -45,7 +45,8 @@ class YieldWatch:
         """The largest stresses with a leg of a run included; ValidityError at once when strict."""
         merged = {}
         for own in self.limits:
-            values = modal_von_mises(own.of_modes, leg.bodies[own.part.name].coordinates)
+            motion = leg.motion(own.part.name, FloatingMotion)
+            values = modal_von_mises(own.of_modes, motion.coordinates)
             row, node = np.unravel_index(values.argmax(), values.shape)
             found = float(values[row, node]), float(leg.times[row]), int(node)
             merged[own.part.name] = max(so_far.get(own.part.name, found), found)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from supple.algebra.rotation import euler_parameters
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import Configuration
-from supple.integrate import Solution
+from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import Placed, System
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
@@ -110,13 +110,14 @@ def intrinsic_of(system: System) -> tuple[Placed, ...]:
     return tuple(placed for placed in system.bodies if isinstance(placed.body, IntrinsicBody))
 
 
-def states_of(body: IntrinsicBody, motion: IntrinsicMotion) -> LineState:
+def states_of(body: IntrinsicBody, motion: Motion) -> LineState:
     """States (leading axis: time) of a body from its motion."""
-    root = motion.position + motion.rotation @ body.line.tree.points[0]
+    own = motion.of_type(IntrinsicMotion)
+    root = own.position + own.rotation @ body.line.tree.points[0]
     return LineState(
-        q1=jnp.asarray(motion.rates),
-        q2=jnp.asarray(body.forces_of(motion.coordinates)),
-        quaternion=jax.vmap(euler_parameters)(jnp.asarray(motion.rotation)),
+        q1=jnp.asarray(own.rates),
+        q2=jnp.asarray(body.forces_of(own.coordinates)),
+        quaternion=jax.vmap(euler_parameters)(jnp.asarray(own.rotation)),
         position=jnp.asarray(root),
     )
 
@@ -126,7 +127,9 @@ def _instants(
 ) -> tuple[Instant, Array]:
     """The instants of a run (leading axis: time), and the multipliers (t, m) of all equations of joints."""
     motions = [
-        solution.bodies[placed.body.name] for placed in machine.system.bodies if placed not in machine.lines
+        solution.motion(placed.body.name, FloatingMotion)
+        for placed in machine.system.bodies
+        if placed not in machine.lines
     ]
     n = len(times)
 
@@ -149,10 +152,10 @@ def _instants(
 
 def _motions(
     system: System, drives: Sequence[RootDrive | None], solution: Solution, states: States
-) -> dict[str, Any]:
+) -> dict[str, Motion]:
     found = dict(solution.bodies)
     for placed, drive, state in zip(intrinsic_of(system), drives, states, strict=True):
-        own = solution.bodies[placed.body.name]
+        own = solution.motion(placed.body.name, IntrinsicMotion)
         unknown = np.full(np.shape(state.q1), np.nan)
         motion = line_motion(placed, body_of(placed).model, drive, state, unknown, solution.times)
         # Driven roots are where the drive has them; the others are the run's to the last digit.

@@ -22,6 +22,7 @@ from supple.body.point_motion import InterfaceMotion, NodeMotion, frames_near
 from supple.body.sections import Sections
 from supple.errors import ModelError
 from supple.fem import FiniteElementModel
+from supple.integrate.motion import Motion
 from supple.machine import Placed
 from supple.methods.intrinsic.condensed_line import CondensedLine
 from supple.methods.intrinsic.expansion import Expansion, expansion_of_stations
@@ -197,48 +198,43 @@ class IntrinsicBody(FormDefaults, Summarized):
         """Linear displacements (..., k, 3) of elastic amplitudes (..., e), the root as it is supported."""
         return np.einsum("nie,...e->...ni", self.expansion.modes[nodes, :3], np.asarray(coordinates))
 
-    def expand_rates(
-        self, _coordinates: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
-    ) -> Array:
-        """Their rates (..., k, 3)."""
-        return self.expand(rates, nodes)
-
-    def places(self, motion: IntrinsicMotion) -> tuple[Array, Array]:
+    def places(self, motion: Motion) -> tuple[Array, Array]:
         """Rotations (t, n, 3, 3) and positions (t, n, 3) of the stations in space."""
-        root = motion.position + np.einsum("tij,j->ti", motion.rotation, self.line.tree.points[0])
-        found = _places(self.model, self.forces_of(motion.coordinates), motion.rotation, root)
+        own = motion.of_type(IntrinsicMotion)
+        root = own.position + np.einsum("tij,j->ti", own.rotation, self.line.tree.points[0])
+        found = _places(self.model, self.forces_of(own.coordinates), own.rotation, root)
         return np.asarray(found.rotations), np.asarray(found.positions)
 
-    def positions(self, motion: IntrinsicMotion, nodes: ArrayLike | slice = slice(None)) -> Array:
+    def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
         """Positions (t, k, 3) in space of some nodes, or all, by `Expansion`."""
         given = nodes if isinstance(nodes, slice) else node_numbers(nodes, len(self.nodes))
         chosen = np.arange(len(self.nodes))[given]
         arms, own = self.expansion.arms(self.line.tree)[chosen], self.expansion.stations[chosen]
         weights, warping = self.expansion.weights[chosen], self.expansion.warping[chosen]
         rotations, positions = self.places(motion)
+        amplitudes = motion.of_type(IntrinsicMotion).coordinates
         rows = max(1, ROOM // (18 * max(len(chosen), 1)))
         result = np.empty((len(positions), len(chosen), 3))
         for first in range(0, len(positions), rows):
             part = slice(first, first + rows)
-            bent = np.einsum("nie,te->tni", warping, motion.coordinates[part])
+            bent = np.einsum("nie,te->tni", warping, amplitudes[part])
             moved = positions[part][:, own] + np.einsum(
                 "tnwij,tnwj->tnwi", rotations[part][:, own], arms + bent[:, :, None]
             )
             result[part] = np.einsum("nw,tnwi->tni", weights, moved)
         return result
 
-    def node_rotations(self, motion: IntrinsicMotion) -> Array:
+    def node_rotations(self, motion: Motion) -> Array:
         """Rotation matrices (t, N, 3, 3) of nodes: of the station that carries the larger share of each."""
         larger = self.expansion.weights.argmax(axis=1)
         return self.places(motion)[0][:, self.expansion.stations[np.arange(len(larger)), larger]]
 
-    def station_motion(self, motion: IntrinsicMotion) -> StationMotion:
+    def station_motion(self, motion: Motion) -> StationMotion:
         """Places, velocities and accelerations of the stations in space."""
-        return station_motion(
-            self.model, self.line.tree.points[0], self.forces_of(motion.coordinates), motion
-        )
+        own = motion.of_type(IntrinsicMotion)
+        return station_motion(self.model, self.line.tree.points[0], self.forces_of(own.coordinates), own)
 
-    def node_motion(self, motion: IntrinsicMotion, nodes: ArrayLike) -> NodeMotion:
+    def node_motion(self, motion: Motion, nodes: ArrayLike) -> NodeMotion:
         """Positions, velocities and accelerations (t, k, 3) of some nodes in space, by `Expansion`.
 
         Accelerations are nan where the motion does not have them.
@@ -246,11 +242,11 @@ class IntrinsicBody(FormDefaults, Summarized):
         chosen = node_numbers(nodes, len(self.nodes))
         own, weights = self.expansion.stations[chosen], self.expansion.weights[chosen]
         warping, arms = self.expansion.warping[chosen], self.expansion.arms(self.line.tree)[chosen]
-        known = self.station_motion(motion)
+        known, amplitudes = self.station_motion(motion), motion.of_type(IntrinsicMotion).coordinates
         omega = self.modes.omega[self.modes.n_rigid :]
         place, rate, second = (
             np.einsum("nie,te->tni", warping, q)[:, :, None]
-            for q in (motion.coordinates, -known.strain_rates / omega, -known.strain_accelerations / omega)
+            for q in (amplitudes, -known.strain_rates / omega, -known.strain_accelerations / omega)
         )
         place = place + arms
 
@@ -267,7 +263,7 @@ class IntrinsicBody(FormDefaults, Summarized):
             carried(ddA, (ddA, place), (dA, 2 * rate), (A, second)),
         )
 
-    def interface_motion(self, motion: IntrinsicMotion, name: str) -> InterfaceMotion:
+    def interface_motion(self, motion: Motion, name: str) -> InterfaceMotion:
         """Pose, velocities and acceleration (t, ...) of a named station in space."""
         number = self.interface(name).number
         known = self.station_motion(motion)
@@ -299,17 +295,17 @@ class IntrinsicBody(FormDefaults, Summarized):
         """Its sections, which need no elements."""
         return Sections(f"axes of the section of {self.name}", partial(line_section_loads, self))
 
-    def section_loads(self, motion: IntrinsicMotion) -> Array:
+    def section_loads(self, motion: Motion) -> Array:
         """Internal forces and moments (t, n - 1, 6) at the middles of segments, along material axes.
 
         Where there is RayleighDamping, the elastic part.
         """
-        q2 = self.forces_of(motion.coordinates)
+        q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: section_forces(self.model, q))(jnp.asarray(q2)))
 
-    def section_strains(self, motion: IntrinsicMotion) -> Array:
+    def section_strains(self, motion: Motion) -> Array:
         """Strains and curvatures (t, n - 1, 6) of the segments, along material axes."""
-        q2 = self.forces_of(motion.coordinates)
+        q2 = self.forces_of(motion.of_type(IntrinsicMotion).coordinates)
         return np.asarray(jax.vmap(lambda q: section_strains(self.model, q))(jnp.asarray(q2)))
 
     @property

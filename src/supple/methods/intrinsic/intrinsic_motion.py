@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from supple.integrate import StackedMotion, register_motion
+from supple.integrate import FramedMotion, register_motion
 
 __all__ = ["IntrinsicMotion"]
 
@@ -20,8 +20,11 @@ UNKNOWN = np.empty(0)
 
 @register_motion
 @dataclass(frozen=True, repr=False)
-class IntrinsicMotion(StackedMotion):
-    """Root, strains and velocities of an intrinsic body, one row per output time."""
+class IntrinsicMotion(FramedMotion):
+    """Root, strains and velocities of an intrinsic body: `position` and `rotation` are those of its root.
+
+    coordinates : (t, e)     amplitudes of the elastic modes that have these strains and forces, -q_2 / w
+    """
 
     kind: ClassVar[str] = "intrinsic"
     dimensions: ClassVar[Mapping[str, tuple[str, ...]]] = MappingProxyType(
@@ -33,16 +36,6 @@ class IntrinsicMotion(StackedMotion):
         }
     )
 
-    position: np.ndarray
-    """(t, 3) of the origin of the body's axes, which the root carries, global components."""
-    rotation: np.ndarray
-    """(t, 3, 3) of the root, body components to global ones."""
-    coordinates: np.ndarray
-    """(t, e) amplitudes of the elastic modes that have these strains and forces, -q_2 / w."""
-    velocity: np.ndarray
-    """(t, 3) of the origin of the body's axes, global components."""
-    angular_velocity: np.ndarray
-    """(t, 3) of the root, body components, rad/s."""
     rates: np.ndarray
     """(t, k + e) amplitudes of the velocities, q_1: rigid modes, then elastic ones."""
     acceleration: np.ndarray = field(default_factory=lambda: UNKNOWN)

@@ -22,7 +22,7 @@ from supple.machine import At, System
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
-from supple.methods.intrinsic.joined_equations import Instant, Motion, all_velocities
+from supple.methods.intrinsic.joined_equations import Instant, JoinedRates, all_velocities
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
 from supple.methods.intrinsic.joined_solution import joined_solution
 from supple.methods.intrinsic.joined_start import instant_rates, joined_start
@@ -194,13 +194,13 @@ class JoinedEngine:
             "allow more iterations (Tolerances), or look for a singular position of the joints"
         )
 
-    def _outputs(self, now: Instant, control: ControlState | None) -> tuple[Any, Motion, Any]:
+    def _outputs(self, now: Instant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
         """Velocities of the model's bodies, rates and multipliers at instants."""
         n = len(now.time)
         both = full_leg((now, control), max(self._length, n))
         return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
 
-    def _at(self, now: Instant, control: ControlState | None) -> tuple[Any, Motion, Any]:
+    def _at(self, now: Instant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
         """The same at one instant."""
         found = self._outputs(*jax.tree.map(lambda leaf: np.asarray(leaf)[None], (now, control)))
         return jax.tree.map(lambda leaf: leaf[0], found)
@@ -246,8 +246,8 @@ def _march_joined(
 
 def _rates_at(
     arrays: JoinedArrays, states: Instant, controls: ControlState | None
-) -> tuple[jax.Array, Motion, jax.Array]:
-    def at(now: Instant, control: ControlState | None) -> tuple[jax.Array, Motion, jax.Array]:
+) -> tuple[jax.Array, JoinedRates, jax.Array]:
+    def at(now: Instant, control: ControlState | None) -> tuple[jax.Array, JoinedRates, jax.Array]:
         return all_velocities(arrays, now), *instant_rates(arrays, now, control)
 
     return jax.vmap(at)(states, controls)

@@ -39,7 +39,7 @@ from supple.methods.intrinsic.line_system import States, root_rates, system_wren
 
 __all__ = [
     "Instant",
-    "Motion",
+    "JoinedRates",
     "all_velocities",
     "held_forces",
     "held_wrenches",
@@ -66,7 +66,7 @@ class Instant(NamedTuple):
     velocity: Any
 
 
-class Motion(NamedTuple):
+class JoinedRates(NamedTuple):
     """Rates of an instant.
 
     lines : q_1', q_2' and the root's rates, of each line
@@ -136,7 +136,7 @@ def joint_equations(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.
     return joint_force.residuals(model, joints), rates
 
 
-def moved(arrays: JoinedArrays, now: Instant, change: Motion, time: Any) -> Instant:
+def moved(arrays: JoinedArrays, now: Instant, change: JoinedRates, time: Any) -> Instant:
     """The instant a time later, moved by a change of the kind rate * time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_held)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
@@ -147,7 +147,11 @@ def moved(arrays: JoinedArrays, now: Instant, change: Motion, time: Any) -> Inst
 
 
 def seen_motion(
-    arrays: JoinedArrays, now: Instant, rates: Motion, multipliers: Any, control: ControlStep | None = None
+    arrays: JoinedArrays,
+    now: Instant,
+    rates: JoinedRates,
+    multipliers: Any,
+    control: ControlStep | None = None,
 ) -> SystemMotion:
     """Floating bodies and stations as joints, forces and controllers see them."""
     accelerations = jnp.concatenate([rates.acceleration, jnp.zeros(6 * arrays.n_held)])
@@ -158,12 +162,12 @@ def seen_motion(
 def motion_residuals(
     arrays: JoinedArrays,
     now: Instant,
-    rates: Motion,
+    rates: JoinedRates,
     multipliers: jax.Array,
     closing: jax.Array,
     softness: Callable[[jax.Array], jax.Array],
     control: ControlStep | None = None,
-) -> Motion:
+) -> JoinedRates:
     """What rates (of an instant) miss of the equations of motion.
 
     multipliers : (m,) lambda,  closing : (m,) mu
@@ -190,4 +194,4 @@ def motion_residuals(
         shape = shape_rates(model_, state, state.q1 + shift)
         found = LineState(first + force, *shape)
         lines.append(jax.tree.map(jnp.subtract, rate, found))
-    return Motion(tuple(lines), left[:n], rates.frames - now.velocity - softness(push[:n]))
+    return JoinedRates(tuple(lines), left[:n], rates.frames - now.velocity - softness(push[:n]))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
 from supple.equations.floating_solution import body_motions, joint_multipliers
 from supple.equations.joint_wrench import joint_wrenches
-from supple.integrate import Solution, Statistics
-from supple.methods.intrinsic.joined_equations import Instant, Motion
+from supple.integrate import Motion, Solution, Statistics
+from supple.methods.intrinsic.joined_equations import Instant, JoinedRates
 from supple.methods.intrinsic.joined_machine import JoinedMachine
 from supple.methods.intrinsic.machine_of_lines import line_motion
 
@@ -22,7 +21,7 @@ def joined_solution(
     machine: JoinedMachine,
     now: Instant,
     velocities: np.ndarray,
-    rates: Motion,
+    rates: JoinedRates,
     multipliers: np.ndarray,
     statistics: Statistics,
     engine_state: Mapping[str, np.ndarray] = MappingProxyType({}),
@@ -36,7 +35,7 @@ def joined_solution(
     accelerations = np.concatenate([rates.acceleration, still], axis=1)
     floating = body_motions(seen, model.slices, now.floating, velocities, accelerations)
     of_joints = joint_multipliers(seen, model.active, multipliers)
-    bodies: dict[str, Any] = {
+    bodies: dict[str, Motion] = {
         placed.body.name: line_motion(placed, own, None, state, rate.q1, times)
         for placed, own, state, rate in zip(machine.lines, arrays.lines, now.lines, rates.lines, strict=True)
     }

@@ -29,7 +29,7 @@ from supple.machine import System
 from supple.methods.intrinsic.intrinsic_body import body_of
 from supple.methods.intrinsic.joined_equations import (
     Instant,
-    Motion,
+    JoinedRates,
     joint_rates,
     motion_residuals,
     moved,
@@ -233,7 +233,7 @@ def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray
 
 def instant_rates(
     arrays: JoinedArrays, now: Instant, control: ControlState | None = None
-) -> tuple[Motion, jax.Array]:
+) -> tuple[JoinedRates, jax.Array]:
     """Rates of an instant on its joints, and the multipliers of these.
 
     Equations of motion and d2g/dt2 = 0:  M a + J^T lambda = -b,  J a = -c,  with b and c at a = 0. Where
@@ -244,7 +244,7 @@ def instant_rates(
         LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, state.q1))
         for model, state in zip(arrays.lines, now.lines, strict=True)
     )
-    steady = Motion(lines, jnp.zeros(n), now.velocity)
+    steady = JoinedRates(lines, jnp.zeros(n), now.velocity)
     none = jnp.zeros(m)
     held = control and ControlStep(control, jnp.zeros(()))
 
@@ -281,7 +281,7 @@ def instant_rates(
         found, multipliers = solved[: len(flat)], solved[len(flat) :]
     acceleration, firsts = unravel(found)
     moving = tuple(replace(line, q1=first) for line, first in zip(lines, firsts, strict=True))
-    return Motion(moving, acceleration, now.velocity), multipliers
+    return JoinedRates(moving, acceleration, now.velocity), multipliers
 
 
 _BEGUN = KeptProgram(_begun, STARTING)

@@ -16,7 +16,7 @@ from supple.equations.inertia import mass_matrix
 from supple.methods.intrinsic.implicit_step import ROUNDING, FirstOrderCoefficients
 from supple.methods.intrinsic.joined_equations import (
     Instant,
-    Motion,
+    JoinedRates,
     joint_equations,
     motion_residuals,
     moved,
@@ -37,7 +37,7 @@ class JoinedState(NamedTuple):
     """
 
     now: Instant
-    rates: Motion
+    rates: JoinedRates
     multipliers: Any
     control: Any
     worst: Any
@@ -67,7 +67,7 @@ def joined_step(
     flat, unravel = ravel_pytree(before)
     size = len(flat)
 
-    def mixed(share: Any, first: Any, after: Motion) -> Motion:
+    def mixed(share: Any, first: Any, after: JoinedRates) -> JoinedRates:
         return jax.tree.map(lambda a, b: share * (first * a + (1 - first) * b), before, after)
 
     def missing(unknown: jax.Array) -> jax.Array:
@@ -133,7 +133,7 @@ def joined_step(
     return jax.tree.map(lambda a, b: jnp.where(h > 0, a, b), reached, state)
 
 
-def _kinds(arrays: JoinedArrays, rates: Motion, m: int) -> np.ndarray:
+def _kinds(arrays: JoinedArrays, rates: JoinedRates, m: int) -> np.ndarray:
     """A number for each equation, in the order of the unknowns: those of one number are measured together."""
     lines, k = [], 0
     for line in rates.lines:
@@ -156,7 +156,7 @@ def _sizes(arrays: JoinedArrays, now: Instant, m: int) -> jax.Array:
         first += r
     # A root in the origin, where a joint holds it, is no smaller than elsewhere.
     lines = tuple(replace(jax.tree.map(jnp.abs, state), position=jnp.full(3, length)) for state in now.lines)
-    sizes = Motion(lines, jnp.abs(now.velocity), jnp.concatenate(frames))
+    sizes = JoinedRates(lines, jnp.abs(now.velocity), jnp.concatenate(frames))
     return jnp.concatenate([ravel_pytree(sizes)[0], jnp.zeros(2 * m)])
 
 

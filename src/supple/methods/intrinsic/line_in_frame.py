@@ -27,7 +27,7 @@ import numpy as np
 from supple.algebra.rotation import rotation_exp, skew, unskew
 from supple.equations.compiler_options import STARTING
 from supple.equations.station_body import BodyState, SeenMachine, StationBodyForces, Stations
-from supple.integrate import FloatingMotion
+from supple.integrate import FloatingMotion, Motion
 from supple.machine import Placed, System
 from supple.methods.intrinsic.intrinsic_body import body_of
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
@@ -111,7 +111,7 @@ class LineInFrame:
             accelerations=second,
         )
 
-    def station_motions(self, motion: IntrinsicMotion) -> Mapping[str, FloatingMotion]:
+    def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:
         """Poses of its stations over time; velocities, which joint forces do not depend on, are zero."""
         rotations, positions = body_of(self.placed).places(motion)
         t = len(positions)

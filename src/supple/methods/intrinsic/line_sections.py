@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from supple.body.sections import CuttingPlane
 from supple.errors import ModelError
-from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
+from supple.integrate.motion import Motion
 
 __all__ = ["line_section_loads"]
 
 Array = NDArray[np.float64]
 
 
-def line_section_loads(body: Any, motion: IntrinsicMotion, plane: CuttingPlane) -> Array:
+def line_section_loads(body: Any, motion: Motion, plane: CuttingPlane) -> Array:
     """Force and moment (t, 6) of what lies beyond a plane on what lies before it, along material axes.
 
     The section forces of the segment that the plane cuts, their moment taken from its middle to the point
@@ -41,7 +41,7 @@ def line_section_loads(body: Any, motion: IntrinsicMotion, plane: CuttingPlane) 
     return np.mean(found, axis=0)
 
 
-def _of_segment(body: Any, motion: IntrinsicMotion, plane: CuttingPlane, outside: NDArray[np.bool_]) -> Array:
+def _of_segment(body: Any, motion: Motion, plane: CuttingPlane, outside: NDArray[np.bool_]) -> Array:
     tree = body.line.tree
     segments = np.flatnonzero(outside[1:] != outside[tree.inner])
     if len(segments) > 1:

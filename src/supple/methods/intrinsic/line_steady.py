@@ -29,7 +29,7 @@ from supple.equations.joint_force import constraints
 from supple.equations.steady_motion import Turning
 from supple.methods.intrinsic.joined_equations import (
     Instant,
-    Motion,
+    JoinedRates,
     all_velocities,
     motion_residuals,
     moved,
@@ -88,7 +88,7 @@ def _moved_by(arrays: JoinedArrays, at: Instant, y: jax.Array) -> Instant:
         LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, change))
         for model, state, change in zip(arrays.lines, at.lines, own, strict=True)
     )
-    return moved(arrays, at, Motion(lines, jnp.zeros_like(at.velocity), floating), jnp.zeros(()))
+    return moved(arrays, at, JoinedRates(lines, jnp.zeros_like(at.velocity), floating), jnp.zeros(()))
 
 
 def _turning_line(
@@ -139,7 +139,7 @@ def _turning_frames(
 
 def _near(
     arrays: JoinedArrays, turning: Turning | None, at: Instant, y: Any, dy: Any, ddy: Any
-) -> tuple[Instant, Motion]:
+) -> tuple[Instant, JoinedRates]:
     """The machine displaced by y, at rates y' and y'' seen in axes that turn along."""
     now = _moved_by(arrays, at, y)
     (floating, own), (faster, own_faster) = _parts(arrays, dy), _parts(arrays, ddy)
@@ -153,10 +153,10 @@ def _near(
         lines.append(LineState(q1 + first, state.q2, state.quaternion, state.position))
         rates.append(LineState(by_change + second, still.q2, still.quaternion, still.position))
     now = now._replace(velocity=velocity, lines=tuple(lines))
-    return now, Motion(tuple(rates), acceleration, jnp.zeros_like(velocity))
+    return now, JoinedRates(tuple(rates), acceleration, jnp.zeros_like(velocity))
 
 
-def _residual(arrays: JoinedArrays, now: Instant, rates: Motion, multipliers: jax.Array) -> jax.Array:
+def _residual(arrays: JoinedArrays, now: Instant, rates: JoinedRates, multipliers: jax.Array) -> jax.Array:
     none = jnp.zeros(len(arrays.model.active))
     left = motion_residuals(arrays, now, rates, multipliers, none, jnp.zeros_like)
     return jnp.concatenate([left.acceleration, *(line.q1 for line in left.lines)])
@@ -202,7 +202,9 @@ def _small_motions(
     return SmallMotions(velocity_metric(arrays, at), damping, stiffness, jax.jacfwd(gaps)(none))
 
 
-def _steady(arrays: JoinedArrays, turning: Turning | None, at: Instant) -> tuple[Instant, Motion, jax.Array]:
+def _steady(
+    arrays: JoinedArrays, turning: Turning | None, at: Instant
+) -> tuple[Instant, JoinedRates, jax.Array]:
     """The instant and its rates, and the velocities of all bodies of the model."""
     none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
     now, rates = _near(arrays, turning, at, none, none, none)

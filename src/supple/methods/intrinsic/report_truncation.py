@@ -13,6 +13,7 @@ from supple.integrate import ErrorPart, Run, Solution
 from supple.machine import System
 from supple.methods.intrinsic.complete_motion import intrinsic_of
 from supple.methods.intrinsic.intrinsic_body import body_of
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.supported_root import is_joined
 from supple.methods.intrinsic.truncation_error import TruncationError, truncation_error
 
@@ -60,7 +61,8 @@ def report_truncation_of_cases(cases: Sequence[System], run: Run, solutions: Seq
 def _strain(system: System, solution: Solution, name: str) -> float:
     """Size of the largest strain of a body, as the square root of twice its energy."""
     body = body_of(system.bodies[system.body_index(name)])
-    return float(np.linalg.norm(body.forces_of(solution.bodies[name].coordinates), axis=1).max(initial=0.0))
+    forces = body.forces_of(solution.motion(name, IntrinsicMotion).coordinates)
+    return float(np.linalg.norm(forces, axis=1).max(initial=0.0))
 
 
 def _errors(system: System, solution: Solution) -> dict[str, TruncationError]:

@@ -15,6 +15,7 @@ from supple.machine import System
 from supple.methods.intrinsic.centre_drift import centre_drift
 from supple.methods.intrinsic.complete_motion import complete_motion, intrinsic_of
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
+from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 
 __all__ = ["TruncationError", "truncation_error"]
 
@@ -64,8 +65,9 @@ def instants_of(system: System, solution: Solution) -> NDArray[np.intp]:
     n = len(solution.times)
     spread = np.linspace(0, n - 1, INSTANTS + 1).round().astype(int)[1 if n > 1 else 0 :]
     largest = [
-        int(np.linalg.norm(body_of(p).forces_of(solution.bodies[p.body.name].coordinates), axis=1).argmax())
-        for p in intrinsic_of(system)
+        int(np.linalg.norm(body_of(placed).forces_of(motion.coordinates), axis=1).argmax())
+        for placed in intrinsic_of(system)
+        for motion in (solution.motion(placed.body.name, IntrinsicMotion),)
     ]
     return np.unique(np.append(spread, largest))
 
@@ -107,7 +109,8 @@ def truncation_error(
     for body in few:
         more = body.complete
         assert more is not None
-        shown, other = complete.shown.bodies[body.name], complete.solution.bodies[body.name]
+        shown = complete.shown.motion(body.name, IntrinsicMotion)
+        other = complete.solution.motion(body.name, IntrinsicMotion)
         first, second = more.places(shown)[1], more.places(other)[1]
         places = np.sqrt(np.mean(np.sum((first - second) ** 2, axis=2), axis=1))
         forces, changed = (more.forces_of(motion.coordinates) for motion in (shown, other))
@@ -134,7 +137,7 @@ def _share(change: Array, amplitudes: Array) -> Array:
 
 def _deflection(body: IntrinsicBody, solution: Solution) -> float:
     """Largest displacement of a station seen from the root."""
-    motion = solution.bodies[body.name]
+    motion = solution.motion(body.name, IntrinsicMotion)
     _, positions = body.places(motion)
     seen = np.einsum("tij,tni->tnj", motion.rotation, positions - positions[:, :1])
     rest = body.line.tree.points - body.line.tree.points[0]

@@ -59,8 +59,7 @@ def _resized(
         return solution
     bodies = dict(solution.bodies)
     for name, body in roomy.items():
-        motion = bodies[name]
-        assert isinstance(motion, FloatingMotion)
+        motion = solution.motion(name, FloatingMotion)
         sized = {item: to_size(getattr(motion, item), body) for item in _OF_COORDINATES}
         bodies[name] = replace(motion, **sized)
     return replace(solution, bodies=bodies)
