@@ -28,8 +28,9 @@ class Contacts:
 
     def at(self, motion: SystemMotion) -> Any:
         """(c,) whether each touches: its penalty stores energy."""
+        no_law: Any = None
         flags = [
-            kind.energy(*_ends(group, motion), None, tuple(jnp.asarray(own)[0] for own in group.parameters))
+            kind.energy(*_ends(group, motion), no_law, tuple(jnp.asarray(own)[0] for own in group.parameters))
             > 0
             for kind, group in zip(self.kinds, self.groups, strict=True)
         ]
