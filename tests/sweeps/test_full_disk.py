@@ -48,7 +48,6 @@ class FillsUp(Here):
         return done
 
 
-@pytest.mark.slow
 def test_a_full_disk_costs_nothing_that_was_done(pendulum, small_disk, tmp_path):
     # Motions are kept: a part is larger than the room that is left.
     plan = make_plan(pendulum, TABLE, SweepOutput.model_validate({"keep": "all", "cases_per_share": 2}))

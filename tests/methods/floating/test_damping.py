@@ -61,7 +61,6 @@ def test_damping_by_strain_rate_does_not_know_the_frame(bar):
     assert apart(LinearRayleighDamping(0.0, BETA), 0.02) > 0.05
 
 
-@pytest.mark.slow
 def test_energy_is_lost_to_the_work_of_the_damping_force(bar):
     """E(0) - E(t) = int rates . D(q) rates dt of a free bar, by the trapezoidal rule in both."""
     full = FullBody(bar, FRAMES[1], RayleighDamping(0.0, BETA))
