@@ -145,7 +145,7 @@ def test_a_clamped_beam_bends_at_its_closed_form(beam):
 
 
 def test_grids_in_coordinate_systems_of_their_own(tmp_path, beam, labels, ours):
-    """CD turns the freedoms of the matrices, not the modal coordinates."""
+    """CD rotates the freedoms of the matrices, not the modal coordinates."""
     turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])  # columns: local axes
     whole = np.eye(12 + MODES)
     for first in range(0, 12, 3):
@@ -291,7 +291,7 @@ def test_a_missing_qset_is_asked_for(tmp_path, beam, labels):
     lines = [line for line in files["nodes"].read_text().split("\n") if "QSET" not in line]
     files["nodes"].write_text("\n".join(line for line in lines if "SPOINT" not in line))
     with pytest.raises(
-        ImportFormatError, match=r"6 rows more than the ASET may be some, which QSET1 and SPOINT"
+        ImportFormatError, match=r"6 more rows than the ASET may be some; name them by QSET1 and SPOINT"
     ):
         read_labelled_superelement("arm", MatrixFiles(**files))
 
