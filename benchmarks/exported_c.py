@@ -4,16 +4,18 @@ Run with one thread: OMP_NUM_THREADS=1 python benchmarks/exported_c.py [--blade 
 Machines: those of `tests/fixtures/exported_machines.py`, the slider-crank of the examples, and their blade as
 the result of its run holds it (`supple run examples/blade.toml`).
 
-Differences are of 1000 steps of both, of the largest value of a quantity in the machine. Beside them stands
-the difference of the march from itself where XLA compiles it with other optimisations: rounding alone.
-Microseconds are the processor's: of C by the exported test, mean and slowest of 1000 steps; of the
-march, of 1000 steps in one call.
+Differences are of 1000 steps of both, of the largest value of a quantity in the machine. Beside them are two
+that rounding alone makes: of the C from itself with fused multiplications (-O3 -march=native), and, of the
+machines in XLA_LEVELS, of the march from itself compiled by XLA with all its optimisations.
+Microseconds are the processor's: of C by the exported test, mean and slowest of 1000 steps; of the march, of
+1000 steps in one call.
 """
 
 from __future__ import annotations
 
 import argparse
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -46,6 +48,7 @@ STEPS = 1000
 GROUPS = {"places": ("length", "angle"), "rates": ("velocity", "angular velocity")}
 """Kinds of quantities that are compared together; accelerations and forces are the rest."""
 LEVELS = {"O2": "-std=c99 -O2 -ffp-contract=off", "O3 native": "-std=c99 -O3 -march=native"}
+XLA_LEVELS = ("driven_pair",)
 
 Machine = tuple[Any, Any, Any, Any]
 
@@ -63,8 +66,9 @@ def slider_crank_example() -> Machine:
 
 def machines(blade: Path | None) -> dict[str, Callable[[], Machine]]:
     """By name."""
-    found = {each.__name__: each for each in exported_machines.EVERY}
-    found["example slider-crank"] = slider_crank_example
+    found = {each.__name__: each for each in exported_machines.EVERY} | {
+        "example slider-crank": slider_crank_example
+    }
     if blade is not None:
 
         def example_blade() -> Machine:
@@ -90,13 +94,22 @@ def marched(program: StepProgram, compiled: Any) -> np.ndarray:
     return np.array(rows)
 
 
-def in_c(program: StepProgram, folder: Path) -> np.ndarray:
-    """The same of the C."""
-    machine, rows, start = MachineInC(folder, "-O2", "-ffp-contract=off"), [], float(program.start.state.time)
+def in_c(program: StepProgram, folder: Path, level: str) -> tuple[np.ndarray, float, float]:
+    """The same of the C, and microseconds of a step by the exported test, mean and slowest."""
+    subprocess.run(["make", "clean"], cwd=folder, check=True, capture_output=True)
+    make = ["make", "test", f"CFLAGS={LEVELS[level]} -fPIC"]
+    done = subprocess.run(make, cwd=folder, check=True, capture_output=True, text=True)
+    found = re.search(r"([\d.]+) us each, the slowest ([\d.]+) us", done.stdout)
+    assert found
+    own = folder / level.replace(" ", "")
+    own.mkdir()
+    for name in ("machine.o", "machine.h"):
+        shutil.copy(folder / name, own)
+    machine, rows, start = MachineInC(own, compiled="machine.o"), [], float(program.start.state.time)
     for k in range(1, STEPS + 1):
         assert machine.advance(start + program.size * k, driven(program, k))
         rows.append(machine.output)
-    return np.array(rows)
+    return np.array(rows), float(found[1]), float(found[2])
 
 
 def differences(program: StepProgram, one: np.ndarray, other: np.ndarray, of: str) -> dict[str, float]:
@@ -110,17 +123,6 @@ def differences(program: StepProgram, one: np.ndarray, other: np.ndarray, of: st
         relative = np.abs(one - other)[:, here].max() / size if size else 0.0
         largest[f"{of}: {group}"] = max(largest.get(f"{of}: {group}", 0.0), float(relative))
     return largest
-
-
-def microseconds_of_c(folder: Path, flags: str) -> tuple[float, float]:
-    """Of a step, mean and slowest, by the exported test."""
-    subprocess.run(["make", "clean"], cwd=folder, check=True, capture_output=True)
-    done = subprocess.run(
-        ["make", "test", f"CFLAGS={flags}"], cwd=folder, check=True, capture_output=True, text=True
-    )
-    found = re.search(r"([\d.]+) us each, the slowest ([\d.]+) us", done.stdout)
-    assert found
-    return float(found[1]), float(found[2])
 
 
 def microseconds_of_march(machine: Machine, program: StepProgram) -> float:
@@ -148,14 +150,16 @@ def row(name: str, make: Callable[[], Machine]) -> dict[str, Any]:
         written = process_time() - began
         lines = (folder / "machine.c").read_text().count("\n")
         exact = marched(program, program.compiled)
-        found = {"velocities": program.march.n_unknowns, "joint equations": program.n_equations}
+        found = {"velocities": program.march.n_velocities, "joint equations": program.n_equations}
         found |= {"lines of C": lines, "writing, s": written}
-        found |= differences(program, exact, in_c(program, folder), "C")
-        other = jax.jit(program.advanced).lower(program.start, np.float64(0.0))
-        again = marched(program, other.compile({"xla_backend_optimization_level": 2}))
-        found |= differences(program, exact, again, "march itself")
-        for level, flags in LEVELS.items():
-            found[f"{level}, us"], found[f"{level}, slowest us"] = microseconds_of_c(folder, flags)
+        own = {level: in_c(program, folder, level) for level in LEVELS}
+    plain, fused = (rows for rows, *_ in own.values())
+    found |= differences(program, exact, plain, "C") | differences(program, plain, fused, "C, fused")
+    if name in XLA_LEVELS:
+        other = jax.jit(program.advanced).lower(program.start, np.float64(0.0)).compile()
+        found |= differences(program, exact, marched(program, other), "march, XLA")
+    for level, (_, mean, slowest) in own.items():
+        found[f"{level}, us"], found[f"{level}, slowest us"] = mean, slowest
     if not inputs:
         found["march, us"] = microseconds_of_march(machine, program)
     return found
@@ -166,6 +170,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--blade", type=Path)
     parser.add_argument("--only", nargs="*")
+    parser.add_argument("--json", type=Path, default=RESULTS / "exported_c.json")
     given = parser.parse_args()
     rows = {}
     for name, make in machines(given.blade).items():
@@ -173,9 +178,8 @@ def main() -> None:
             continue
         rows[name] = row(name, make)
         print(name, rows[name], flush=True)
+        write_json(given.json, {"computer": describe_computer(), "machines": rows})
     print(table_of([{"machine": name, **own} for name, own in rows.items()]))
-    if not given.only:
-        write_json(RESULTS / "exported_c.json", {"computer": describe_computer(), "machines": rows})
 
 
 if __name__ == "__main__":
