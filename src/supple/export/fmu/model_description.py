@@ -91,18 +91,17 @@ def model_description_3(step: MachineStep, title: str, token: str) -> str:
         generationTool=f"supple {version('supple')}",
         variableNamingConvention="flat",
     )
-    SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=IDENTIFIER,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUState="true",
-        canSerializeFMUState="true",
-        **({"providesDirectionalDerivatives": "true"} if step.inputs.variables else {}),
-        **(
-            {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if len(step.start.touching) else {}
-        ),
-    )
+    simulation = {
+        "modelIdentifier": IDENTIFIER,
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+    }
+    if step.inputs.variables:
+        simulation["providesDirectionalDerivatives"] = "true"
+    if len(step.start.touching):
+        simulation |= {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"}
+    SubElement(root, "CoSimulation", simulation)
     _units(root, step)
     _experiment(root, step)
     variables = SubElement(root, "ModelVariables")
@@ -137,15 +136,15 @@ def model_description_2(step: MachineStep, title: str, token: str, sources: Sequ
         generationTool=f"supple {version('supple')}",
         variableNamingConvention="flat",
     )
-    simulation = SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=IDENTIFIER,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-        **({"providesDirectionalDerivative": "true"} if step.inputs.variables else {}),
-    )
+    attributes = {
+        "modelIdentifier": IDENTIFIER,
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    if step.inputs.variables:
+        attributes["providesDirectionalDerivative"] = "true"
+    simulation = SubElement(root, "CoSimulation", attributes)
     files = SubElement(simulation, "SourceFiles")
     for name in sources:
         SubElement(files, "File", name=name)
