@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from supple.stepping import StepProgram
@@ -81,10 +81,6 @@ def _referenced(step: StepProgram) -> list[_Referenced]:
     return [_Referenced(place + 1, *each) for place, each in enumerate(kinds)]
 
 
-def _true(*names: str, when: bool) -> dict[str, Any]:
-    return dict.fromkeys(names, "true") if when else {}
-
-
 def model_description_3(step: StepProgram, title: str, token: str) -> str:
     """`modelDescription.xml` of FMI 3.0."""
     root = Element(
@@ -95,16 +91,17 @@ def model_description_3(step: StepProgram, title: str, token: str) -> str:
         generationTool=f"supple {version('supple')}",
         variableNamingConvention="flat",
     )
-    SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=IDENTIFIER,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUState="true",
-        canSerializeFMUState="true",
-        **_true("providesDirectionalDerivatives", when=bool(step.inputs.variables)),
-        **_true("hasEventMode", "mightReturnEarlyFromDoStep", when=bool(len(step.start.touching))),
-    )
+    simulation = {
+        "modelIdentifier": IDENTIFIER,
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+    }
+    if step.inputs.variables:
+        simulation["providesDirectionalDerivatives"] = "true"
+    if len(step.start.touching):
+        simulation |= {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"}
+    SubElement(root, "CoSimulation", simulation)
     _units(root, step)
     _experiment(root, step)
     variables = SubElement(root, "ModelVariables")
@@ -139,15 +136,15 @@ def model_description_2(step: StepProgram, title: str, token: str, sources: Sequ
         generationTool=f"supple {version('supple')}",
         variableNamingConvention="flat",
     )
-    simulation = SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=IDENTIFIER,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-        **_true("providesDirectionalDerivative", when=bool(step.inputs.variables)),
-    )
+    attributes = {
+        "modelIdentifier": IDENTIFIER,
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    if step.inputs.variables:
+        attributes["providesDirectionalDerivative"] = "true"
+    simulation = SubElement(root, "CoSimulation", attributes)
     files = SubElement(simulation, "SourceFiles")
     for name in sources:
         SubElement(files, "File", name=name)

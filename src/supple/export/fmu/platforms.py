@@ -33,8 +33,8 @@ class Platform:
 _LINUX = Platform(MappingProxyType({2: "linux64", 3: "x86_64-linux"}), ".so", "x86_64-linux-gnu.2.17")
 _LINUX_ARM = Platform(MappingProxyType({3: "aarch64-linux"}), ".so", "aarch64-linux-gnu.2.17")
 _WINDOWS = Platform(MappingProxyType({2: "win64", 3: "x86_64-windows"}), ".dll", "x86_64-windows-gnu")
-_MACOS = Platform(MappingProxyType({2: "darwin64", 3: "x86_64-darwin"}), ".dylib", "x86_64-macos")
-_MACOS_ARM = Platform(MappingProxyType({3: "aarch64-darwin"}), ".dylib", "aarch64-macos")
+_MACOS = Platform(MappingProxyType({2: "darwin64", 3: "x86_64-darwin"}), ".dylib", "x86_64-macos.11.0")
+_MACOS_ARM = Platform(MappingProxyType({3: "aarch64-darwin"}), ".dylib", "aarch64-macos.11.0")
 
 PLATFORMS: Mapping[str, tuple[Platform, ...]] = MappingProxyType(
     {"linux": (_LINUX, _LINUX_ARM), "windows": (_WINDOWS,), "macos": (_MACOS, _MACOS_ARM)}
