@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from measure import keep, measured
 
-from supple.cases.page import page_looks
 from supple.cases.result_machine import result_machine
+from supple.cases.run_page import page_looks
 from supple.mesh import skin_of, strip
 from supple.mesh.feature_edges import feature_edges
 from supple.quantities import deflections, observer_of

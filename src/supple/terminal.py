@@ -53,7 +53,7 @@ error_console = _console(stderr=True)
 LOGGER = logging.getLogger("supple.cli")
 
 
-class Shown:
+class PrintedMessage:
     """Something to print as the message of a log record; a log file has it as plain text."""
 
     def __init__(self, content: RenderableType, *, soft_wrap: bool = False) -> None:
@@ -78,7 +78,7 @@ class ConsoleHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print a record."""
-        if isinstance(record.msg, Shown):
+        if isinstance(record.msg, PrintedMessage):
             record.msg.print_on(console)
         else:
             console.print(words(record.getMessage()), soft_wrap=True)
@@ -130,7 +130,7 @@ def words(text: str, style: str = "") -> Text:
 
 def say(text: str, style: str = "") -> None:
     """Log a line to be printed as it is."""
-    LOGGER.info(Shown(words(text, style), soft_wrap=True))
+    LOGGER.info(PrintedMessage(words(text, style), soft_wrap=True))
 
 
 def show_any_character() -> None:
@@ -145,7 +145,7 @@ def worded(step: str, detail: str = "") -> str:
     return plain(f"{step}: {detail}" if detail else step)
 
 
-class Steps:
+class ProgressBars:
     """A bar for every step, in the order in which they come; one of unknown length spins until the next."""
 
     def __init__(self, bars: Progress) -> None:
@@ -185,7 +185,7 @@ def print_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]])
     shown = Table(*(Column(words(head)) for head in heads), title=words(title))
     for row in rows:
         shown.add_row(*map(words, row))
-    LOGGER.info(Shown(shown))
+    LOGGER.info(PrintedMessage(shown))
 
 
 def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
@@ -193,7 +193,7 @@ def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
     shown = Table(title=words(title), show_header=False)
     for row in rows:
         shown.add_row(*map(words, row))
-    LOGGER.info(Shown(shown))
+    LOGGER.info(PrintedMessage(shown))
 
 
 @contextmanager

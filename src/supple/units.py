@@ -54,7 +54,7 @@ _IMPERIAL = ("in", "ft")
 _SAME = 1e-9
 
 
-class Shown(NamedTuple):
+class DisplayUnit(NamedTuple):
     """A unit that people read, and the factor that numbers of the model are multiplied by to be in it."""
 
     unit: str
@@ -198,28 +198,28 @@ class UnitSystem:
         return self.composed(mass=1, length=2)
 
     @property
-    def stress_shown(self) -> Shown:
+    def stress_shown(self) -> DisplayUnit:
         """Stresses are read in MPa, or in psi where lengths are feet or inches."""
         factor = self.in_si(mass=1, length=-1, time=-2)
         if factor is None:
-            return Shown("", 1.0)
+            return DisplayUnit("", 1.0)
         unit = "psi" if self.length in _IMPERIAL else "MPa"
-        return Shown(unit, _ratio(factor, _STRESSES[unit]))
+        return DisplayUnit(unit, _ratio(factor, _STRESSES[unit]))
 
     @property
-    def frequency_shown(self) -> Shown:
+    def frequency_shown(self) -> DisplayUnit:
         """Frequencies are read in Hz, whatever time is in."""
         factor = self.in_si(time=-1)
-        return Shown("", 1.0) if factor is None else Shown("Hz", _ratio(factor, 1.0))
+        return DisplayUnit("", 1.0) if factor is None else DisplayUnit("Hz", _ratio(factor, 1.0))
 
     @property
-    def rotation_shown(self) -> Shown:
+    def rotation_shown(self) -> DisplayUnit:
         """Speeds of rotation are read in rpm where the unit of time is known."""
         factor = self.in_si(time=-1)
         return (
-            Shown("rad per unit of time", 1.0)
+            DisplayUnit("rad per unit of time", 1.0)
             if factor is None
-            else Shown("rpm", _ratio(factor * 30, 1.0) / pi)
+            else DisplayUnit("rpm", _ratio(factor * 30, 1.0) / pi)
         )
 
     def _named(self, known: Mapping[str, float], *, otherwise: str = "", **powers: int) -> str:

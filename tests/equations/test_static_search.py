@@ -9,10 +9,10 @@ import pytest
 
 from supple.equations.configuration import Configuration
 from supple.equations.static_search import (
-    StaticCorrection,
+    EquilibriumResidual,
     StaticSearch,
     StaticState,
-    Unbalance,
+    StaticStep,
     search_equilibrium,
 )
 from supple.errors import ConvergenceError
@@ -34,12 +34,12 @@ class Narrow:
 
     def unbalance(self, state, time):
         left = self.residual(state, time)
-        return Unbalance(np.array([0.0, 0.0, abs(left[0])]), 0.0, left)
+        return EquilibriumResidual(np.array([0.0, 0.0, abs(left[0])]), 0.0, left)
 
     def correction(self, _state, _time, unbalance, k):
         (left,) = unbalance.terms
         step = -left * k / (1 + k)
-        return StaticCorrection(np.array([step if abs(left) < self.reach else -step]), np.zeros(0))
+        return StaticStep(np.array([step if abs(left) < self.reach else -step]), np.zeros(0))
 
     def moved(self, configuration, increment):
         return configuration._replace(coordinates=configuration.coordinates + increment)

@@ -252,7 +252,7 @@ def test_floquet_finds_what_axes_that_stand_do(monkeypatch):
 def test_multi_blade_coordinates_of_many_blades_have_the_derivatives_of_their_waves():
     """Of 90 blades waves of up to 44 around: more than 64 angles of a turn hold."""
     number, order = 90, 44
-    columns = standing_axes.Columns([slice(i, i + 1) for i in range(number)], [])
+    columns = standing_axes.BodyColumns([slice(i, i + 1) for i in range(number)], [])
     fine = 3 * number
     angles = 2 * np.pi * np.arange(fine) / fine
     waves = standing_axes._Coordinates.of_fine(

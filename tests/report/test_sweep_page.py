@@ -12,13 +12,13 @@ from report.test_browser import BROWSER, DRIVER, Browser
 from supple.errors import ModelError
 from supple.report import (
     ChannelOfCases,
-    LoadSpectrum,
+    RainflowSpectrum,
     SweepPage,
     channels_that_fit,
     write_report,
     write_sweep_page,
 )
-from supple.report.page import Section
+from supple.report.page import PageSection
 
 N = 120
 SPEED = np.repeat([4.0, 8.0, 12.0, 16.0], 30)
@@ -47,9 +47,9 @@ def page(**changes):
         },
         "channels": [root],
         "results": {"status": ["failed" if i == 7 else "ran" for i in range(N)]},
-        "spectra": [LoadSpectrum("root.My", "N m", np.array([1.0, 10.0]), np.array([1e4, 3.0]))],
+        "spectra": [RainflowSpectrum("root.My", "N m", np.array([1.0, 10.0]), np.array([1e4, 3.0]))],
         "exponents": [4.0],
-        "sections": [Section("Sweep", ["case 7: </script><b>diverged</b>"])],
+        "sections": [PageSection("Sweep", ["case 7: </script><b>diverged</b>"])],
         "reports": {int(np.nanargmax(LARGEST)): "cases/largest.html"},
         "time": "s",
     }

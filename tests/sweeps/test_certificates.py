@@ -13,7 +13,7 @@ from supple.error.equation import ErrorSpace, MotionColumns
 from supple.sweeps import CaseTable, make_plan, sweep_status, write_sweep_report
 from supple.sweeps.certificate import Certificate, Representative, read_certificate, write_certificate
 from supple.sweeps.greedy_basis import training_cases
-from supple.sweeps.part_file import CaseResult, CaseStatus, Channels, Part, part_path, write_part
+from supple.sweeps.part_file import CaseRecord, CaseStatus, Channels, Part, part_path, write_part
 from supple.sweeps.plan import write_plan
 from supple.sweeps.read_sweep import SweepColumns
 from supple.sweeps.sweep_file import SweepOutput
@@ -93,7 +93,7 @@ def filled(folder, cases, share, basis):
     """Write a part whose cases have given errors of their bases; 1 is allowed. One cycle a case."""
     channels = Channels(("tip",), ("m",), ("position",), ("",), ("",))
     results = [
-        CaseResult(
+        CaseRecord(
             int(case),
             CaseStatus.RAN,
             estimated_error=2 * own,

@@ -10,7 +10,7 @@ from typing import Any
 
 from supple.cases.case import Case
 from supple.cases.notify import silent
-from supple.cases.page import coloured_elements
+from supple.cases.run_page import coloured_elements
 from supple.errors import CaseError, ModelError
 from supple.fem import FiniteElementModel
 from supple.integrate import Solution, StepProgress

@@ -14,11 +14,11 @@ from supple.cases.case import Case
 from supple.cases.drawing import check_drawing
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
-from supple.cases.page import case_texts, page_looks
 from supple.cases.reductions import DEFAULT_ACCURACY
+from supple.cases.run_page import case_texts, page_looks
 from supple.cases.static_case import analysed_system, spin_of
 from supple.equations.build_model import system_length
-from supple.error import Missed, correct_statically
+from supple.error import MotionOutsideBasis, correct_statically
 from supple.errors import CaseError
 from supple.integrate import Solution, StepProgress
 from supple.linearization import (
@@ -193,7 +193,7 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
     Of frequencies that is the relative accuracy, or a thousandth where it is a length.
     """
 
-    def look(reduced: System, fulls: Mapping[str, FullBody]) -> dict[str, Missed]:
+    def look(reduced: System, fulls: Mapping[str, FullBody]) -> dict[str, MotionOutsideBasis]:
         worst, fields = dict.fromkeys(fulls, 0.0), {name: [] for name in fulls}
         for spin in spins:
             linear = linearize(reduced, time=time, spin=spin, fulls=fulls)
@@ -217,7 +217,7 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
                 worst[name] = max(worst[name], off, at_rest)
                 fields[name] += [rest.deformation[:, None], error.fields[name]]
         return {
-            name: Missed(
+            name: MotionOutsideBasis(
                 worst[name],
                 case.starts[name].target.relative or DEFAULT_ACCURACY,
                 np.hstack([np.zeros((full.n_coordinates, 0)), *fields[name]]),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from supple.cases.case import Case
 from supple.cases.existing_results import readings_paths, report_path, result_path
-from supple.cases.page import page_path
+from supple.cases.run_page import page_path
 from supple.errors import CaseError
 from supple.importers import files_read_with
 from supple.simulation.kept_bodies import kept_path

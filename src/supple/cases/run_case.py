@@ -16,8 +16,8 @@ from supple.cases.existing_results import readings_paths, refuse_overwrite, repo
 from supple.cases.implausible_units import warn_of_frequencies, warn_of_units
 from supple.cases.notify import silent
 from supple.cases.outputs import check_outputs
-from supple.cases.page import write_run_page
 from supple.cases.result_machine import CASE_FILE, path_from
+from supple.cases.run_page import write_run_page
 from supple.cases.static_case import starting_system
 from supple.equations import warn_of_missing_modes
 from supple.error import Round, SelfCorrectionError, correct_recorded, correction_numbers, state_errors

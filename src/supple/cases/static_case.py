@@ -15,7 +15,7 @@ from supple.cases.drawing import check_drawing
 from supple.cases.going_on import StartState, gone_on
 from supple.cases.implausible_units import warn_of_units
 from supple.cases.notify import silent
-from supple.cases.page import case_texts, coloured_elements, page_looks
+from supple.cases.run_page import case_texts, coloured_elements, page_looks
 from supple.error import correct_at_rest
 from supple.errors import CaseError, ControlWarning
 from supple.integrate import StepProgress

@@ -15,7 +15,7 @@ from supple.cases import Case, read_case
 from supple.cases.notify import silent
 from supple.errors import ImportFormatError, ModelError
 from supple.importers import DECK_SUFFIXES, HDF5_SUFFIXES
-from supple.terminal import LOGGER, Shown, say, words
+from supple.terminal import LOGGER, PrintedMessage, say, words
 from supple.units import UNNAMED, UnitSystem, measured
 
 _VERDICTS = {
@@ -37,7 +37,7 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
     """
     refused = []
     for name, check, units in _checks(path, n_frequencies):
-        LOGGER.info(Shown(check_table(name, check, units)))
+        LOGGER.info(PrintedMessage(check_table(name, check, units)))
         if not check.is_accepted:
             refused.append(name)
     if refused:

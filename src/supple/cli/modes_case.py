@@ -9,7 +9,7 @@ import numpy as np
 from supple import cases
 from supple.errors import CaseError
 from supple.results.mode_tables import mode_table, speed_tables
-from supple.terminal import Steps, print_table, progress_bars, say
+from supple.terminal import ProgressBars, print_table, progress_bars, say
 
 
 def modes_case(
@@ -22,7 +22,7 @@ def modes_case(
     """
     speeds = None if rates is None else _speeds(rates)
     bars = progress_bars()
-    steps = Steps(bars)
+    steps = ProgressBars(bars)
     case = cases.read_case(path, steps.show)
     say(case.title, "bold")
     if speeds is None:

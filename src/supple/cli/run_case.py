@@ -20,7 +20,7 @@ from supple.results.run_tables import (
     motion_tables,
 )
 from supple.simulation.interruption import INTERRUPTIONS, Terminated, raising_terminated
-from supple.terminal import Steps, error_console, print_table, progress_bars, say, words
+from supple.terminal import ProgressBars, error_console, print_table, progress_bars, say, words
 
 
 def run_case(
@@ -66,7 +66,7 @@ def _run(
     allow_code: bool,
 ) -> None:
     bars = progress_bars()
-    steps = Steps(bars)
+    steps = ProgressBars(bars)
     case = cases.read_case(path, steps.show)
     say(case.title, "bold")
     with bars:

@@ -7,7 +7,7 @@ from pathlib import Path
 from supple import cases
 from supple.reduction import ReducedBody
 from supple.results.rest_tables import rest_error_table, rest_tables
-from supple.terminal import Steps, print_table, progress_bars, say
+from supple.terminal import ProgressBars, print_table, progress_bars, say
 
 _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
 """Of an equilibrium whose tangent stiffness does not decide, the modes do."""
@@ -16,7 +16,7 @@ _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
 def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_code: bool) -> None:
     """Print the equilibrium of the case at `path`; parameters and errors as for `cases.static_case`."""
     bars = progress_bars()
-    steps = Steps(bars)
+    steps = ProgressBars(bars)
     case = cases.read_case(path, steps.show)
     say(case.title, "bold")
     with bars:

@@ -30,8 +30,8 @@ from supple.equations.configuration import (
 from supple.equations.floating_inertia import InertiaTerms
 from supple.equations.internal_force import InternalMatrices
 from supple.equations.joint_force import LinearizedJoints, constraint_rows, linearized
-from supple.equations.model import Model
-from supple.equations.places import Block, assembled_matrix, assembled_vector
+from supple.equations.machine_model import Model
+from supple.equations.places import MatrixBlock, assembled_matrix, assembled_vector
 from supple.integrate import StepFactors
 
 __all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangent", "tangent_blocks"]
@@ -116,7 +116,7 @@ def tangent_blocks(
     linearization: Linearization,
     increments: jax.Array,
     factors: StepFactors,
-) -> list[Block]:
+) -> list[MatrixBlock]:
     """The contributions to `tangent`."""
     turns = turns_by_increment(model, increments)
     blocks = []
@@ -132,10 +132,10 @@ def tangent_blocks(
             group.of(turns),
             factors,
         )
-        blocks.append(Block(group.velocities, group.velocities, own))
+        blocks.append(MatrixBlock(group.velocities, group.velocities, own))
     for load in model.nodal_loads:
         own = -factors.by_position * nodal_load.tangent(load, motion, turns[load.body])
-        blocks.append(Block(load.velocities, load.velocities, own))
+        blocks.append(MatrixBlock(load.velocities, load.velocities, own))
     minus = StepFactors(-factors.by_position, -factors.by_velocity)
     for forces in model.forces:
         blocks += marker_force.tangent(model, forces, motion, turns, minus)

@@ -14,7 +14,7 @@ import numpy as np
 from supple.algebra.cross import cross_matrix
 from supple.body import BodyForm, RigidBody
 from supple.equations.floating_inertia import inertia_arrays
-from supple.equations.model import (
+from supple.equations.machine_model import (
     Actuator,
     BodyGroup,
     ControlLaw,
@@ -42,7 +42,7 @@ from supple.machine import (
     SampledController,
     System,
 )
-from supple.machine.control.readings import Reading
+from supple.machine.control.controller_readings import Reading
 from supple.reduction.condensed_inertia import condensed_gram
 
 __all__ = [

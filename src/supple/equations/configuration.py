@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from supple.algebra.rotation import rotation_exp, rotation_right_jacobian
 from supple.algebra.small_product import small_product
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.places import over
 
 __all__ = [

@@ -18,7 +18,7 @@ import scipy.linalg
 from supple.equations.build_model import row_scales
 from supple.equations.configuration import Configuration
 from supple.equations.joint_closure import joints_closed, row_labels
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.singular_start import check_redundant_nearby, neighbours
 from supple.equations.start_change import StartChange, StartEnergies
 from supple.equations.start_velocity import velocity_change

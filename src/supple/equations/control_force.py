@@ -19,6 +19,7 @@ import numpy as np
 
 from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
+from supple.equations.machine_model import ControlLaw, Ends, Model
 from supple.equations.marker import (
     N_LOCAL,
     Marker,
@@ -27,8 +28,7 @@ from supple.equations.marker import (
     pose,
     with_rates,
 )
-from supple.equations.model import ControlLaw, Ends, Model
-from supple.equations.places import Block, Places
+from supple.equations.places import MatrixBlock, Places
 from supple.errors import ModelError
 from supple.integrate import StepFactors
 from supple.machine.forces.relative_motion import axial_motion, wrapped
@@ -66,7 +66,9 @@ def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Arra
             yield places, (carried.T @ local[np.array(rows)].reshape(-1))[None]
 
 
-def tangent(model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors) -> Iterator[Block]:
+def tangent(
+    model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors
+) -> Iterator[MatrixBlock]:
     """Change of these forces with the new accelerations."""
     for number, law in enumerate(model.controllers):
         ends, driven = seen_ends(law), driven_ends(law)
@@ -83,7 +85,7 @@ def tangent(model: Model, motion: SystemMotion, turns: jax.Array, factors: StepF
                 )
                 change = factors.by_position * of_places @ by_increments
                 change = change + factors.by_velocity * of_rates @ by_velocities
-                yield Block(row_places, column_places, (on_bodies.T @ change)[None])
+                yield MatrixBlock(row_places, column_places, (on_bodies.T @ change)[None])
 
 
 def stepped(model: Model, motion: SystemMotion) -> ControlState | None:

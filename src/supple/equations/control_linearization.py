@@ -22,9 +22,9 @@ from supple.equations.control_force import (
     readings_of,
     seen_ends,
 )
+from supple.equations.machine_model import ControlLaw, Model
 from supple.equations.marker import N_LOCAL, pose
-from supple.equations.model import ControlLaw, Model
-from supple.equations.places import Block, Places, assembled_matrix
+from supple.equations.places import MatrixBlock, Places, assembled_matrix
 from supple.machine import Controller, System
 from supple.programs.kept_programs import KeptProgram
 
@@ -116,17 +116,17 @@ def _terms(model: Model, motion: SystemMotion) -> RestingControl:
         rated = _local_rates(law, number, motion)
         rates.append(rated(still, still, states))
         by_place, by_rate, own_change = jax.jacfwd(rated, argnums=(0, 1, 2))(still, still, states)
-        by_state.append(Block(own, own, own_change[None]))
+        by_state.append(MatrixBlock(own, own, own_change[None]))
         for columns in by_body(ends).values():
             places, carried = moved_with(ends, columns)
             for blocks, change in ((by_position, by_place), (by_velocity, by_rate)):
                 local = change[:, np.array(columns)].reshape(size, -1)
-                blocks.append(Block(own, places, (local @ carried)[None]))
+                blocks.append(MatrixBlock(own, places, (local @ carried)[None]))
         pushed = jax.jacfwd(_forces_by_states(law, number, motion))(states)
         for rows in by_body(driven).values():
             places, carried = moved_with(driven, rows)
             local = pushed[np.array(rows)].reshape(-1, size)
-            forces.append(Block(places, own, (carried.T @ local)[None]))
+            forces.append(MatrixBlock(places, own, (carried.T @ local)[None]))
     return RestingControl(
         jnp.concatenate(rates),
         LinearControl(

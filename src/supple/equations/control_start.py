@@ -11,7 +11,7 @@ import numpy as np
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.control_force import stepped
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.machine import JointReading, SampledController, System
 from supple.programs.kept_programs import KeptProgram

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.compiler_options import STARTING
-from supple.equations.model import BodyGroup, Model
+from supple.equations.machine_model import BodyGroup, Model
 from supple.equations.places import Places, assembled_vector
 from supple.programs.kept_programs import KeptProgram
 

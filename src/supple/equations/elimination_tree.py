@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import permutations
 from typing import NamedTuple
 
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.places import Places
 
 __all__ = ["EliminationTree", "elimination_tree"]

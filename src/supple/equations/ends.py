@@ -10,9 +10,9 @@ import jax.numpy as jnp
 
 from supple.algebra.small_product import small_product
 from supple.equations.configuration import Configuration
+from supple.equations.machine_model import Ends, ForceGroup, JointGroup
 from supple.equations.marker import Marker
-from supple.equations.model import Ends, ForceGroup, JointGroup
-from supple.equations.places import Block, Places, over
+from supple.equations.places import MatrixBlock, Places, over
 
 __all__ = ["blocks_on_bodies", "columns_on_velocities", "forces_on_bodies", "markers", "turns_of"]
 
@@ -84,7 +84,7 @@ def columns_on_velocities(ends: Ends, by_local: jax.Array, turns: jax.Array | No
 
 def blocks_on_bodies(
     element: Element, local: tuple[tuple[jax.Array, jax.Array], ...], turns: jax.Array | None
-) -> Iterator[Block]:
+) -> Iterator[MatrixBlock]:
     """Blocks for the bodies of matrices (k, 12, 12) for the local freedoms, row end by column end.
 
     With `turns` (nb, 3, 3), columns are for the increments of the bodies' rotations.
@@ -99,4 +99,4 @@ def blocks_on_bodies(
             values = over(
                 lambda motion, own: jnp.concatenate([own[:6], motion.T @ own[6:]]), row_ends.motion, columns
             )
-            yield Block(row_ends.velocities, column_ends.velocities, values)
+            yield MatrixBlock(row_ends.velocities, column_ends.velocities, values)

@@ -27,10 +27,10 @@ from supple.integrate import StepFactors
 
 __all__ = [
     "FullInertia",
+    "FullInertiaForces",
     "FullMomenta",
     "FullMotion",
     "InertiaBorder",
-    "InertiaTerms",
 ]
 
 
@@ -46,7 +46,7 @@ class FullMotion(NamedTuple):
     """`A^T (Rddot - gravity)`"""
 
 
-class InertiaTerms(NamedTuple):
+class FullInertiaForces(NamedTuple):
     """Inertia forces: on the coordinates (n,), on the frame (6,)."""
 
     own: np.ndarray
@@ -145,11 +145,11 @@ class FullInertia:
             angular=(momenta[3:] + turned) @ rates + inertia @ w,
         )
 
-    def terms(self, motion: FullMotion) -> InertiaTerms:
+    def terms(self, motion: FullMotion) -> FullInertiaForces:
         """Inertia forces on coordinates and frame."""
         return self._terms(motion, self._state(motion))
 
-    def _terms(self, motion: FullMotion, state: _State) -> InertiaTerms:
+    def _terms(self, motion: FullMotion, state: _State) -> FullInertiaForces:
         w, dw, a = motion.angular_velocity, motion.angular_acceleration, motion.frame_acceleration
         momenta = self._rigid_momenta.T
         own = (
@@ -175,7 +175,7 @@ class FullInertia:
         )
         force = linear_rate + np.cross(w, state.linear)
         moment = angular_rate + np.cross(w, state.angular) + self._rigid[3:, :3] @ a + np.cross(moved, a)
-        return InertiaTerms(own, np.concatenate([force, moment]))
+        return FullInertiaForces(own, np.concatenate([force, moment]))
 
     def momenta(
         self, coordinates: np.ndarray, rates: np.ndarray, angular_velocity: np.ndarray, velocity: np.ndarray

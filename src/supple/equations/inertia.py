@@ -15,8 +15,8 @@ from supple.equations.floating_inertia import (
     inertia_tangent,
     inertia_terms,
 )
-from supple.equations.model import BodyGroup, Model
-from supple.equations.places import Block, assembled_matrix, over
+from supple.equations.machine_model import BodyGroup, Model
+from supple.equations.places import MatrixBlock, assembled_matrix, over
 from supple.integrate import StepFactors
 
 __all__ = ["floating_states", "force", "mass_matrix", "tangent"]
@@ -102,7 +102,7 @@ def mass_matrix(model: Model, configuration: Configuration) -> jax.Array:
         return own.at[:3].set(rotation @ own[:3])
 
     blocks = [
-        Block(
+        MatrixBlock(
             group.velocities,
             group.velocities,
             over(

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from supple.equations.floating_inertia import FloatingState
-from supple.equations.model import BodyGroup
+from supple.equations.machine_model import BodyGroup
 from supple.equations.places import over
 from supple.equations.polynomial_force import polynomial_damping, polynomial_force
 from supple.integrate import StepFactors

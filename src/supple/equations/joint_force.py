@@ -26,8 +26,8 @@ from supple.equations.joint_linearization import (
     joint_equations,
     linearize_joint,
 )
-from supple.equations.model import JointGroup, Model
-from supple.equations.places import Block, Places, assembled_matrix, assembled_vector, over
+from supple.equations.machine_model import JointGroup, Model
+from supple.equations.places import MatrixBlock, Places, assembled_matrix, assembled_vector, over
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = [
@@ -114,7 +114,7 @@ joint_rows = KeptProgram(constraint_rows, STARTING)
 
 def constraint_blocks(
     model: Model, joints: tuple[LinearizedJoints, ...], increments: jax.Array | None = None
-) -> Iterator[Block]:
+) -> Iterator[MatrixBlock]:
     """The contributions to `constraint_rows` of all equations, the redundant ones included."""
     turns = None if increments is None else turns_by_increment(model, increments)
     for own, each in zip(model.joints, joints, strict=True):
@@ -122,7 +122,7 @@ def constraint_blocks(
             if ends.velocities is not None:
                 own_turns = None if turns is None else turns_of(ends, turns)
                 columns = columns_on_velocities(ends, part, own_turns)
-                yield Block(own.rows, ends.velocities, columns)
+                yield MatrixBlock(own.rows, ends.velocities, columns)
 
 
 def force(
@@ -145,7 +145,7 @@ def tangent(
     joints: tuple[LinearizedJoints, ...],
     turns: jax.Array,
     by_position: Any,
-) -> Iterator[Block]:
+) -> Iterator[MatrixBlock]:
     """Geometric stiffness of the joint forces, for the increments of the bodies times `by_position`."""
     every = by_position * all_multipliers(model, motion.multipliers)
     for own, each in zip(model.joints, joints, strict=True):

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from supple.equations.configuration import SystemMotion
 from supple.equations.ends import blocks_on_bodies, forces_on_bodies, markers
 from supple.equations.joint_force import all_multipliers
+from supple.equations.machine_model import ForceGroup, Model
 from supple.equations.marker import (
     N_LOCAL,
     Marker,
@@ -19,8 +20,7 @@ from supple.equations.marker import (
     pose,
     with_rates,
 )
-from supple.equations.model import ForceGroup, Model
-from supple.equations.places import Block, Places, over
+from supple.equations.places import MatrixBlock, Places, over
 from supple.integrate import StepFactors
 
 __all__ = ["force", "tangent"]
@@ -71,7 +71,7 @@ def force(model: Model, forces: ForceGroup, motion: SystemMotion) -> Iterator[tu
 
 def tangent(
     model: Model, forces: ForceGroup, motion: SystemMotion, turns: jax.Array, factors: StepFactors
-) -> Iterator[Block]:
+) -> Iterator[MatrixBlock]:
     """Change of the generalised forces with the new accelerations, at constant reactions of the joints.
 
     How friction follows the joints' own multipliers is left to Newton's iteration, which gains by the part

@@ -18,7 +18,7 @@ import numpy as np
 
 from supple.algebra.rotation import rotation_exp, skew
 from supple.equations.configuration import SystemMotion
-from supple.equations.model import STATIC, NodalLoadArrays
+from supple.equations.machine_model import STATIC, NodalLoadArrays
 from supple.machine import NodalLoad
 
 __all__ = [

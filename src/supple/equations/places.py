@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-__all__ = ["Block", "Places", "assembled_matrix", "assembled_vector", "over"]
+__all__ = ["MatrixBlock", "Places", "assembled_matrix", "assembled_vector", "over"]
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _is_partition(n: int, parts: Sequence[Places]) -> bool:
 
 
 @dataclass(frozen=True)
-class Block:
+class MatrixBlock:
     """Contributions (k, rows, columns) to a matrix."""
 
     rows: Places
@@ -118,7 +118,7 @@ _WINDOWS = jax.lax.ScatterDimensionNumbers(
 )
 
 
-def assembled_matrix(shape: tuple[int, int], blocks: Iterable[Block]) -> jax.Array:
+def assembled_matrix(shape: tuple[int, int], blocks: Iterable[MatrixBlock]) -> jax.Array:
     """The matrix from contributions, which may overlap."""
     total: Any = None
     for block in blocks:

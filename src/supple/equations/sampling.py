@@ -12,14 +12,14 @@ import numpy as np
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.control_force import readings_at
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.integrate import Leg, Run, Statistics
 from supple.machine import SampledController, System
 from supple.machine.control.controller import as_memory
 from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["Sampling", "march_sampled", "sampling_of"]
+__all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
 
 S = TypeVar("S")
 
@@ -28,7 +28,7 @@ _SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Sampling:
+class ControllerSampling:
     """Sampled controllers of a machine, and when each is called.
 
     What is due at an instant is called when the march goes on from there, so that a part that ends at an
@@ -89,7 +89,7 @@ class Sampling:
         return held, remembered
 
 
-def sampling_of(system: System, run: Run) -> Sampling | None:
+def sampling_of(system: System, run: Run) -> ControllerSampling | None:
     """When the controllers of a machine are called in a run; None where none is sampled."""
     times = run.times
     found = {}
@@ -103,11 +103,11 @@ def sampling_of(system: System, run: Run) -> Sampling | None:
                 same = abs(instants - output) <= _SAME * controller.every
                 instants = np.where(same, output, instants)
             found[number] = instants
-    return Sampling(system, found) if found else None
+    return ControllerSampling(system, found) if found else None
 
 
 def march_sampled(
-    sampling: Sampling,
+    sampling: ControllerSampling,
     marched: Callable[[S, np.ndarray], Leg[S]],
     sampled: Callable[[S], S],
     state: S,

@@ -15,7 +15,7 @@ from supple.machine import System
 
 __all__ = [
     "ConstraintViolation",
-    "Deforming",
+    "DeformingStart",
     "PositionCorrection",
     "StartChange",
     "StartEnergies",
@@ -73,7 +73,7 @@ class Taken:
 
 
 @dataclass(frozen=True)
-class Deforming:
+class DeformingStart:
     """A body that starts with a deformation rate, of some kinetic energy, as no rigid motion fits."""
 
     body: str
@@ -111,7 +111,7 @@ class StartChange:
     energies: tuple[float, float]
     taken: tuple[Taken, ...]
     unmet: tuple[ConstraintViolation, ...]
-    deforming: tuple[Deforming, ...]
+    deforming: tuple[DeformingStart, ...]
 
     @classmethod
     def of_positions_and_velocities(
@@ -158,7 +158,7 @@ class StartChange:
             energies=of_given,
             taken=velocities_taken(system, after),
             unmet=_open(system, np.abs(unmet), misfits & _are_largest(unmet / scales)),
-            deforming=tuple(Deforming(names[i], float(energies.deforming[i])) for i in deforming),
+            deforming=tuple(DeformingStart(names[i], float(energies.deforming[i])) for i in deforming),
         )
 
 

@@ -12,7 +12,7 @@ from supple.equations.balance import constraint_jacobian
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import AnyArray, Configuration, advance
 from supple.equations.joint_force import constraints
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.machine import System
 from supple.programs.kept_programs import KeptProgram
 

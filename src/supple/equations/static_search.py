@@ -31,7 +31,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 from supple.equations.configuration import AnyArray, Configuration
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.errors import AccuracyError, ConvergenceError
 from supple.integrate import Solution
 
@@ -105,7 +105,7 @@ class StaticState(NamedTuple):
     """States of all controllers, one after the other"""
 
 
-class Unbalance(NamedTuple):
+class EquilibriumResidual(NamedTuple):
     """What is missing to an equilibrium."""
 
     relative: np.ndarray
@@ -120,7 +120,7 @@ class Unbalance(NamedTuple):
     """States of controllers, in words: their rates over the largest part of each"""
 
 
-class StaticCorrection(NamedTuple):
+class StaticStep(NamedTuple):
     """One implicit step."""
 
     increment: np.ndarray
@@ -158,7 +158,7 @@ class Equations(Protocol):
         """As its bodies are placed, without any force in the joints."""
         ...
 
-    def unbalance(self, state: StaticState, time: float) -> Unbalance:
+    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:
         """The residuals at rest."""
         ...
 
@@ -166,7 +166,9 @@ class Equations(Protocol):
         """What is unbalanced in all freedoms, (n,)."""
         ...
 
-    def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
+    def correction(
+        self, state: StaticState, time: float, unbalance: EquilibriumResidual, k: float
+    ) -> StaticStep:
         """One implicit step of length k."""
         ...
 
@@ -340,7 +342,7 @@ def _downhill(
     )
 
 
-def moved_state(machine: Equations, state: StaticState, change: StaticCorrection) -> StaticState:
+def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> StaticState:
     """The state after a correction."""
     frames = zip(state.frame_multipliers, change.frame_multipliers, strict=True)
     return StaticState(
@@ -364,12 +366,12 @@ def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
     return state, max(left, *found.unrest.values(), 0.0)
 
 
-def _largest(found: Unbalance) -> float:
+def _largest(found: EquilibriumResidual) -> float:
     """Relative residual, of controllers too."""
     return float(np.max([*found.relative, *found.unrest.values()]))
 
 
-def _restless(found: Unbalance, search: StaticSearch) -> str | None:
+def _restless(found: EquilibriumResidual, search: StaticSearch) -> str | None:
     """The state of a controller that is farthest from rest, in words; None where all rest."""
     worst = max(found.unrest, key=lambda name: np.nan_to_num(found.unrest[name], nan=np.inf), default=None)
     return worst if worst and not found.unrest[worst] <= search.residual else None

@@ -30,14 +30,14 @@ from supple.equations.configuration import AnyArray, Configuration, SystemMotion
 from supple.equations.control_force import resting_control
 from supple.equations.control_linearization import LinearControl, control_at_rest
 from supple.equations.joint_force import joint_rows
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import StepFactors
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = [
     "LinearEquations",
     "SteadyEquations",
-    "Turning",
+    "SteadyTurning",
     "in_turning_axes",
     "linear_equations",
     "steady_motion",
@@ -51,7 +51,7 @@ _LARGE = 2.0**300
 """A power of two: by it nothing is rounded."""
 
 
-class Turning(NamedTuple):
+class SteadyTurning(NamedTuple):
     """How every body turns."""
 
     angular_velocities: AnyArray
@@ -59,7 +59,7 @@ class Turning(NamedTuple):
     point: AnyArray
     """(3,), on the axis"""
 
-    def slowed(self, share: float) -> Turning:
+    def slowed(self, share: float) -> SteadyTurning:
         """The same at a share of its rate."""
         return self._replace(angular_velocities=share * np.asarray(self.angular_velocities))
 
@@ -76,7 +76,7 @@ class SteadyEquations:
 
     machine: Any
     begin: Any
-    turning: Turning | None = None
+    turning: SteadyTurning | None = None
     held: np.ndarray | float = 0.0
 
     def at_rest(self) -> Self:
@@ -119,7 +119,7 @@ class LinearEquations(NamedTuple):
 
 def steady_motion(
     model: Model,
-    turning: Turning,
+    turning: SteadyTurning,
     time: float,
     configuration: Configuration,
     multipliers: AnyArray,
@@ -136,14 +136,14 @@ def steady_motion(
     return SystemMotion(np.asarray(float(time)), configuration, velocity, acceleration, multipliers, control)
 
 
-def work_of_turning(model: Model, turning: Turning) -> float:
+def work_of_turning(model: Model, turning: SteadyTurning) -> float:
     """Of the inertia forces of a machine that turns, as if all its mass went round."""
     rate = np.max(np.linalg.norm(turning.angular_velocities, axis=1))
     return float(model.mass * (rate * model.length) ** 2)
 
 
 def turning_velocities(
-    turning: Turning, configuration: Configuration, frame_starts: Sequence[int], n: int
+    turning: SteadyTurning, configuration: Configuration, frame_starts: Sequence[int], n: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Velocities and accelerations (n,) of bodies that turn steadily, their frames from `frame_starts` on.
 
@@ -159,7 +159,9 @@ def turning_velocities(
     return velocity, acceleration
 
 
-def linear_equations(model: Model, turning: Turning, motion: SystemMotion, terms: Balance) -> LinearEquations:
+def linear_equations(
+    model: Model, turning: SteadyTurning, motion: SystemMotion, terms: Balance
+) -> LinearEquations:
     """The equations of motion, linearised about a steady motion, at which `terms` were evaluated."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
     # So large a factor that nothing is lost beside the mass, whatever the unit of time.
@@ -203,7 +205,9 @@ def in_turning_axes(model: Model, configuration: Configuration) -> np.ndarray:
     return axes
 
 
-def _spins(model: Model, turning: Turning, configuration: Configuration) -> tuple[np.ndarray, np.ndarray]:
+def _spins(
+    model: Model, turning: SteadyTurning, configuration: Configuration
+) -> tuple[np.ndarray, np.ndarray]:
     """`S` and `S_R`, (n, n)."""
     frames, translations = np.zeros((2, model.n_velocities, model.n_velocities))
     in_body = np.einsum("bji,bj->bi", configuration.rotations, turning.angular_velocities)

@@ -5,6 +5,7 @@ from supple.error.batch_estimate import *
 from supple.error.case_indicator import *
 from supple.error.correction_folder import *
 from supple.error.correction_rounds import *
+from supple.error.equilibrium_correction import *
 from supple.error.error_estimate import *
 from supple.error.error_study import *
 from supple.error.recorded_correction import *
@@ -12,4 +13,3 @@ from supple.error.residual_correction import *
 from supple.error.round_archive import *
 from supple.error.round_table import *
 from supple.error.self_correction import *
-from supple.error.static_correction import *

@@ -39,7 +39,7 @@ from supple.linearization.turned_machine import equations_turned_on, turning_bod
 from supple.machine import GROUND, Joint, Spin
 from supple.simulation.resting_state import RestingState, placed_at_rest
 
-__all__ = ["CONSTANT", "FEW", "Columns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
+__all__ = ["CONSTANT", "FEW", "BodyColumns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
 
 CONSTANT = 1e-6
 """Equations that change by more than this part as the machine turns on have no eigenvalues."""
@@ -66,7 +66,7 @@ class Sampled(NamedTuple):
     constraint: Array
 
 
-class Columns(NamedTuple):
+class BodyColumns(NamedTuple):
     """Where the motions of each body stand among some coordinates, and whose shapes they are.
 
     bodies : with `n_coordinates`, and if they deform `nodes` and a `nodal_basis`
@@ -85,7 +85,7 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
     """
     if found.system.controllers:
         raise ModelError(refusal)
-    columns = Columns(found.equations.slices, [placed.body for placed in found.system.bodies])
+    columns = BodyColumns(found.equations.slices, [placed.body for placed in found.system.bodies])
     largest = max(map(len, _equal_bodies(found, spin, columns)), default=0)
     # A few angles show what is constant; the harmonics of what is not take more.
     for number in (FEW, max(SAMPLES, PER_BLADE * largest)):
@@ -100,7 +100,7 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
 
 
 def constant_in_standing_axes(
-    found: RestingState, time: float, spin: Spin, columns: Columns, sampled: Sampled
+    found: RestingState, time: float, spin: Spin, columns: BodyColumns, sampled: Sampled
 ) -> LinearMachine | None:
     """The machine in the coordinates in which it was sampled; None where it has no constant equations.
 
@@ -174,14 +174,16 @@ class _Seen(NamedTuple):
     full_mass: Array
 
 
-def _seen_in_every_way(found: RestingState, spin: Spin, columns: Columns, sampled: Sampled) -> list[_Seen]:
+def _seen_in_every_way(
+    found: RestingState, spin: Spin, columns: BodyColumns, sampled: Sampled
+) -> list[_Seen]:
     """In all coordinates in which the joints leave the same motions free."""
     ways = _ways(found, spin, columns, len(sampled.mass))
     seen = (_seen(sampled, spin, coordinates) for coordinates in ways)
     return [each for each in seen if each is not None]
 
 
-def _ways(found: RestingState, spin: Spin, columns: Columns, number: int) -> Iterator[_Coordinates]:
+def _ways(found: RestingState, spin: Spin, columns: BodyColumns, number: int) -> Iterator[_Coordinates]:
     """Coordinates to try, those that are most likely to see nothing change first."""
     groups = _equal_bodies(found, spin, columns)
     fine = number * -(-max(FINE, PER_BLADE * max(map(len, groups), default=0)) // number)
@@ -231,7 +233,7 @@ def _change(matrices: tuple[Array, Array, Array], rate: float) -> float:
     return float(max(np.max(each, initial=0.0) for each in changes))
 
 
-def _starts(columns: Columns) -> Array:
+def _starts(columns: BodyColumns) -> Array:
     return np.array([part.start for part in columns.slices])
 
 
@@ -249,7 +251,7 @@ def _hub(found: RestingState, turning: Array) -> int:
     return int(np.argmax(turning))
 
 
-def _hub_in_space(found: RestingState, spin: Spin, columns: Columns, angles: Array) -> Array:
+def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles: Array) -> Array:
     """`S` (s, n, n): the hub's rigid motion from its twist at the axis, in axes that stand."""
     turning, starts = turning_bodies(found, spin), _starts(columns)
     n = columns.slices[-1].stop
@@ -267,7 +269,7 @@ def _hub_in_space(found: RestingState, spin: Spin, columns: Columns, angles: Arr
     return S
 
 
-def _equal_bodies(found: RestingState, spin: Spin, columns: Columns) -> list[list[int]]:
+def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list[list[int]]:
     """Turning bodies, three or more, of one size and evenly around the axis; in the order of their angle."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
@@ -297,7 +299,7 @@ def _equal_bodies(found: RestingState, spin: Spin, columns: Columns) -> list[lis
 
 
 def _round_bodies(
-    found: RestingState, spin: Spin, columns: Columns, blades: list[int], angles: Array
+    found: RestingState, spin: Spin, columns: BodyColumns, blades: list[int], angles: Array
 ) -> Array:
     """(s, n, n): motion of turning bodies that are alike all around, from that in axes that stand."""
     turning, configuration = turning_bodies(found, spin), found.configuration
@@ -326,7 +328,7 @@ def _length(part: slice) -> int:
     return part.stop - part.start
 
 
-def _multi_blade(columns: Columns, groups: list[list[int]], angles: Array) -> Array:
+def _multi_blade(columns: BodyColumns, groups: list[list[int]], angles: Array) -> Array:
     """`T` (s, n, n): the coordinates of equal bodies from multi-blade ones, which stand in their places."""
     n = columns.slices[-1].stop
     T = np.tile(np.eye(n), (len(angles), 1, 1))

@@ -28,7 +28,7 @@ from supple.errors import AccuracyError
 from supple.linearization.axisymmetry import waves_around
 from supple.linearization.linear_machine import Array, LinearMachine
 from supple.linearization.sparse_machine import SparseMachine
-from supple.linearization.standing_axes import FEW, Columns, Sampled, constant_in_standing_axes
+from supple.linearization.standing_axes import FEW, BodyColumns, Sampled, constant_in_standing_axes
 from supple.linearization.turned_machine import equations_turned_on
 from supple.machine import Spin
 from supple.methods.floating.full.linear_equations import SparseEquations
@@ -115,7 +115,7 @@ class StandingTurn:
             )
         return machine
 
-    def _columns(self, vectors: Mapping[str, Array]) -> Columns:
+    def _columns(self, vectors: Mapping[str, Array]) -> BodyColumns:
         slices, bodies, start = [], [], 0
         for placed in self.found.system.bodies:
             body: Any = placed.body
@@ -124,7 +124,7 @@ class StandingTurn:
             slices.append(slice(start, start + 6 + body.n_coordinates))
             bodies.append(body)
             start = slices[-1].stop
-        return Columns(slices, bodies)
+        return BodyColumns(slices, bodies)
 
     def enlarged(self, vectors: Mapping[str, Array], answers: Array) -> dict[str, Array]:
         """The bases with what some motions (N, k) of all coordinates add to them."""

@@ -2,7 +2,7 @@
 
 from supple.machine.contacts import *
 from supple.machine.control.controller import *
-from supple.machine.control.readings import *
+from supple.machine.control.controller_readings import *
 from supple.machine.ends import *
 from supple.machine.forces.actuators import *
 from supple.machine.forces.bushing import *
@@ -40,7 +40,7 @@ from supple.machine.laws.scaled import *
 from supple.machine.laws.sine import *
 from supple.machine.laws.spin_up import *
 from supple.machine.laws.spline import *
-from supple.machine.laws.table import *
+from supple.machine.laws.tabled_law import *
 from supple.machine.laws.time_function import *
 from supple.machine.laws.time_law import *
 from supple.machine.laws.turning import *

@@ -16,7 +16,7 @@ from supple.body import BodyForm, FlexibleBody
 from supple.errors import ModelError, did_you_mean
 from supple.machine.contacts import Contact, Support, SurfaceContact
 from supple.machine.control.controller import Controller, SampledController
-from supple.machine.control.readings import EndReading
+from supple.machine.control.controller_readings import EndReading
 from supple.machine.ends import GROUND, At
 from supple.machine.forces.axial_element import AxialElement
 from supple.machine.forces.force_element import ForceElement
@@ -52,7 +52,7 @@ _OF_PARTS = {
 """What a system has lists of for these alone."""
 
 
-class Assembly(NamedTuple):
+class AssembledPose(NamedTuple):
     """Where a body's frame stood, undeformed, when the machine was put together."""
 
     position: np.ndarray
@@ -86,7 +86,7 @@ class Placed(Summarized):
     angular_velocity: np.ndarray | None = None
     coordinates: np.ndarray = field(default_factory=lambda: np.zeros(0))
     coordinate_rates: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    assembled: Assembly | None = None
+    assembled: AssembledPose | None = None
 
     def summary(self) -> Summary:
         """Where and how fast the body starts."""
@@ -124,9 +124,9 @@ class Placed(Summarized):
             object.__setattr__(self, item, array)
 
     @property
-    def assembly(self) -> Assembly:
+    def assembly(self) -> AssembledPose:
         """Where it stood when joints and forces were put on."""
-        return self.assembled or Assembly(self.position, self.rotation)
+        return self.assembled or AssembledPose(self.position, self.rotation)
 
     @property
     def twist(self) -> np.ndarray:

@@ -21,7 +21,7 @@ from supple.results.run_tables import TextTable
 from supple.storage.atomic_write import replacing
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["Assets", "Clip", "Page", "Section", "html_text", "page_text", "write_page", "write_text"]
+__all__ = ["Assets", "Clip", "Page", "PageSection", "html_text", "page_text", "write_page", "write_text"]
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ _PLAYER = Assets(
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A heading with lines of text, tables, and texts as they stand, such as a case file, by name."""
 
     title: str
@@ -76,7 +76,7 @@ class Page:
     """
 
     title: str
-    sections: Sequence[Section]
+    sections: Sequence[PageSection]
     machine: MovingMachine | None = None
     clips: Sequence[Clip] = ()
     charts: Sequence[Chart] = ()
@@ -112,7 +112,7 @@ def page_text(page: Page) -> str:
 
 
 def html_text(
-    assets: Assets, title: str, sections: Sequence[Section], head: Mapping[str, Any], arrays: PackedArrays
+    assets: Assets, title: str, sections: Sequence[PageSection], head: Mapping[str, Any], arrays: PackedArrays
 ) -> str:
     """One HTML file of sections and data, which its scripts show.
 
@@ -157,7 +157,7 @@ def _hash(text: str) -> str:
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
 
 
-def _section(section: Section) -> str:
+def _section(section: PageSection) -> str:
     parts = [f"<section><h2>{escape(section.title)}</h2>"]
     parts += [f"<p>{escape(line)}</p>" for line in section.lines]
     parts += [_table(table) for table in section.tables if table.rows]

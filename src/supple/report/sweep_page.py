@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from supple.arguments import checked_arguments
 from supple.errors import ModelError
 from supple.report.packed_arrays import PackedArrays
-from supple.report.page import Assets, Section, html_text, write_text
+from supple.report.page import Assets, PageSection, html_text, write_text
 from supple.units import labelled
 
-__all__ = ["ChannelOfCases", "LoadSpectrum", "SweepPage", "channels_that_fit", "write_sweep_page"]
+__all__ = ["ChannelOfCases", "RainflowSpectrum", "SweepPage", "channels_that_fit", "write_sweep_page"]
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class ChannelOfCases:
 
 
 @dataclass(frozen=True, eq=False)
-class LoadSpectrum:
+class RainflowSpectrum:
     """Rainflow cycles of a channel over all cases.
 
     ranges : (b,) in the middle of the classes, ascending;   counts : (b,) of cycles
@@ -73,9 +73,9 @@ class SweepPage:
     parameters: Mapping[str, Sequence[Any]]
     channels: Sequence[ChannelOfCases]
     results: Mapping[str, Sequence[Any] | Array] = field(default_factory=lambda: MappingProxyType({}))
-    spectra: Sequence[LoadSpectrum] = ()
+    spectra: Sequence[RainflowSpectrum] = ()
     exponents: Sequence[float] = ()
-    sections: Sequence[Section] = ()
+    sections: Sequence[PageSection] = ()
     reports: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
     time: str = ""
     row: str = "case"
@@ -174,7 +174,7 @@ def _columns(channel: ChannelOfCases, time: str) -> Iterator[_Column]:
         yield _Column(labelled(f"{channel.name}, {name}", unit), "output", values)
 
 
-def _plain(spectrum: LoadSpectrum, arrays: PackedArrays) -> dict[str, Any]:
+def _plain(spectrum: RainflowSpectrum, arrays: PackedArrays) -> dict[str, Any]:
     return {
         "name": spectrum.name,
         "unit": spectrum.unit,

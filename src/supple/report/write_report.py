@@ -16,7 +16,7 @@ from supple.machine import At, System
 from supple.quantities import Reading, TrackedMotion
 from supple.report.charts import charts_of
 from supple.report.moving_machine import moving_machine
-from supple.report.page import Page, Section, write_page
+from supple.report.page import Page, PageSection, write_page
 from supple.results import summarize
 from supple.results.body_surface import Look
 from supple.results.explicit_numbers import explicit_cost_line
@@ -80,12 +80,12 @@ def write_report(
 
 def run_sections(
     numbers: Mapping[str, Any], solution: Solution, rounds: Sequence[Mapping[str, Any]], units: UnitSystem
-) -> list[Section]:
+) -> list[PageSection]:
     """The error statement, then all other tables of a run."""
     if numbers["errors"]:
-        error = Section("Error of the run", list(error_lines(numbers)), [error_table(numbers)])
+        error = PageSection("Error of the run", list(error_lines(numbers)), [error_table(numbers)])
     else:
-        error = Section("Error of the run", ["The error of this run was not estimated."])
+        error = PageSection("Error of the run", ["The error of this run was not estimated."])
     corrected = [correction_table(rounds, units)] if rounds else []
     proofs = [
         f"{name}: {body['eigenvalues']}" for name, body in numbers["bodies"].items() if "eigenvalues" in body
@@ -93,11 +93,11 @@ def run_sections(
     cost = explicit_cost_line(numbers) if "steps" in numbers else cost_line(solution.statistics)
     stopped = [f"Stopped at {solution.times[-1]:g}: {solution.stopped}"] if solution.stopped else []
     lines = [*stopped, *proofs, *start_lines(numbers), cost]
-    return [error, Section("Results", lines, [*corrected, *motion_tables(numbers)])]
+    return [error, PageSection("Results", lines, [*corrected, *motion_tables(numbers)])]
 
 
-def inputs_section(inputs: Mapping[str, str]) -> Section:
+def inputs_section(inputs: Mapping[str, str]) -> PageSection:
     """What the run was computed from, and with."""
     programs = [f"{name} {version(name)}" for name in ("supple", "numpy", "scipy", "jax")]
     line = f"Computed with {', '.join(programs)}; Python {platform.python_version()}."
-    return Section("Inputs and versions", [line], texts=inputs)
+    return PageSection("Inputs and versions", [line], texts=inputs)

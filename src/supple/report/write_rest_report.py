@@ -19,7 +19,7 @@ from supple.linearization.mode_names import mode_names
 from supple.machine import At
 from supple.report.charts import Chart
 from supple.report.moving_machine import FieldScale, moving_machine
-from supple.report.page import Clip, Page, Section, write_page
+from supple.report.page import Clip, Page, PageSection, write_page
 from supple.report.write_report import inputs_section
 from supple.results.body_surface import Look
 from supple.results.rest_tables import rest_error_table, rest_tables
@@ -57,8 +57,8 @@ def write_static_report(
     page = Page(
         title or "Equilibrium",
         [
-            Section("Error of the bases", lines, known),
-            Section("Results", [state], rest_tables(numbers)),
+            PageSection("Error of the bases", lines, known),
+            PageSection("Results", [state], rest_tables(numbers)),
             inputs_section(inputs),
         ],
         moving_machine(found.system, found.solution, meshes, elements=elements, bases=bases, units=units),
@@ -104,7 +104,7 @@ def write_modes_report(
         for place, number in enumerate(played):
             note = f"{_mode_note(modes, number, units)}. {seen}"
             clips.append(Clip(f"{number + 1}: {names[number]}", place * length, length, note, repeats=True))
-    sections = [Section("Modes", [seen], tables), inputs_section(inputs)]
+    sections = [PageSection("Modes", [seen], tables), inputs_section(inputs)]
     return write_page(path, Page(title or "Modes", sections, machine, clips, units=units))
 
 
@@ -137,7 +137,7 @@ def write_campbell_report(
         Chart("frequencies", labelled("frequency", unit), speed, frequencies, note, over),
         Chart("damping", "damping (%)", speed, damping, note, over),
     ]
-    sections = [Section("Modes over speed", [], tables), inputs_section(inputs)]
+    sections = [PageSection("Modes over speed", [], tables), inputs_section(inputs)]
     return write_page(path, Page(title or "Campbell diagram", sections, charts=charts, units=units))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from supple.equations.configuration import Configuration
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.sensitivity_step import StateChange
 from supple.methods.floating.compiled.state import State
 

@@ -18,7 +18,7 @@ import numpy as np
 from supple.arguments import check_instance
 from supple.equations.configuration import Configuration
 from supple.equations.coordinate_scales import position_scale
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, stepping_instants
 from supple.errors import ModelError, SuppleWarning
 from supple.integrate import Kinematic, Run

@@ -1,12 +1,12 @@
 """From a machine to its motion: one case, many cases, runs that live on disk."""
 
-from supple.simulation.assembly import *
 from supple.simulation.batch import *
 from supple.simulation.batch_solution import *
 from supple.simulation.engines import *
 from supple.simulation.equilibrium import *
 from supple.simulation.kept_bodies import *
 from supple.simulation.kept_run import *
+from supple.simulation.machine_assembly import *
 from supple.simulation.place_error import *
 from supple.simulation.recorded_run import *
 from supple.simulation.simulate import *

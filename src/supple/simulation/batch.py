@@ -20,7 +20,7 @@ from supple.arguments import check_instance, checked_arguments
 from supple.equations.checks.output_rate import report_output_rate
 from supple.equations.checks.step_length import report_step_length
 from supple.equations.checks.validity import Peaks, watch
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, filled_up, laws_of, stepping_instants
 from supple.errors import ModelError
 from supple.integrate import (

@@ -21,7 +21,7 @@ from supple.integrate import Progress, Run, Solution
 from supple.machine import System
 from supple.methods.floating.compiled.batch_start import differing, stacked
 from supple.methods.intrinsic import IntrinsicEngine
-from supple.methods.intrinsic.line_march import MarchState
+from supple.methods.intrinsic.line_march import LineMarchState
 from supple.methods.intrinsic.line_system import LineSystem
 from supple.methods.intrinsic.march_of_cases import march_of_cases
 from supple.methods.intrinsic.report_truncation import report_truncation_of_cases
@@ -55,7 +55,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     devices = jax.devices()
     preparing = clock.perf_counter() - began
 
-    def sent(own: range, device: Any) -> MarchState:
+    def sent(own: range, device: Any) -> LineMarchState:
         # A last chunk that is shorter repeats its last case, so that one program marches all.
         numbers = [*own, *[own[-1]] * (chunk - len(own))]
         together = jax.tree.map(lambda *leaves: np.stack(leaves), *(starts[i] for i in numbers))
@@ -90,7 +90,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
 
 
 def _solution(
-    engine: IntrinsicEngine, start: MarchState, reached: MarchState, times: np.ndarray, seconds: float
+    engine: IntrinsicEngine, start: LineMarchState, reached: LineMarchState, times: np.ndarray, seconds: float
 ) -> Solution:
     """The start, and what a case reached, as the engine gives it."""
     whole = jax.tree.map(lambda first, leaf: np.concatenate([np.asarray(first)[None], leaf]), start, reached)
@@ -115,7 +115,7 @@ def _shapes(system: LineSystem) -> list[tuple[int, ...]]:
 
 
 def _require_memory(
-    axes: Sequence[int | None], system: LineSystem, start: MarchState, chunk: int, n_times: int
+    axes: Sequence[int | None], system: LineSystem, start: LineMarchState, chunk: int, n_times: int
 ) -> None:
     """MemoryShortageError where a chunk would take more than is left."""
     numbers = sum(

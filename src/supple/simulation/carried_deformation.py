@@ -24,7 +24,7 @@ from supple.body import BodyForm, FlexibleBody, MeanAxisFrame
 from supple.errors import ModelError
 from supple.simulation.kept_basis import kept_basis
 
-__all__ = ["CarriedDeformation", "Deformation", "FloatingState", "ProjectionLoss", "carried_deformation"]
+__all__ = ["CarriedDeformation", "Deformation", "PlacedFrame", "ProjectionLoss", "carried_deformation"]
 
 Array = np.ndarray
 
@@ -43,7 +43,7 @@ class Deformation(NamedTuple):
     rates: Array
 
 
-class FloatingState(NamedTuple):
+class PlacedFrame(NamedTuple):
     """Pose and velocities of a floating frame, as of `Placed`."""
 
     position: Array
@@ -71,7 +71,7 @@ class ProjectionLoss:
 class CarriedDeformation(NamedTuple):
     """Where a body is in its new form."""
 
-    frame: FloatingState
+    frame: PlacedFrame
     coordinates: Array
     rates: Array
     loss: ProjectionLoss
@@ -87,7 +87,7 @@ def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformat
 
 
 def carried_deformation(
-    then: BodyForm, state: FloatingState, deformation: Deformation, now: Any, nodes: Array
+    then: BodyForm, state: PlacedFrame, deformation: Deformation, now: Any, nodes: Array
 ) -> CarriedDeformation:
     """The state of a body in another form or basis.
 
@@ -173,10 +173,10 @@ def _following_rates(body: BodyForm, coordinates: Array, rates: Array) -> Array:
 def _seen_from(
     body: FlexibleBody,
     frame: Any,
-    state: FloatingState,
+    state: PlacedFrame,
     deformation: Deformation,
     coordinates_of: Callable[[Array], Array],
-) -> tuple[FloatingState, Deformation]:
+) -> tuple[PlacedFrame, Deformation]:
     """The same shape and motion in space, from a frame of another kind: `D x = 0`, `D dx/dt = 0`."""
     conditions = frame.constraint(body)
     rigid = np.linalg.solve(conditions @ body.rigid_modes, conditions)
@@ -198,17 +198,17 @@ def _seen_from(
     nodal = _nodal(body, state, deformation.nodal, position, rotation)
     velocity, spin = state.velocity, rotation.T @ state.rotation @ state.angular_velocity
     for _ in range(MOST_ROUNDS):
-        found = FloatingState(position, rotation, velocity, spin)
+        found = PlacedFrame(position, rotation, velocity, spin)
         rates = _nodal_rates(body, state, deformation, found, nodal)
         moved, turned = missed(rates)
         velocity, spin = velocity + rotation @ moved, spin + turned
         if np.abs(moved).max() + size * np.abs(turned).max() <= CONVERGED * np.abs(rates).max(initial=0.0):
             break
-    found = FloatingState(position, rotation, velocity, spin)
+    found = PlacedFrame(position, rotation, velocity, spin)
     return found, Deformation(nodal, _nodal_rates(body, state, deformation, found, nodal))
 
 
-def _nodal(body: FlexibleBody, state: FloatingState, nodal: Array, position: Array, rotation: Array) -> Array:
+def _nodal(body: FlexibleBody, state: PlacedFrame, nodal: Array, position: Array, rotation: Array) -> Array:
     """Nodal freedoms (n_nodal,) of the same shape in another frame."""
     fields = nodal.reshape(-1, body.dofs_per_node)
     between = rotation.T @ state.rotation
@@ -220,7 +220,7 @@ def _nodal(body: FlexibleBody, state: FloatingState, nodal: Array, position: Arr
 
 
 def _nodal_rates(
-    body: FlexibleBody, state: FloatingState, deformation: Deformation, found: FloatingState, nodal: Array
+    body: FlexibleBody, state: PlacedFrame, deformation: Deformation, found: PlacedFrame, nodal: Array
 ) -> Array:
     """Rates (n_nodal,) of the same motion in another frame."""
     fields, rates = (each.reshape(-1, body.dofs_per_node) for each in deformation)

@@ -20,7 +20,7 @@ import numpy as np
 
 from supple.algebra import read_only
 from supple.body import FullBody, MeanAxisFrame, frame_projector
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.static_search import (
     StaticSearch,
     StaticState,

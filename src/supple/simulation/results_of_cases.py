@@ -9,7 +9,7 @@ import jax
 import numpy as np
 
 from supple.equations.floating_solution import floating_solution
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import Solution, Statistics
 from supple.machine import System
 from supple.methods.floating.compiled.engine import engine_state, system_motion

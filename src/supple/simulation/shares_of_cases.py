@@ -24,7 +24,7 @@ import jax
 import numpy as np
 
 from supple.equations.compiler_options import MARCHING
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.batch_start import Axes, BatchStart, stacked
 from supple.methods.floating.compiled.programs import COMPILED_MARCH
 from supple.methods.floating.compiled.state import Controls, State

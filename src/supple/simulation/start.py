@@ -18,7 +18,7 @@ from supple.methods.intrinsic.going_on import placed_as_moved
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.simulation.carried_deformation import (
     Deformation,
-    FloatingState,
+    PlacedFrame,
     ProjectionLoss,
     carried_deformation,
     deformation_of,
@@ -169,10 +169,10 @@ class Start:
             )
         return there == here and not self._is_scaled and are_same_columns(known.get(name, {}), placed)
 
-    def _state(self, motion: FloatingMotion) -> tuple[FloatingState, np.ndarray, np.ndarray]:
+    def _state(self, motion: FloatingMotion) -> tuple[PlacedFrame, np.ndarray, np.ndarray]:
         """Pose and velocities of the frame in units of the machine, coordinates and rates in their own."""
         row, speed = self.row, self.length / self.duration
-        state = FloatingState(
+        state = PlacedFrame(
             self.length * motion.position[row],
             motion.rotation[row],
             speed * motion.velocity[row],

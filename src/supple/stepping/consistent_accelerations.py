@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from supple.equations.compiled_machine import forces_without_acceleration
 from supple.equations.configuration import Configuration, ControlState, ControlStep
 from supple.equations.inertia import mass_matrix
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.starting_machine import joint_terms
 
 __all__ = ["consistent_accelerations"]

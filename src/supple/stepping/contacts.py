@@ -11,8 +11,8 @@ import jax.numpy as jnp
 from supple.equations.build_model import force_group_of
 from supple.equations.configuration import SystemMotion
 from supple.equations.ends import markers
+from supple.equations.machine_model import STATIC, ForceGroup
 from supple.equations.marker import Marker, pose
-from supple.equations.model import STATIC, ForceGroup
 from supple.machine import ForceElement, System
 
 __all__ = ["Contacts", "contacts_of"]

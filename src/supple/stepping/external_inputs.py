@@ -9,7 +9,7 @@ from typing import Any
 import jax
 import numpy as np
 
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.errors import ModelError, SuppleError
 from supple.machine import Joint, System
 from supple.machine.laws.constant import Constant

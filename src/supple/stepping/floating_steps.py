@@ -9,7 +9,7 @@ import jax
 import numpy as np
 
 from supple.equations.configuration import SystemMotion
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import Run
 from supple.machine import System
 from supple.methods.floating.compiled.differentiable_march import marched_to

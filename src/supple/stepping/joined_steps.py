@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.configuration import SystemMotion
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import Run
 from supple.machine import At, System
 from supple.methods.intrinsic.joined_engine import JoinedEngine, JoinedStepping

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 from supple.equations.configuration import SystemMotion
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 
 __all__ = ["Marching", "MarchingState"]
 

@@ -14,8 +14,8 @@ from supple.equations.build_model import force_group_of, readers_of
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.ends import markers
 from supple.equations.joint_linearization import affine_form, axial
+from supple.equations.machine_model import Ends, Model
 from supple.equations.marker import Marker, pose
-from supple.equations.model import Ends, Model
 from supple.machine import GROUND, EndReading, JointFriction, JointReading, System
 from supple.machine.forces.relative_motion import axial_motion, wrapped
 from supple.machine.pose import Pose

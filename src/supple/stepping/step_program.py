@@ -16,7 +16,7 @@ from supple.arguments import checked_arguments
 from supple.equations.compiled_machine import compiled_start
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import SystemMotion
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.integrate import ExplicitRule, Kinematic, Run
 from supple.machine import SampledController, System
@@ -34,10 +34,10 @@ from supple.stepping.sensed_outputs import SensedOutputs, sensed_outputs
 from supple.stepping.variables import Variable
 from supple.units import UNNAMED, UnitSystem
 
-__all__ = ["Instant", "StepProgram", "step_program"]
+__all__ = ["StepProgram", "StepState", "step_program"]
 
 
-class Instant(NamedTuple):
+class StepState(NamedTuple):
     """All that a machine is between two steps, a pytree."""
 
     parameter: Any
@@ -83,7 +83,7 @@ class StepProgram:
     parameters: tuple[Variable, ...]
     inputs: ExternalInputs
     outputs: SensedOutputs
-    start: Instant
+    start: StepState
     duration: float
 
     @property
@@ -103,7 +103,7 @@ class StepProgram:
             self.parts.depend(lambda parts: (parts.configuration, parts.velocity, parts.control))
         )
 
-    def started(self, parameter: Any, given: Any) -> Instant:
+    def started(self, parameter: Any, given: Any) -> StepState:
         """The machine at the start of its run, with parameters (k,) and inputs (i,)."""
         parts = self.parts.at(parameter)
         model = self.inputs.given(parts.arrays, given)
@@ -123,9 +123,9 @@ class StepProgram:
         motion = self.march.motion(model, state)
         before = jnp.zeros(len(self.outputs.variables))
         output = replace(self.outputs, reads=parts.reads).at(model, motion, before, 0.0)
-        return Instant(parameter, given, output, parts.contacts.at(motion), state)
+        return StepState(parameter, given, output, parts.contacts.at(motion), state)
 
-    def advanced(self, now: Instant, end: Any) -> Instant:
+    def advanced(self, now: StepState, end: Any) -> StepState:
         """The machine at a time, by equal steps of `size` at most; after a failure, before that step.
 
         JAX traces and compiles it. Its derivatives in forward mode (`jax.jvp`, `jax.jacfwd`), for inputs and
@@ -195,7 +195,9 @@ def step_program(
         parameters=own,
         inputs=external,
         outputs=replace(sensed, variables=named),
-        start=Instant(parts.start, external.start, first, np.asarray(parts.base.contacts.at(motion)), state),
+        start=StepState(
+            parts.start, external.start, first, np.asarray(parts.base.contacts.at(motion)), state
+        ),
         duration=float(run.duration),
     )
 

@@ -19,7 +19,15 @@ from supple.integrate.error_statement import ErrorStatement
 from supple.integrate.solution import Solution, Statistics, concatenate
 from supple.storage.column_measures import KEY
 from supple.storage.file_errors import DAMAGE
-from supple.storage.result_seals import NO_END, SIZE, Rows, content_seal, end_seal, header_seal, row_seal
+from supple.storage.result_seals import (
+    NO_END,
+    SIZE,
+    SeriesRows,
+    content_seal,
+    end_seal,
+    header_seal,
+    row_seal,
+)
 from supple.storage.run_inputs import Inputs
 from supple.storage.solution_arrays import Array, from_arrays, statistics_from_rows, statistics_row
 
@@ -259,7 +267,7 @@ class ResultContent:
         for begin, n_times in self._rows[:, :2].astype(int).tolist():
             yield begin, begin + n_times
 
-    def _check_content(self, number: int, arrays: Mapping[str, Rows]) -> None:
+    def _check_content(self, number: int, arrays: Mapping[str, SeriesRows]) -> None:
         if content_seal(arrays, self._state(number)) != self._content_seals[number]:
             raise ValueError("its numbers")
 

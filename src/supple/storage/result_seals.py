@@ -29,7 +29,7 @@ _BLOCK_BYTES = 2**24
 """Of an array, hashed at a time."""
 
 
-class Rows(Protocol):
+class SeriesRows(Protocol):
     """64-bit numbers (t, ...): an array, or rows of a dataset, which are read as they are sliced."""
 
     @property
@@ -45,9 +45,9 @@ def header_seal(texts: Mapping[str, str]) -> bytes:
     return _digest(_whole(name, text.encode()) for name, text in texts.items())
 
 
-def content_seal(arrays: Mapping[str, Rows], engine_state: Mapping[str, Array]) -> bytes:
+def content_seal(arrays: Mapping[str, SeriesRows], engine_state: Mapping[str, Array]) -> bytes:
     """Of the rows that a chunk adds to the arrays, by path, and the engine's state at its end, by key."""
-    parts: list[tuple[str, Rows]] = [(f"array {path}", array) for path, array in sorted(arrays.items())]
+    parts: list[tuple[str, SeriesRows]] = [(f"array {path}", array) for path, array in sorted(arrays.items())]
     parts += [(f"state {key}", value) for key, value in sorted(engine_state.items())]
     return _digest(
         (f"{name} {rows.shape}", 8 * int(np.prod(rows.shape)), _blocks(rows)) for name, rows in parts
@@ -66,7 +66,7 @@ def end_seal(header: bytes, rows: Iterable[bytes]) -> bytes:
     return _digest([_whole("header", header), _whole("rows", b"".join(rows))])
 
 
-def _blocks(rows: Rows) -> Iterator[memoryview]:
+def _blocks(rows: SeriesRows) -> Iterator[memoryview]:
     """The bytes of the rows, some rows after the others."""
     if not rows.shape:
         yield _bytes(rows[()])

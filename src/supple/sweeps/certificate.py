@@ -25,7 +25,7 @@ from supple.error.correction_rounds import SelfCorrection
 from supple.error.equation import ErrorSpace, MotionColumns
 from supple.storage.sealed_hdf5 import open_sealed, writing_sealed
 
-__all__ = ["CaseError", "Certificate", "Representative", "read_certificate", "write_certificate"]
+__all__ = ["Certificate", "EstimatedError", "Representative", "read_certificate", "write_certificate"]
 
 NOTHING = 1e-9
 """Of the displacement: a stated error that is less has no effectivity."""
@@ -57,7 +57,7 @@ class Representative:
         return tuple(self.basis / each for each in (self.indicator, self.final) if np.isfinite(each) and each)
 
 
-class CaseError(NamedTuple):
+class EstimatedError(NamedTuple):
     """Estimated error of a case, a length: of the body whose error is largest beside what it is allowed.
 
     estimated : by all parts;  basis : by the basis alone;  allowed : NaN where no accuracy is asked for
@@ -96,15 +96,15 @@ class Certificate:
         """Of the size: the other parts of the error."""
         return max((each.others / each.size for each in self._of(body) if each.size), default=0.0)
 
-    def case_error(self, indicated: Mapping[str, Indicated]) -> CaseError:
+    def case_error(self, indicated: Mapping[str, Indicated]) -> EstimatedError:
         """Of a case from its indicators."""
         if self.reason or not indicated:
-            return CaseError()
+            return EstimatedError()
         found = []
         for name, own in indicated.items():
             basis = self.effectivity(name) * own.error
             allowed = self.allowed(name, own.size)
-            found.append(CaseError(basis + self.other_share(name) * own.size, basis, allowed))
+            found.append(EstimatedError(basis + self.other_share(name) * own.size, basis, allowed))
         return max(found, key=lambda each: (each.basis / (each.allowed or np.nan) > 1, each.estimated))
 
     def allowed(self, body: str, size: float) -> float:

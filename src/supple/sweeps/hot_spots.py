@@ -36,7 +36,7 @@ Planes = table_of(CriticalPlane, "critical-plane")
 Signed = table_of(SignedVonMises, "signed-von-mises")
 
 
-class Curve(table_of(SNCurve, thickness=_THICKNESS)):
+class HotSpotCurve(table_of(SNCurve, thickness=_THICKNESS)):
     """An S-N curve."""
 
 
@@ -45,7 +45,9 @@ class HotSpot(CheckedTable):
 
     name: str = Field(min_length=1, description="of its channels, which are NAME.NODE")
     nodes: str = Field(description="BODY.NODE_SET, of a body that is reduced here")
-    curve: Curve = Field(description="{ reference_range, reference_cycles, exponent, .. } in units of stress")
+    curve: HotSpotCurve = Field(
+        description="{ reference_range, reference_cycles, exponent, .. } in units of stress"
+    )
     criterion: Annotated[Made, OneOf(Planes, Signed)] = Field(
         default_factory=lambda: Planes(kind="critical-plane"),
         description='{ kind = "critical-plane" } or { kind = "signed-von-mises" }',

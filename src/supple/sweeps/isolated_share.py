@@ -12,7 +12,7 @@ from pathlib import Path
 from supple.errors import ResultFileError
 from supple.other_processes import python_command, python_environment
 from supple.sweeps.fatigue_loads import summed_spectra
-from supple.sweeps.part_file import CaseResult, CaseStatus, Part, read_part
+from supple.sweeps.part_file import CaseRecord, CaseStatus, Part, read_part
 from supple.sweeps.plan import read_plan
 
 __all__ = ["isolated_share"]
@@ -45,7 +45,7 @@ def _found(folder: Path, cases: Sequence[int], options: Sequence[str], place: Pa
         if code == _REFUSED:
             raise ResultFileError(words)
     if len(cases) == 1:
-        return Part([CaseResult(cases[0], CaseStatus.KILLED, _cause(code, words))])
+        return Part([CaseRecord(cases[0], CaseStatus.KILLED, _cause(code, words))])
     half = len(cases) // 2
     parts = [_found(folder, own, options, place) for own in (cases[:half], cases[half:])]
     return Part(

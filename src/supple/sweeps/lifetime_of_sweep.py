@@ -17,7 +17,7 @@ __all__ = ["LifetimeOfCases"]
 Array = NDArray[np.float64]
 
 
-class Wind(table_of(Weibull)):
+class WindSpeeds(table_of(Weibull)):
     """Weibull's distribution of the wind speeds."""
 
 
@@ -25,7 +25,7 @@ class LifetimeOfCases(CheckedTable):
     """How often the cases occur, by the wind speed that each stands for."""
 
     speed: str = Field(description="path whose values are the wind speeds of the cases")
-    wind: Wind = Field(description="{ scale, shape } of Weibull's distribution of the wind speeds")
+    wind: WindSpeeds = Field(description="{ scale, shape } of Weibull's distribution of the wind speeds")
     duration: Positive = Field(description="the lifetime, in the unit of time of the case")
     cut_in: float | None = Field(None, description="lowest speed; left out: as far below as above")
     cut_out: float | None = Field(None, description="highest speed; left out: as far above as below")

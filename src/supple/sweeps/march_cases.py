@@ -18,13 +18,13 @@ from supple.simulation import simulate, simulate_batch
 from supple.simulation.engines import is_explicit
 from supple.storage.solution_arrays import to_arrays
 from supple.sweeps.attempts import NOT_OF_A_CASE
-from supple.sweeps.certificate import CaseError
+from supple.sweeps.certificate import EstimatedError
 from supple.sweeps.certified_group import CertifiedGroup
 from supple.sweeps.channel_statistics import channel_statistics
 from supple.sweeps.fatigue_loads import DAMAGE
 from supple.sweeps.greedy_basis import indicated
 from supple.sweeps.hot_spots import damage_of_hot_spots
-from supple.sweeps.part_file import CaseResult, CaseStatus, Channels
+from supple.sweeps.part_file import CaseRecord, CaseStatus, Channels
 from supple.sweeps.plan import MARCHED_AT_ONCE
 from supple.sweeps.swept_group import SweptCase, SweptGroup
 
@@ -42,7 +42,7 @@ Began = Callable[[Sequence[int]], None]
 """Called with the numbers of the cases that march from now on."""
 
 
-def march_cases(certified: CertifiedGroup, cases: Sequence[int], began: Began) -> Iterator[CaseResult]:
+def march_cases(certified: CertifiedGroup, cases: Sequence[int], began: Began) -> Iterator[CaseRecord]:
     """What cases of a group come to, in their order.
 
     Cases that march together are one compiled program; where it does not take them, each marches alone.
@@ -65,20 +65,20 @@ def _at_once(group: SweptGroup) -> int:
     return max(fitting // MARCHED_AT_ONCE, 1) * MARCHED_AT_ONCE
 
 
-def _made(group: SweptGroup, cases: Sequence[int]) -> tuple[dict[int, SweptCase], dict[int, CaseResult]]:
+def _made(group: SweptGroup, cases: Sequence[int]) -> tuple[dict[int, SweptCase], dict[int, CaseRecord]]:
     """The machines of cases, and what is wrong with those that make none."""
-    made, failed = dict[int, SweptCase](), dict[int, CaseResult]()
+    made, failed = dict[int, SweptCase](), dict[int, CaseRecord]()
     for number in cases:
         try:
             made[number] = group.case(number)
         except NOT_OF_A_CASE:
             raise
         except SuppleError as error:
-            failed[number] = CaseResult(number, CaseStatus.FAILED, str(error))
+            failed[number] = CaseRecord(number, CaseStatus.FAILED, str(error))
     return made, failed
 
 
-def _marched(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int, CaseResult]:
+def _marched(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int, CaseRecord]:
     if not made:
         return {}
     run = next(iter(made.values())).run
@@ -95,7 +95,7 @@ def _marched(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int,
     return {number: _alone(certified, number, own) for number, own in made.items()}
 
 
-def _together(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int, CaseResult]:
+def _together(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int, CaseRecord]:
     cases = list(made.values())
     found = simulate_batch([own.system for own in cases], cases[0].run, progress=silent)
     solutions = [
@@ -110,10 +110,10 @@ def _together(certified: CertifiedGroup, made: dict[int, SweptCase]) -> dict[int
 
 def _errors(
     certified: CertifiedGroup, cases: Sequence[SweptCase], solutions: Sequence[Solution]
-) -> list[CaseError]:
+) -> list[EstimatedError]:
     """What is estimated of the errors of runs; of those that broke off nothing."""
     bodies = certified.certificate.bodies
-    none = [CaseError()] * len(cases)
+    none = [EstimatedError()] * len(cases)
     if not bodies:
         return none
     try:
@@ -124,29 +124,29 @@ def _errors(
         warnings.warn(f"errors of cases are not estimated: {error}", SuppleWarning, stacklevel=2)
         return none
     return [
-        certified.certificate.case_error(own) if solution.stopped is None else CaseError()
+        certified.certificate.case_error(own) if solution.stopped is None else EstimatedError()
         for own, solution in zip(found, solutions, strict=True)
     ]
 
 
-def _alone(certified: CertifiedGroup, number: int, own: SweptCase) -> CaseResult:
+def _alone(certified: CertifiedGroup, number: int, own: SweptCase) -> CaseRecord:
     began = clock.process_time()
     try:
         solution = simulate(own.system, own.run, check=False, progress=silent)  # the command has a bar
     except NOT_OF_A_CASE:
         raise
     except SuppleError as error:
-        return CaseResult(number, CaseStatus.FAILED, str(error), clock.process_time() - began)
+        return CaseRecord(number, CaseStatus.FAILED, str(error), clock.process_time() - began)
     seconds = clock.process_time() - began
     (error,) = _errors(certified, [own], [solution])
     return _result(certified.group, number, own, solution, seconds, error)
 
 
 def _result(
-    group: SweptGroup, number: int, own: SweptCase, solution: Solution, seconds: float, error: CaseError
-) -> CaseResult:
+    group: SweptGroup, number: int, own: SweptCase, solution: Solution, seconds: float, error: EstimatedError
+) -> CaseRecord:
     """A motion in numbers; of one that broke off its extremes would be those of a part, so there are none."""
-    result = CaseResult(
+    result = CaseRecord(
         number,
         CaseStatus.RAN if solution.stopped is None else CaseStatus.FAILED,
         solution.stopped or "",

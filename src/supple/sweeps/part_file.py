@@ -29,7 +29,7 @@ from supple.errors import ResultFileError
 from supple.storage.sealed_hdf5 import is_whole, open_sealed, writing_sealed
 from supple.sweeps.channel_statistics import STATISTICS
 
-__all__ = ["CaseResult", "CaseStatus", "Channels", "Part", "part_path", "read_part", "write_part"]
+__all__ = ["CaseRecord", "CaseStatus", "Channels", "Part", "part_path", "read_part", "write_part"]
 
 FORMAT, VERSION = "supple-sweep-part", 1
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ class Channels:
 
 
 @dataclass(frozen=True, eq=False)
-class CaseResult:
+class CaseRecord:
     """What a case came to.
 
     no_estimate : why there is no estimate of its error; "" where there is one
@@ -100,7 +100,7 @@ class Part:
     statistic : names of the statistics;   spectrum : (m, 3) of all cases
     """
 
-    results: Sequence[CaseResult]
+    results: Sequence[CaseRecord]
     warnings: Sequence[str] = ()
     statistic: Sequence[str] = STATISTICS
     spectrum: Array = field(default_factory=lambda: np.zeros((0, 3)))
@@ -152,7 +152,7 @@ def write_part(path: Path, part: Part) -> None:
                 file.create_dataset(f"motions/{each.case}/{where}", data=array, compression=1, shuffle=True)
 
 
-def _statistics_of(result: CaseResult, channels: Channels, number: int) -> Array:
+def _statistics_of(result: CaseRecord, channels: Channels, number: int) -> Array:
     """(s, c), NaN where there are none, or of other channels than those of the part."""
     if result.statistics is None or result.channels != channels:
         return np.full((number, len(channels.name)), np.nan)
@@ -179,7 +179,7 @@ def read_part(path: Path) -> Part:
             ran = status == CaseStatus.RAN
             motion = motion_in(file, known["case"])
             results.append(
-                CaseResult(**known, statistics=statistics[..., row] if ran else None, motion=motion)
+                CaseRecord(**known, statistics=statistics[..., row] if ran else None, motion=motion)
             )
         warned, names = (tuple(file[name].asstr()[()]) for name in ("warnings", "statistic"))
         return Part(results, warned, names, file["spectrum"][()])

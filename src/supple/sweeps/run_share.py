@@ -15,7 +15,7 @@ from supple.sweeps.certified_group import certified_group
 from supple.sweeps.fatigue_loads import summed_spectra
 from supple.sweeps.isolated_share import isolated_share
 from supple.sweeps.march_cases import Began, march_cases
-from supple.sweeps.part_file import CaseResult, CaseStatus, Part, part_path, write_part
+from supple.sweeps.part_file import CaseRecord, CaseStatus, Part, part_path, write_part
 from supple.sweeps.plan import read_plan
 from supple.sweeps.sweep_shares import MOST_LEVELS, sweep_shares
 
@@ -104,7 +104,7 @@ def run_cases(
         except NOT_OF_A_CASE:
             raise
         except SuppleError as error:  # of the bodies of all of them
-            results = [CaseResult(number, CaseStatus.FAILED, str(error)) for number in cases]
+            results = [CaseRecord(number, CaseStatus.FAILED, str(error)) for number in cases]
     for each in caught:
         if issubclass(each.category, SuppleWarning):
             words[str(each.message)] = None

@@ -11,18 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
-from supple.cases.page import coloured_elements
+from supple.cases.run_page import coloured_elements
 from supple.integrate import Progress
 from supple.quantities import read_sensors, tracked_places
 from supple.report import (
     ChannelOfCases,
-    LoadSpectrum,
+    RainflowSpectrum,
     SweepPage,
     channels_that_fit,
     write_report,
     write_sweep_page,
 )
-from supple.report.page import Section
+from supple.report.page import PageSection
 from supple.results import without_noise
 from supple.results.run_tables import TextTable
 from supple.simulation import simulate
@@ -183,7 +183,9 @@ def _page(columns: SweepColumns, reports: dict[int, str]) -> SweepPage:
     ]
     unit_of = {channel.name: channel.unit for channel in channels if channel.has_extremes}
     spectra = [
-        LoadSpectrum(name, unit_of[name], *own) for name, own in columns.spectra().items() if name in unit_of
+        RainflowSpectrum(name, unit_of[name], *own)
+        for name, own in columns.spectra().items()
+        if name in unit_of
     ]
     return SweepPage(
         title=f"{plan.family.case.title or plan.case_file.stem}: {plan.n_cases} cases",
@@ -247,13 +249,13 @@ def _page_of_conditions(columns: SweepColumns) -> SweepPage:
         parameters=conditions.columns,
         channels=[ChannelOfCases(*own, has_extremes=False) for own in channels],
         results={"cases with results": ran},
-        sections=[Section("Conditions", lines)],
+        sections=[PageSection("Conditions", lines)],
         row="condition",
         time=plan.family.case.units.time,
     )
 
 
-def _lifetime(columns: SweepColumns) -> Iterator[Section]:
+def _lifetime(columns: SweepColumns) -> Iterator[PageSection]:
     """Loads and damage of the lifetime, where the sweep asks for them."""
     fatigue = columns.plan.output.fatigue
     if fatigue is None or fatigue.lifetime is None:
@@ -271,7 +273,7 @@ def _lifetime(columns: SweepColumns) -> Iterator[Section]:
     ]
     if not rows:
         lines.append("Cases without results, so that there are no numbers of the lifetime.")
-    yield Section("Lifetime", lines, [TextTable("", ("channel", "unit", *fatigue.statistics), rows)])
+    yield PageSection("Lifetime", lines, [TextTable("", ("channel", "unit", *fatigue.statistics), rows)])
 
 
 def _ratios(errors: Array, allowed: Array) -> Array:
@@ -297,7 +299,7 @@ def _lines_of_errors(columns: SweepColumns, errors: Array) -> Iterator[str]:
         yield f"{number} cases without an estimate of their error: {reason}."
 
 
-def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_channels: int) -> Section:
+def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_channels: int) -> PageSection:
     counts = {word: int((status == code).sum()) for code, word in [*_STATES.items(), (-1, _NOT_RUN)]}
     said = ", ".join(f"{number} {word}" for word, number in counts.items() if number)
     lines = [f"{len(status)} cases of {columns.plan.case_file.name}: {said}."]
@@ -310,4 +312,4 @@ def _summary(columns: SweepColumns, status: NDArray[np.int8], errors: Array, n_c
     failed = np.flatnonzero(status > 0)[:_MOST_FAILURES]
     causes = columns.of_cases("cause") if len(failed) else ()
     rows = [(str(case), _STATES[CaseStatus(status[case])], causes[case]) for case in failed.tolist()]
-    return Section("Sweep", lines, [TextTable("Cases without results", ("case", "what", "cause"), rows)])
+    return PageSection("Sweep", lines, [TextTable("Cases without results", ("case", "what", "cause"), rows)])

@@ -20,7 +20,7 @@ from supple.viz.film_stage import Array8, Moving, Stage
 from supple.viz.glyphs import Glyphs
 from supple.viz.mesh_plot import check_nodes
 from supple.viz.picture import Picture
-from supple.viz.shaded_surface import Page, page_around
+from supple.viz.shaded_surface import PixelWindow, page_around
 from supple.viz.style import textbook_style
 
 __all__ = ["Traces", "animate"]
@@ -115,7 +115,7 @@ def animate(
     return Picture(path)
 
 
-def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: bool) -> Page:
+def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: bool) -> PixelWindow:
     """The page that shows all points; marks reach beyond their places."""
     corners = np.concatenate([camera.project(each)[0].reshape(-1, 2) for each in points])
     return page_around(corners, n_columns, margin=0.08 if is_marked else 0.04, least_aspect=0.25)

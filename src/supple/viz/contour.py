@@ -18,7 +18,7 @@ from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, labelled
 from supple.viz.glyphs import Glyphs
 from supple.viz.mesh_plot import N_COLUMNS, NodalField, check_nodes, checked_values, draw_surface
-from supple.viz.shaded_surface import Page, is_seen
+from supple.viz.shaded_surface import PixelWindow, is_seen
 from supple.viz.style import COLOUR_MAP, INK, save_figure, textbook_style
 
 __all__ = ["plot_contour", "stress_field"]
@@ -94,7 +94,7 @@ def plot_contour(
 
 def _is_seen(axes: Axes, camera: Camera, nodes: Array, skin: Skin, node: int) -> bool:
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    page = Page(np.array([left, bottom]), np.array([right, top]), N_COLUMNS)
+    page = PixelWindow(np.array([left, bottom]), np.array([right, top]), N_COLUMNS)
     return is_seen(nodes, skin, camera, page, node)
 
 

@@ -22,7 +22,7 @@ from supple.results.camera import Camera
 from supple.units import UnitSystem
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
 from supple.viz.mesh_plot import draw_cross, draw_length_bar, draw_outline
-from supple.viz.shaded_surface import Page, carry, render
+from supple.viz.shaded_surface import PixelWindow, carry, render
 from supple.viz.style import COLOUR_MAP, COLOURS, SURFACE_COLOUR
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ class Stage:
 
     def __init__(
         self,
-        page: Page,
+        page: PixelWindow,
         camera: Camera,
         moving: Moving,
         *,
@@ -149,10 +149,12 @@ class _Sheet(NamedTuple):
     head: Axes
     strip: Axes
 
-    def below(self, page: Page, camera: Camera, scale: ScalarMappable, label: str, units: UnitSystem) -> None:
+    def below(
+        self, page: PixelWindow, camera: Camera, scale: ScalarMappable, label: str, units: UnitSystem
+    ) -> None:
         """The axis cross, the length bar, and the bar of the colours where they have a label."""
         high = np.array([page.high[0], page.low[1]])
-        strip = Page(page.low - np.array([0.0, _STRIP * page.pixel]), high, page.n_columns)
+        strip = PixelWindow(page.low - np.array([0.0, _STRIP * page.pixel]), high, page.n_columns)
         carry(self.strip, strip)
         draw_cross(self.strip, camera)
         draw_length_bar(self.strip, strip, units)
@@ -161,7 +163,7 @@ class _Sheet(NamedTuple):
             self.figure.colorbar(scale, cax=rim, orientation="horizontal", label=label)
 
 
-def _sheet(page: Page, head: int) -> _Sheet:
+def _sheet(page: PixelWindow, head: int) -> _Sheet:
     """Head : pixels of the head."""
     n_rows = page.n_rows + head + _STRIP
     size = page.n_columns / _PIXELS_PER_INCH, n_rows / _PIXELS_PER_INCH

@@ -21,7 +21,7 @@ from supple.mesh.skin import Skin
 from supple.results.camera import Camera
 from supple.units import UNNAMED, UnitSystem, labelled, measured
 from supple.viz.glyphs import DrawnGlyphs, Glyphs
-from supple.viz.shaded_surface import Page, page_around, render, show
+from supple.viz.shaded_surface import PixelWindow, page_around, render, show
 from supple.viz.style import (
     COLOUR_MAP,
     INK,
@@ -167,13 +167,13 @@ def draw_surface(
     return figure, axes, camera
 
 
-def _with_free_corners(page: Page, plane: Array) -> Page:
+def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
     """The page, with a strip below for axis cross and length bar where points (n, 2) lie in their corners."""
     width = page.high[0] - page.low[0]
     right, up = ((plane - page.low) / width).T
     if not np.any((up < _CORNER) & ((right < _CORNER) | (right > 1.0 - 2.0 * _CORNER))):
         return page
-    return Page(page.low - np.array([0.0, _CORNER * width]), page.high, page.n_columns)
+    return PixelWindow(page.low - np.array([0.0, _CORNER * width]), page.high, page.n_columns)
 
 
 def check_nodes(nodes: Array, skin: Skin) -> None:
@@ -217,7 +217,7 @@ def draw_cross(axes: Axes, camera: Camera) -> None:
             cross.text(1.35 * tip[0], 1.35 * tip[1], name, ha="center", va="center", fontsize=7.5)
 
 
-def draw_length_bar(axes: Axes, page: Page, units: UnitSystem) -> None:
+def draw_length_bar(axes: Axes, page: PixelWindow, units: UnitSystem) -> None:
     """A bar of round length, about a sixth of the width, in the lower right corner."""
     width, height = page.high - page.low
     length = _round_length(width / 6.0)

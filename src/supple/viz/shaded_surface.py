@@ -30,7 +30,7 @@ _FINEST_LINED_TRIANGLE = 3.5
 
 
 @dataclass(frozen=True, eq=False)
-class Page:
+class PixelWindow:
     """A window on the camera's plane, cut into pixels.
 
     low, high : (2,)    opposite corners, in the unit of length
@@ -52,7 +52,9 @@ class Page:
         return max(1, round(float(self.high[1] - self.low[1]) / self.pixel))
 
 
-def page_around(points: Array, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12) -> Page:
+def page_around(
+    points: Array, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12
+) -> PixelWindow:
     """The page that shows all projected points (..., 2) with a margin, and no flatter than a given aspect."""
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
@@ -61,14 +63,14 @@ def page_around(points: Array, n_columns: int, *, margin: float = 0.04, least_as
         half = np.array([0.5, 0.5])
     half[1] = max(half[1], least_aspect * half[0])
     half[0] = max(half[0], 0.6 * half[1])
-    return Page(centre - half, centre + half, n_columns)
+    return PixelWindow(centre - half, centre + half, n_columns)
 
 
 def render(
     nodes: Array,
     skin: Skin,
     camera: Camera,
-    page: Page,
+    page: PixelWindow,
     *,
     values: Array | None = None,
     colouring: Colouring | None = None,
@@ -79,7 +81,7 @@ def render(
     found pixel by pixel from the interpolated value.
     """
     k, triangles = _SUPERSAMPLING, skin.triangles
-    fine = Page(page.low, page.high, k * page.n_columns)
+    fine = PixelWindow(page.low, page.high, k * page.n_columns)
     shape = (k * page.n_rows, fine.n_columns)
     plane, nearness = camera.project(nodes[triangles])
     corners = (plane - page.low) / fine.pixel
@@ -96,7 +98,7 @@ def render(
     return _average(np.clip(colour, 0.0, 1.0), row // k, column // k, (page.n_rows, page.n_columns))
 
 
-def is_seen(nodes: Array, skin: Skin, camera: Camera, page: Page, node: int) -> bool:
+def is_seen(nodes: Array, skin: Skin, camera: Camera, page: PixelWindow, node: int) -> bool:
     """Whether the surface at a node is what one sees there, not hidden behind another part of it."""
     plane, nearness = camera.project(nodes[skin.triangles])
     corners = (plane - page.low) / page.pixel
@@ -108,14 +110,14 @@ def is_seen(nodes: Array, skin: Skin, camera: Camera, page: Page, node: int) -> 
     return bool((skin.triangles[seen.triangle[near]] == node).any())
 
 
-def show(axes: Axes, picture: Array, page: Page) -> None:
+def show(axes: Axes, picture: Array, page: PixelWindow) -> None:
     """Put a picture on axes that then carry the page's coordinates, in equal scale and without a frame."""
     extent = (page.low[0], page.high[0], page.low[1], page.high[1])
     axes.imshow(picture, extent=extent, origin="lower", interpolation="antialiased", zorder=2.0)
     carry(axes, page)
 
 
-def carry(axes: Axes, page: Page) -> None:
+def carry(axes: Axes, page: PixelWindow) -> None:
     """Have axes carry the page's coordinates, in equal scale and without a frame."""
     axes.set_xlim(page.low[0], page.high[0])
     axes.set_ylim(page.low[1], page.high[1])

@@ -13,8 +13,8 @@ from supple.body import FlexibleBody
 from supple.reduction import (
     Bisection,
     CraigBamptonFamily,
+    EigenvalueErrorEstimator,
     ErrorControlled,
-    ErrorEstimator,
     FirstOrderEstimate,
     Han2020Bound,
     KnownEigenvalues,
@@ -37,7 +37,7 @@ __all__ = [
 
 Array = np.ndarray
 
-ESTIMATORS: Mapping[str, ErrorEstimator] = {
+ESTIMATORS: Mapping[str, EigenvalueErrorEstimator] = {
     "lower": FirstOrderEstimate(),
     "paper": Han2020Bound(),
     "sharp": SharperBound(),
@@ -167,7 +167,9 @@ def _now() -> tuple[float, float]:
     return perf_counter(), process_time()
 
 
-def _asked(family: CraigBamptonFamily, tolerance: float, n_modes: int, estimator: ErrorEstimator) -> int:
+def _asked(
+    family: CraigBamptonFamily, tolerance: float, n_modes: int, estimator: EigenvalueErrorEstimator
+) -> int:
     def trial(n_kept: int) -> SearchStep:
         errors = family.errors(n_kept, n_modes, estimator)
         return SearchStep(n_kept, errors, tolerance, type(estimator).__name__, 0.0)

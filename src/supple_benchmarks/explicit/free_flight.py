@@ -21,7 +21,7 @@ from supple.methods.explicit import (
     modal_subdomain,
 )
 from supple.methods.explicit.frame_invariants import angular_momentum, kinetic_energy, strain_energy
-from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, Steps
+from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, StepLengths
 from supple.methods.explicit.frame_moments import arms, moments
 from supple.methods.explicit.mass_fields import mass_fields
 from supple.methods.explicit.rigid_links import link_residual
@@ -42,7 +42,9 @@ def _box(n_modes: int) -> ModalSubdomain:
 @partial(jax.jit, static_argnums=0)
 def _flown(scheme: Any, model: FrameModel, state: FrameState, before: Any, step: Any, n: Any) -> FrameState:
     nothing = Generalized(jnp.zeros((4, 3)), jnp.zeros_like(state.y))
-    return lax.fori_loop(0, n, lambda _, s: scheme.step(model, s, nothing, Steps(before, step))[0], state)
+    return lax.fori_loop(
+        0, n, lambda _, s: scheme.step(model, s, nothing, StepLengths(before, step))[0], state
+    )
 
 
 def _start(

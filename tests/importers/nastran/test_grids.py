@@ -7,7 +7,7 @@ import pytest
 
 from supple.errors import ImportFormatError
 from supple.importers.nastran.bulk_data import read_bulk_data
-from supple.importers.nastran.coordinate_system import Coordinates, through_points
+from supple.importers.nastran.coordinate_system import CoordinateKind, through_points
 from supple.importers.nastran.grids import read_grids
 
 NESTED = """\
@@ -75,7 +75,7 @@ def test_the_same_grids_as_another_program(tmp_path):
 def test_directions_are_those_of_growing_coordinates():
     """Each column is the unit tangent of its coordinate line, by central differences."""
     rng = np.random.default_rng(1)
-    for kind in Coordinates:
+    for kind in CoordinateKind:
         system = through_points(kind, *rng.normal(size=(3, 3)))
         assert system is not None
         local = np.array([[1.3, 40.0, 25.0]])
@@ -94,7 +94,7 @@ def test_what_grids_leave_blank_is_that_of_grdset(read):
         np.testing.assert_array_equal(getattr(short, name)[:2], getattr(long, name))
 
 
-@pytest.mark.parametrize("kind", list(Coordinates))
+@pytest.mark.parametrize("kind", list(CoordinateKind))
 def test_on_the_axis_directions_are_those_of_the_rectangular_system(kind):
     """Nastran takes "the defining rectangular system" there [MSC Quick Reference Guide, CORD2C, CORD2S]."""
     system = through_points(kind, np.zeros(3), np.array([0, 0, 1.0]), np.array([1.0, 0, 0]))

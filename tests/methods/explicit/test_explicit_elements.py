@@ -15,7 +15,7 @@ from supple.machine import System
 from supple.mesh import CellType, block
 from supple.methods.explicit import ExplicitEngine
 from supple.methods.explicit.explicit_subdomain import explicit_subdomain
-from supple.methods.explicit.march.element_block import Instant
+from supple.methods.explicit.march.element_block import ElementInstant
 from supple.methods.explicit.march.nodal_forces import nodal_forces
 from supple.methods.explicit.materials import J2Plasticity, LinearHardening, NeoHookean, StVenantKirchhoff
 
@@ -33,7 +33,7 @@ def forces(subdomain, x, dx=None):
     moves = np.zeros_like(x)
     moves[numbers] = x - subdomain.nodes if dx is None else dx
     start = own.start
-    at = Instant(jnp.asarray(back.T), jnp.asarray(moves.T), jnp.ones(()), start.turning.triads)
+    at = ElementInstant(jnp.asarray(back.T), jnp.asarray(moves.T), jnp.ones(()), start.turning.triads)
     compiled = jax.jit(lambda at: nodal_forces(own.model, own.methods, start.time, at, start.blocks, ()))
     out = compiled(at)
     return np.asarray(out.forces[:2])[:, :, numbers], out
@@ -92,7 +92,9 @@ def true_limit(part):
     own = engine.built
 
     def force(x):
-        at = Instant(x.reshape(3, -1), jnp.zeros_like(own.start.x), jnp.ones(()), own.start.turning.triads)
+        at = ElementInstant(
+            x.reshape(3, -1), jnp.zeros_like(own.start.x), jnp.ones(()), own.start.turning.triads
+        )
         out = nodal_forces(own.model, own.methods, own.start.time, at, own.start.blocks, ())
         return -out.forces.sum(axis=0).ravel()
 

@@ -34,7 +34,7 @@ from supple.methods.explicit import (
     explicit_subdomain,
     modal_subdomain,
 )
-from supple.methods.explicit.frame_model import Generalized, Steps
+from supple.methods.explicit.frame_model import Generalized, StepLengths
 from supple.methods.explicit.march.frame_step import joining_rows
 from supple.methods.explicit.modal_tie import tied_gap
 from supple.reduction import NormalModes, Rubin
@@ -183,7 +183,7 @@ def _flown(pairs, model, states, step, n):
 
     def one(_, at):
         rows = joining_rows(model, pairs, at, 0.0)
-        return ProjectedDifference().step_joined(models, at, none, rows, gaps, Steps(step, step))[0]
+        return ProjectedDifference().step_joined(models, at, none, rows, gaps, StepLengths(step, step))[0]
 
     return lax.fori_loop(0, n, one, states)
 

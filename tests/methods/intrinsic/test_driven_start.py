@@ -9,7 +9,7 @@ import pytest
 from fixtures.beam_lines import beam_line, straight
 
 from supple.body import RigidBody
-from supple.equations.checks.start import report_start
+from supple.equations.checks.start_report import report_start
 from supple.errors import ModelError, StartWarning
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, Validity
 from supple.machine import (

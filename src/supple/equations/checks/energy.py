@@ -15,7 +15,7 @@ from supple.equations.build_model import build_model
 from supple.equations.configuration import AnyArray
 from supple.equations.floating_inertia import FloatingState, frame_momenta, kinetic_energy
 from supple.equations.full_inertia import FullInertia
-from supple.equations.model import BodyGroup
+from supple.equations.machine_model import BodyGroup
 from supple.equations.polynomial_force import Quartic, polynomial_energy
 from supple.errors import ModelError
 from supple.integrate import FloatingMotion, Motion, Solution

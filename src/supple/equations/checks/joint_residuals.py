@@ -13,7 +13,7 @@ from supple.body import RigidBody
 from supple.equations.build_model import build_model, seen_coordinates
 from supple.equations.configuration import Configuration
 from supple.equations.joint_force import constraints
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import FloatingMotion, Motion, Solution
 from supple.machine import GROUND, At, Placed, System
 from supple.programs.kept_programs import KeptProgram

@@ -23,7 +23,7 @@ from supple.machine import Constant, System, TimeLaw
 from supple.machine.laws.instants import instants_of, shortest_scale_of
 from supple.machine.laws.sampled_law import MOST_NUMBERS, sampled
 
-__all__ = ["Missed", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
+__all__ = ["UnresolvedShare", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
 
 MISSED = 0.2
 """Of the largest load: what may be missed within a step; five steps a period of a sine."""
@@ -38,7 +38,7 @@ NEAR = 1e-6
 
 
 @dataclass(frozen=True)
-class Missed:
+class UnresolvedShare:
     """The most that a step misses of a quantity over time, in parts of its largest size, and when."""
 
     share: float
@@ -81,7 +81,7 @@ def _jumps_in(law: TimeLaw, begin: float, end: float, step: float, derivative: i
 
 def missed_between_steps(
     law: TimeLaw, begin: float, step: float, n_steps: int, instants: np.ndarray, *, derivative: int = 0
-) -> Missed:
+) -> UnresolvedShare:
     """What `n_steps` equal steps miss of a quantity over time of any shape, or of its derivative.
 
     instants : (k,)     times at which it breaks or turns; steps that hold them are checked first
@@ -111,7 +111,7 @@ def missed_between_steps(
     )
     worst = int(np.argmax(missed))
     share = float(missed[worst]) / size if size > 0 else 0.0
-    return Missed(share, float(start[worst]))
+    return UnresolvedShare(share, float(start[worst]))
 
 
 def warn_of_missed_loads(system: System, run: Run, *, besides: Collection[str] = ()) -> None:

@@ -15,7 +15,7 @@ from supple.body import in_space
 from supple.equations.build_model import build_model
 from supple.equations.configuration import Configuration, SystemMotion
 from supple.equations.floating_solution import floating_solution
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.error.equation.assessed_body import AssessedBody, MissedAtRest, StartError
 from supple.error.equation.elastic_history import (
     PROVEN,

@@ -34,7 +34,7 @@ from supple.equations.balance import balance, tangent
 from supple.equations.compiler_options import MARCHING
 from supple.equations.configuration import AnyArray, SystemMotion, advance
 from supple.equations.joint_force import constraint_rows
-from supple.equations.model import STATIC, Model
+from supple.equations.machine_model import STATIC, Model
 from supple.integrate import Coefficients, StepFactors, StepRule
 from supple.methods.floating.compiled.elimination import solve_bordering_column
 from supple.programs.kept_programs import KeptProgram

@@ -9,9 +9,9 @@ from itertools import count
 
 import numpy as np
 
-from supple.export.c.values import Buffer, Index, Uniform, Value, View, c_type, literal, row_major
+from supple.export.c.values import Buffer, BufferView, Index, UniformValue, Value, c_type, literal, row_major
 
-__all__ = ["Block", "Constants"]
+__all__ = ["CodeBlock", "Constants"]
 
 _TOKEN = re.compile(r"@(\d+)@")
 _UNROLLED = 4
@@ -29,14 +29,14 @@ class Constants:
         """Constants as a value: one number where all are equal."""
         values = np.array(values, order="C")
         if not values.size:
-            return Uniform(values.shape, values.dtype, 0)
+            return UniformValue(values.shape, values.dtype, 0)
         first = values.reshape(-1)[:1]
         if values.tobytes() == first.tobytes() * values.size:
-            return Uniform(values.shape, values.dtype, first[0])
+            return UniformValue(values.shape, values.dtype, first[0])
         key = values.dtype.str.encode() + values.tobytes()
         name = self.tables.setdefault(key, (f"c{len(self.tables)}", values.reshape(-1)))[0]
         buffer = Buffer(-1, values.dtype, values.size, name=name)
-        return View(values.shape, values.dtype, buffer, row_major(values.shape), known=values)
+        return BufferView(values.shape, values.dtype, buffer, row_major(values.shape), known=values)
 
     def text(self) -> str:
         """Their definitions, those that are read."""
@@ -50,7 +50,7 @@ class Constants:
 
 
 @dataclass
-class Block:
+class CodeBlock:
     """Statements in order; an array takes over the storage of one that is no longer read."""
 
     constants: Constants
@@ -58,9 +58,9 @@ class Block:
     statements: list[str] = field(default_factory=list)
     buffers: dict[int, Buffer] = field(default_factory=dict)
 
-    def inner(self) -> Block:
+    def inner(self) -> CodeBlock:
         """An empty block within this one."""
-        return Block(self.constants, self.numbers)
+        return CodeBlock(self.constants, self.numbers)
 
     def add(self, text: str) -> None:
         """A statement."""
@@ -70,31 +70,31 @@ class Block:
         """Constants as a value."""
         return self.constants.view(np.asarray(values))
 
-    def array(self, shape: Sequence[int], dtype: np.dtype) -> View:
+    def array(self, shape: Sequence[int], dtype: np.dtype) -> BufferView:
         """New storage of an array: a variable where it has one element."""
         shape = tuple(shape)
         size = int(np.prod(shape, dtype=int))
         buffer = Buffer(next(iter(self.numbers)), np.dtype(dtype), size, is_scalar=size == 1)
         self.buffers[buffer.number] = buffer
-        return View(shape, np.dtype(dtype), buffer, row_major(shape))
+        return BufferView(shape, np.dtype(dtype), buffer, row_major(shape))
 
-    def stored(self, value: Value) -> View | Uniform:
+    def stored(self, value: Value) -> BufferView | UniformValue:
         """The value where it can be read more than once: stored, unless it is already."""
-        return value if isinstance(value, View | Uniform) else self.copied(value)
+        return value if isinstance(value, BufferView | UniformValue) else self.copied(value)
 
-    def in_order(self, value: Value) -> View:
+    def in_order(self, value: Value) -> BufferView:
         """The value stored without gaps, in row-major order."""
-        if isinstance(value, View) and value.is_contiguous:
+        if isinstance(value, BufferView) and value.is_contiguous:
             return value
         return self.copied(value)
 
-    def copied(self, value: Value) -> View:
+    def copied(self, value: Value) -> BufferView:
         """The value in new storage."""
         target = self.array(value.shape, value.dtype)
         self.assign(target, value)
         return target
 
-    def assign(self, target: View, value: Value) -> None:
+    def assign(self, target: BufferView, value: Value) -> None:
         """Write all elements of a value into a target of the same shape."""
         size = value.size
         if not size:

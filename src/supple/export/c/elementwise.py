@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from supple.export.c.blocks import Block
-from supple.export.c.operations import Operation
+from supple.export.c.blocks import CodeBlock
+from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import RULES, rule
 from supple.export.c.values import Computed, Value, c_type
 
@@ -17,7 +17,7 @@ __all__ = ["elementwise"]
 
 
 def elementwise(
-    block: Block, shape: Sequence[int], dtype: Any, operands: Sequence[Value], form: Callable[..., str]
+    block: CodeBlock, shape: Sequence[int], dtype: Any, operands: Sequence[Value], form: Callable[..., str]
 ) -> Value:
     """The value whose elements are `form` of those of the operands; axes of one entry are repeated."""
     shape = tuple(shape)
@@ -54,7 +54,7 @@ def elementwise(
 
 def _register(name: str, form: Callable[..., str]) -> None:
     def printed(
-        block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]
+        block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
     ) -> list[Value]:
         return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, form)]
 
@@ -65,7 +65,7 @@ def _by_kind(name: str, **forms: Callable[..., str]) -> None:
     """Forms by kind of the first operand: of float, integer or boolean numbers."""
 
     def printed(
-        block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]
+        block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
     ) -> list[Value]:
         kind = {"f": "real", "i": "whole", "u": "whole", "b": "logical"}[inputs[0].dtype.kind]
         return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, forms[kind])]
@@ -137,19 +137,23 @@ for _name in ("copy", "copy_p", "stop_gradient", "reduce_precision"):
 
 
 @rule("optimization_barrier")
-def _same(_block: Block, _one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]) -> list[Value]:
+def _same(
+    _block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
+) -> list[Value]:
     return list(inputs)
 
 
 @rule("round")
-def _round(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _round(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     function = "rint" if int(one.params["rounding_method"]) == 1 else "round"
     return [elementwise(block, outputs[0].shape, outputs[0].dtype, inputs, _function(function))]
 
 
 @rule("integer_pow")
 def _integer_pow(
-    block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     power = int(one.params["y"])
     return [
@@ -160,7 +164,9 @@ def _integer_pow(
 
 
 @rule("convert_element_type")
-def _convert(block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _convert(
+    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     before, after = c_type(inputs[0].dtype), c_type(outputs[0].dtype)
     if before == after:
         return list(inputs)
@@ -172,7 +178,9 @@ def _convert(block: Block, _one: Operation, inputs: Sequence[Value], outputs: Se
 
 
 @rule("select_n")
-def _select(block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _select(
+    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     def form(which: str, *cases: str) -> str:
         if len(cases) == 2:
             return f"({which} ? {cases[1]} : {cases[0]})"

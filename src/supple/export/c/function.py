@@ -9,16 +9,16 @@ from typing import Any
 import jax
 import numpy as np
 
-from supple.export.c import control, elementwise, indexing, linear_algebra, reductions, shapes
-from supple.export.c.blocks import Block
-from supple.export.c.control import hand_on
+from supple.export.c import array_reductions, branches, elementwise, indexing, linear_algebra, shapes
+from supple.export.c.blocks import CodeBlock
+from supple.export.c.branches import hand_on
 from supple.export.c.operations import program_of
 from supple.export.c.printer import Printed, print_program
-from supple.export.c.values import Buffer, Value, View, c_type, row_major
+from supple.export.c.values import Buffer, BufferView, Value, c_type, row_major
 
 __all__ = ["HEAD", "function_source", "named_view", "printed_function"]
 
-_FAMILIES = (control, elementwise, indexing, linear_algebra, reductions, shapes)
+_FAMILIES = (array_reductions, branches, elementwise, indexing, linear_algebra, shapes)
 """Rules register themselves as they are imported."""
 
 HEAD = "#include <math.h>\n#include <stdbool.h>\n#include <stdint.h>\n\n" + files("supple.export.c").joinpath(
@@ -27,16 +27,16 @@ HEAD = "#include <math.h>\n#include <stdbool.h>\n#include <stdint.h>\n\n" + file
 """What every file begins with."""
 
 
-def named_view(name: str, shape: Sequence[int], dtype: Any, *, is_scalar: bool = False) -> View:
+def named_view(name: str, shape: Sequence[int], dtype: Any, *, is_scalar: bool = False) -> BufferView:
     """An array that has a name in C."""
     shape = tuple(shape)
     size = int(np.prod(shape, dtype=int))
     buffer = Buffer(-1, np.dtype(dtype), size, is_scalar=is_scalar, name=name)
-    return View(shape, np.dtype(dtype), buffer, row_major(shape))
+    return BufferView(shape, np.dtype(dtype), buffer, row_major(shape))
 
 
 def printed_function(
-    function: Callable[..., Any], arguments: Any, inputs: Sequence[View], outputs: Sequence[View]
+    function: Callable[..., Any], arguments: Any, inputs: Sequence[BufferView], outputs: Sequence[BufferView]
 ) -> Printed:
     """The statements by which `outputs` become `function(*arguments)` of `inputs`, leaf by leaf.
 
@@ -46,7 +46,7 @@ def printed_function(
     """
     program = program_of(jax.make_jaxpr(function)(*arguments))
 
-    def store(block: Block, values: Sequence[Value]) -> None:
+    def store(block: CodeBlock, values: Sequence[Value]) -> None:
         hand_on(block, outputs, values, [True] * len(outputs))
 
     return print_program(program, dict(zip(program.inputs, inputs, strict=True)), store)

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from supple.export.c.blocks import Block
-from supple.export.c.operations import Operation
+from supple.export.c.blocks import CodeBlock
+from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import constants_in, rule
-from supple.export.c.values import Computed, Index, Uniform, Value, literal
+from supple.export.c.values import Computed, Index, UniformValue, Value, literal
 
 
 def _sum(a: str, b: str) -> str:
@@ -54,7 +54,9 @@ class _Starts:
 
 
 @rule("gather")
-def _gather(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _gather(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     operand, indices = block.stored(inputs[0]), block.stored(inputs[1])
     numbers, sizes = one.params["dimension_numbers"], one.params["slice_sizes"]
     shape, dtype = tuple(outputs[0].shape), outputs[0].dtype
@@ -65,8 +67,8 @@ def _gather(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequ
     batches = dict(zip(numbers.operand_batching_dims, numbers.start_indices_batching_dims, strict=True))
     filling = one.params["fill_value"]
     filling = filling if filling is not None else (np.nan if np.dtype(dtype).kind == "f" else 0)
-    if isinstance(operand, Uniform):
-        return [Uniform(shape, operand.dtype, operand.number)]
+    if isinstance(operand, UniformValue):
+        return [UniformValue(shape, operand.dtype, operand.number)]
 
     def by_index(index: Index) -> str:
         row = [i for axis, i in enumerate(index) if axis not in numbers.offset_dims]
@@ -83,7 +85,7 @@ def _gather(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequ
 
 def _scattered(change: Callable[[str, str], str]) -> Any:
     def printed(
-        block: Block, one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]
+        block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
     ) -> list[Value]:
         operand, indices, updates = inputs[0], block.stored(inputs[1]), block.stored(inputs[2])
         numbers = one.params["dimension_numbers"]

@@ -9,23 +9,25 @@ from typing import Any
 import numpy as np
 
 from supple.errors import ModelError
-from supple.export.c.blocks import Block, loops
-from supple.export.c.operations import Operation
+from supple.export.c.blocks import CodeBlock, loops
+from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import rule
-from supple.export.c.values import Uniform, Value, View, c_type, row_major
+from supple.export.c.values import BufferView, UniformValue, Value, c_type, row_major
 
 
-def _readable(block: Block, value: Value) -> View:
+def _readable(block: CodeBlock, value: Value) -> BufferView:
     value = block.stored(value)
-    return block.copied(value) if isinstance(value, Uniform) else value
+    return block.copied(value) if isinstance(value, UniformValue) else value
 
 
 @rule("dot_general")
-def _dot(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _dot(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     """`out[b, m, n] = sum over k of left[b, m, k] right[b, n, k]`, each letter an axis or several."""
     (left_sum, right_sum), (left_batch, right_batch) = one.params["dimension_numbers"]
     if not all(value.size for value in inputs):
-        return [Uniform(tuple(outputs[0].shape), np.dtype(outputs[0].dtype), 0)]
+        return [UniformValue(tuple(outputs[0].shape), np.dtype(outputs[0].dtype), 0)]
     left, right = (_readable(block, value) for value in inputs)
     left_free = [axis for axis in range(len(left.shape)) if axis not in (*left_sum, *left_batch)]
     right_free = [axis for axis in range(len(right.shape)) if axis not in (*right_sum, *right_batch)]
@@ -40,7 +42,7 @@ def _dot(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequenc
     columns, of_columns = loops([right.shape[axis] for axis in right_free], "n")
     inner, of_sum = loops(summed, "k")
 
-    def at(value: View, parts: Sequence[tuple[Sequence[int], Sequence[str]]]) -> str:
+    def at(value: BufferView, parts: Sequence[tuple[Sequence[int], Sequence[str]]]) -> str:
         index = ["0"] * len(value.shape)
         for axes, own in parts:
             for axis, name in zip(axes, own, strict=True):
@@ -64,20 +66,20 @@ def _dot(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequenc
     return [target]
 
 
-def _runs_on(value: View, free: Sequence[int]) -> bool:
+def _runs_on(value: BufferView, free: Sequence[int]) -> bool:
     """Whether neighbours along the last free axis that has any stand side by side."""
     long = [axis for axis in free if value.shape[axis] > 1]
     return bool(long) and value.strides[long[-1]] == 1
 
 
-def _streamed(block: Block, value: View, free: Sequence[int], summed: Sequence[int]) -> View:
+def _streamed(block: CodeBlock, value: BufferView, free: Sequence[int], summed: Sequence[int]) -> BufferView:
     """Constants put into the order in which sums side by side read them."""
     if value.known is None or _runs_on(value, free) or not any(value.shape[axis] > 1 for axis in free):
         return value
     order = [axis for axis in range(len(value.shape)) if axis not in free]
     order += list(free)
     again = block.known(np.ascontiguousarray(np.transpose(value.known, order)))
-    if not isinstance(again, View):
+    if not isinstance(again, BufferView):
         return value
     strides = [0] * len(order)
     for place, axis in enumerate(order):
@@ -87,7 +89,9 @@ def _streamed(block: Block, value: View, free: Sequence[int], summed: Sequence[i
 
 
 @rule("lu")
-def _lu(block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _lu(
+    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     factors = _array(block, outputs[0])
     block.assign(factors, inputs[0])
     pivots, order = (_array(block, each) for each in outputs[1:])
@@ -101,14 +105,14 @@ def _lu(block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequenc
     return [factors, pivots, order]
 
 
-def _array(block: Block, one: Any) -> View:
+def _array(block: CodeBlock, one: Any) -> BufferView:
     """Storage that functions take by its address, also of one element."""
     view = block.array(one.shape, one.dtype)
     view.buffer.is_scalar = False
     return view
 
 
-def _pointer(view: View, offset: int) -> str:
+def _pointer(view: BufferView, offset: int) -> str:
     place = view.offset + offset
     return " + ".join(
         [view.buffer.text, *([view.shift] if view.shift else []), *([str(place)] if place else [])]
@@ -116,7 +120,9 @@ def _pointer(view: View, offset: int) -> str:
 
 
 @rule("triangular_solve")
-def _triangular(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _triangular(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     if one.params["conjugate_a"]:
         raise ModelError("complex numbers have no form in C here")
     matrix = block.in_order(inputs[0])

@@ -14,8 +14,8 @@ import jax
 import numpy as np
 
 from supple.export.c.function import HEAD, named_view, printed_function
-from supple.export.c.values import View, c_type, literal
-from supple.stepping import Instant, StepProgram
+from supple.export.c.values import BufferView, c_type, literal
+from supple.stepping import StepProgram, StepState
 from supple.stepping.variables import Variable
 
 __all__ = ["machine_files", "machine_sources", "sensor_sizes", "struct_fields"]
@@ -51,7 +51,7 @@ class _Field:
         return f".{self.name} = {{{(',' + chr(10) + '        ').join(rows)}}}"
 
     @property
-    def view(self) -> View:
+    def view(self) -> BufferView:
         """It as the printer reads it."""
         return named_view(
             f"m->{self.name}", self.start.shape, self.start.dtype, is_scalar=not self.start.shape
@@ -72,7 +72,7 @@ def machine_files(step: StepProgram, title: str) -> dict[str, str]:
     return machine_sources(step, title) | {"test.c": _test(step), "Makefile": _filled("Makefile")}
 
 
-def struct_fields(start: Instant) -> list[_Field]:
+def struct_fields(start: StepState) -> list[_Field]:
     """Members of the struct, by the order of the leaves; those of no element left out."""
     found = []
     for path, leaf in jax.tree_util.tree_flatten_with_path(start)[0]:
@@ -146,7 +146,7 @@ def _source(step: StepProgram, fields: Sequence[_Field]) -> str:
     )
 
 
-def _begin(step: StepProgram, views: Sequence[View]) -> str:
+def _begin(step: StepProgram, views: Sequence[BufferView]) -> str:
     """`machine_start`: the state that the parameters give; as it is in `START` where there are none."""
     constants, body = "", "    (void)m;"
     if step.parameters:

@@ -13,7 +13,7 @@ from jax.extend import core
 
 from supple.equations.compiler_options import STARTING
 
-__all__ = ["Operation", "Program", "program_of", "with_known"]
+__all__ = ["ArrayOperation", "Program", "program_of", "with_known"]
 
 _CALLS = {
     "jit": "jaxpr",
@@ -35,7 +35,7 @@ Atom = int | np.ndarray
 
 
 @dataclass(frozen=True)
-class Operation:
+class ArrayOperation:
     """One primitive on arrays."""
 
     primitive: Any
@@ -55,7 +55,7 @@ class Program:
 
     inputs: tuple[int, ...]
     outputs: tuple[Atom, ...]
-    operations: tuple[Operation, ...]
+    operations: tuple[ArrayOperation, ...]
     shapes: dict[int, jax.ShapeDtypeStruct]
 
     def uses(self) -> dict[int, int]:
@@ -70,7 +70,7 @@ class Program:
 def program_of(closed: core.ClosedJaxpr) -> Program:
     """The operations of a traced program; calls are written out, and what no output needs is left out."""
     numbers, shapes = count(), {}
-    operations: list[Operation] = []
+    operations: list[ArrayOperation] = []
 
     def numbered(variable: Any) -> int:
         number = next(numbers)
@@ -105,7 +105,7 @@ def program_of(closed: core.ClosedJaxpr) -> Program:
                 continue
             outputs = tuple(numbered(variable) for variable in equation.outvars)
             known.update(zip(equation.outvars, outputs, strict=True))
-            operations.append(Operation(equation.primitive, tuple(own), outputs, dict(equation.params)))
+            operations.append(ArrayOperation(equation.primitive, tuple(own), outputs, dict(equation.params)))
         return [atom(variable) for variable in inner.outvars]
 
     inputs = tuple(numbered(variable) for variable in closed.jaxpr.invars)
@@ -113,7 +113,7 @@ def program_of(closed: core.ClosedJaxpr) -> Program:
     return Program(inputs, outputs, _needed(operations, outputs), shapes)
 
 
-def _needed(operations: Sequence[Operation], outputs: Sequence[Atom]) -> tuple[Operation, ...]:
+def _needed(operations: Sequence[ArrayOperation], outputs: Sequence[Atom]) -> tuple[ArrayOperation, ...]:
     wanted = {atom for atom in outputs if isinstance(atom, int)}
     kept = []
     for each in reversed(operations):
@@ -140,14 +140,14 @@ def with_known(program: Program, known: dict[int, np.ndarray]) -> Program:
         return values.get(one, one) if isinstance(one, int) else one
 
     left = [
-        Operation(each.primitive, tuple(atom(one) for one in each.inputs), each.outputs, each.params)
+        ArrayOperation(each.primitive, tuple(atom(one) for one in each.inputs), each.outputs, each.params)
         for each in rest
     ]
     outputs = tuple(atom(one) for one in program.outputs)
     return Program(program.inputs, outputs, _needed(left, outputs), program.shapes)
 
 
-def _computed(operations: Sequence[Operation], known: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
+def _computed(operations: Sequence[ArrayOperation], known: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
     if not operations:
         return {}
     wanted = [number for each in operations for number in each.outputs]

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from supple.errors import ModelError
-from supple.export.c.blocks import Block, Constants
-from supple.export.c.operations import Operation, Program, with_known
-from supple.export.c.values import Computed, Uniform, Value, View
+from supple.export.c.blocks import CodeBlock, Constants
+from supple.export.c.operations import ArrayOperation, Program, with_known
+from supple.export.c.values import BufferView, Computed, UniformValue, Value
 
 __all__ = ["RULES", "Printed", "constants_in", "print_block", "print_program", "rule"]
 
-Rule = Callable[[Block, Operation, Sequence[Value], Sequence[Any]], Sequence[Value]]
+Rule = Callable[[CodeBlock, ArrayOperation, Sequence[Value], Sequence[Any]], Sequence[Value]]
 """Of a block, an operation, its inputs, and shapes with types of its outputs: the outputs."""
 
 RULES: dict[str, Rule] = {}
@@ -40,14 +40,14 @@ def constants_in(values: Sequence[Value]) -> dict[int, np.ndarray]:
     """Those of the values that are known, by their place."""
     found = {}
     for place, value in enumerate(values):
-        if isinstance(value, Uniform):
+        if isinstance(value, UniformValue):
             found[place] = np.full(value.shape, value.number, dtype=value.dtype)
-        elif isinstance(value, View) and value.known is not None:
+        elif isinstance(value, BufferView) and value.known is not None:
             found[place] = value.known
     return found
 
 
-def print_block(block: Block, program: Program, inputs: Sequence[Value]) -> list[Value]:
+def print_block(block: CodeBlock, program: Program, inputs: Sequence[Value]) -> list[Value]:
     """Print a program into a block, what is known of its inputs made use of; its outputs.
 
     Raises ModelError for a primitive without a rule.
@@ -91,10 +91,10 @@ class Printed:
 
 
 def print_program(
-    program: Program, inputs: Mapping[int, Value], store: Callable[[Block, Sequence[Value]], None]
+    program: Program, inputs: Mapping[int, Value], store: Callable[[CodeBlock, Sequence[Value]], None]
 ) -> Printed:
     """A program whose inputs are values of C, by their numbers; `store` adds what keeps the outputs."""
     constants = Constants()
-    block = Block(constants, count())
+    block = CodeBlock(constants, count())
     store(block, print_block(block, program, [inputs[number] for number in program.inputs]))
     return Printed(block.text(), constants.text())

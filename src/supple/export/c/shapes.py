@@ -8,22 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from supple.export.c.blocks import Block
-from supple.export.c.operations import Operation
+from supple.export.c.blocks import CodeBlock
+from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import rule
-from supple.export.c.values import Computed, Index, Uniform, Value, View, literal, row_major
+from supple.export.c.values import BufferView, Computed, Index, UniformValue, Value, literal, row_major
 
 
-def _viewed(value: View, shape: Sequence[int], strides: Sequence[int], offset: int = 0) -> View:
+def _viewed(value: BufferView, shape: Sequence[int], strides: Sequence[int], offset: int = 0) -> BufferView:
     return replace(
         value, shape=tuple(shape), strides=tuple(strides), offset=value.offset + offset, known=None
     )
 
 
 @rule("broadcast_in_dim")
-def _broadcast(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _broadcast(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     value, shape, placed = inputs[0], tuple(outputs[0].shape), one.params["broadcast_dimensions"]
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return [replace(value, shape=shape)]
     if isinstance(value, Computed) and value.size == int(np.prod(shape, dtype=int)):
 
@@ -33,7 +35,7 @@ def _broadcast(block: Block, one: Operation, inputs: Sequence[Value], outputs: S
             )
 
         return [Computed(shape, value.dtype, by_index, value.flat)]
-    view = value if isinstance(value, View) else block.copied(value)
+    view = value if isinstance(value, BufferView) else block.copied(value)
     strides = [0] * len(shape)
     for axis, n, stride in zip(placed, view.shape, view.strides, strict=True):
         strides[axis] = stride if n > 1 else 0
@@ -41,13 +43,15 @@ def _broadcast(block: Block, one: Operation, inputs: Sequence[Value], outputs: S
 
 
 @rule("slice")
-def _slice(_block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _slice(
+    _block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     value, shape = inputs[0], tuple(outputs[0].shape)
     starts = one.params["start_indices"]
     steps = one.params["strides"] or (1,) * len(starts)
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return [replace(value, shape=shape)]
-    if isinstance(value, View):
+    if isinstance(value, BufferView):
         strides = [a * b for a, b in zip(value.strides, steps, strict=True)]
         return [
             _viewed(value, shape, strides, sum(a * b for a, b in zip(starts, value.strides, strict=True)))
@@ -68,15 +72,17 @@ def placed(index: str, start: int, step: int = 1) -> str:
 
 
 @rule("squeeze", "expand_dims", "reshape")
-def _reshape(block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _reshape(
+    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     return [reshaped(block, inputs[0], tuple(outputs[0].shape))]
 
 
-def reshaped(block: Block, value: Value, shape: tuple[int, ...]) -> Value:
+def reshaped(block: CodeBlock, value: Value, shape: tuple[int, ...]) -> Value:
     """The same elements in row-major order under another shape."""
     if value.shape == shape:
         return value
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return replace(value, shape=shape)
     long = [axis for axis, n in enumerate(value.shape) if n > 1]
     if [value.shape[axis] for axis in long] == [n for n in shape if n > 1]:
@@ -101,7 +107,7 @@ def reshaped(block: Block, value: Value, shape: tuple[int, ...]) -> Value:
 def _with_unit_axes(value: Value, long: Sequence[int], shape: tuple[int, ...]) -> Value:
     """Axes of one entry added or left out."""
     places = [axis for axis, n in enumerate(shape) if n > 1]
-    if isinstance(value, View):
+    if isinstance(value, BufferView):
         strides = [0] * len(shape)
         for place, axis in zip(places, long, strict=True):
             strides[place] = value.strides[axis]
@@ -117,11 +123,13 @@ def _with_unit_axes(value: Value, long: Sequence[int], shape: tuple[int, ...]) -
 
 
 @rule("transpose")
-def _transpose(_block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _transpose(
+    _block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     value, order, shape = inputs[0], one.params["permutation"], tuple(outputs[0].shape)
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return [replace(value, shape=shape)]
-    if isinstance(value, View):
+    if isinstance(value, BufferView):
         return [_viewed(value, shape, [value.strides[axis] for axis in order])]
 
     def by_index(index: Index) -> str:
@@ -134,9 +142,11 @@ def _transpose(_block: Block, one: Operation, inputs: Sequence[Value], outputs: 
 
 
 @rule("rev")
-def _reverse(block: Block, one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]) -> list[Value]:
+def _reverse(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
+) -> list[Value]:
     value = block.stored(inputs[0])
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return [value]
     axes = one.params["dimensions"]
     strides = [-s if axis in axes else s for axis, s in enumerate(value.strides)]
@@ -145,7 +155,9 @@ def _reverse(block: Block, one: Operation, inputs: Sequence[Value], _outputs: Se
 
 
 @rule("iota")
-def _iota(_block: Block, one: Operation, _inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _iota(
+    _block: CodeBlock, one: ArrayOperation, _inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     axis, dtype = one.params["dimension"], np.dtype(outputs[0].dtype)
     cast = "(double)" if dtype.kind == "f" else ""
     return [Computed(tuple(outputs[0].shape), dtype, lambda index: f"({cast}{index[axis]})")]
@@ -153,7 +165,7 @@ def _iota(_block: Block, one: Operation, _inputs: Sequence[Value], outputs: Sequ
 
 @rule("concatenate")
 def _concatenate(
-    block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     axis = one.params["dimension"]
     target = block.array(outputs[0].shape, outputs[0].dtype)
@@ -167,7 +179,9 @@ def _concatenate(
 
 
 @rule("stack")
-def _stack(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _stack(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     axis = one.params.get("axis", one.params.get("dimension", 0))
     target = block.array(outputs[0].shape, outputs[0].dtype)
     strides = [s for place, s in enumerate(target.strides) if place != axis]
@@ -177,11 +191,13 @@ def _stack(block: Block, one: Operation, inputs: Sequence[Value], outputs: Seque
 
 
 @rule("split")
-def _split(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _split(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     value, axis, start, parts = block.stored(inputs[0]), one.params["axis"], 0, []
     for each in outputs:
         shape = tuple(each.shape)
-        if isinstance(value, Uniform):
+        if isinstance(value, UniformValue):
             parts.append(replace(value, shape=shape))
         else:
             parts.append(_viewed(value, shape, value.strides, start * value.strides[axis]))
@@ -190,17 +206,21 @@ def _split(block: Block, one: Operation, inputs: Sequence[Value], outputs: Seque
 
 
 @rule("unstack")
-def _unstack(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _unstack(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     value, axis = block.stored(inputs[0]), one.params["axis"]
     shape = tuple(outputs[0].shape)
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return [replace(value, shape=shape)] * len(outputs)
     strides = (*value.strides[:axis], *value.strides[axis + 1 :])
     return [_viewed(value, shape, strides, place * value.strides[axis]) for place in range(len(outputs))]
 
 
 @rule("pad")
-def _pad(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _pad(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     value, filling = inputs
     target = block.array(outputs[0].shape, outputs[0].dtype)
     number = filling.at(())
@@ -230,17 +250,19 @@ def _pad(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequenc
 
 @rule("dynamic_slice")
 def _dynamic_slice(
-    block: Block, _one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]
+    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
 ) -> list[Value]:
     value, shape = block.stored(inputs[0]), tuple(outputs[0].shape)
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return [replace(value, shape=shape)]
     shift = _shift(block, value, shape, inputs[1:])
     return [replace(_viewed(value, shape, value.strides), shift=_joined(value.shift, shift))]
 
 
 @rule("dynamic_update_slice")
-def _update(block: Block, _one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]) -> list[Value]:
+def _update(
+    block: CodeBlock, _one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
+) -> list[Value]:
     target, part = block.copied(inputs[0]), inputs[1]
     if target.buffer.is_scalar:
         return [part]
@@ -249,7 +271,7 @@ def _update(block: Block, _one: Operation, inputs: Sequence[Value], _outputs: Se
     return [target]
 
 
-def _shift(block: Block, value: View, shape: Sequence[int], starts: Sequence[Value]) -> str:
+def _shift(block: CodeBlock, value: BufferView, shape: Sequence[int], starts: Sequence[Value]) -> str:
     """Where a part begins whose place is known at run time, kept within the whole."""
     terms = []
     for start, stride, n, own in zip(starts, value.strides, value.shape, shape, strict=True):

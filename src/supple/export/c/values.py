@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Buffer", "Computed", "Uniform", "Value", "View", "c_type", "literal", "row_major"]
+__all__ = ["Buffer", "BufferView", "Computed", "UniformValue", "Value", "c_type", "literal", "row_major"]
 
 Index = Sequence[str]
 """One C expression per axis; "0" where the axis has one entry."""
@@ -54,7 +54,7 @@ class Value:
 
 
 @dataclass(eq=False)
-class Uniform(Value):
+class UniformValue(Value):
     """The same known number everywhere."""
 
     shape: tuple[int, ...]
@@ -71,7 +71,7 @@ class Uniform(Value):
 
 
 @dataclass(eq=False)
-class View(Value):
+class BufferView(Value):
     """Elements of a buffer at `offset + shift + strides . index`; `shift` is known only at run time."""
 
     shape: tuple[int, ...]
@@ -112,7 +112,7 @@ class View(Value):
             return self.at(("0",) * len(self.shape))
         if not self.is_contiguous:
             return None
-        return View((self.size,), self.dtype, self.buffer, (1,), self.offset, self.shift).at((number,))
+        return BufferView((self.size,), self.dtype, self.buffer, (1,), self.offset, self.shift).at((number,))
 
 
 @dataclass(eq=False)

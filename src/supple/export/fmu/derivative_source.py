@@ -9,7 +9,7 @@ import numpy as np
 
 from supple.export.c.function import HEAD, named_view, printed_function
 from supple.export.c.machine_source import struct_fields
-from supple.stepping import Instant, StepProgram
+from supple.stepping import StepProgram, StepState
 
 __all__ = ["derivative_source"]
 
@@ -23,7 +23,7 @@ def derivative_source(step: StepProgram) -> str:
     Raises ModelError for an operation of the derivative that has no form in C.
     """
 
-    def rates(now: Instant, end: Any, direction: Any) -> Any:
+    def rates(now: StepState, end: Any, direction: Any) -> Any:
         def outputs(given: Any) -> Any:
             return step.advanced(now._replace(input=given), end).output
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from supple.arguments import checked_arguments
 from supple.importers.abaqus.constraints import read_constraints
+from supple.importers.abaqus.deck_model import AbaqusModel, read_model
 from supple.importers.abaqus.element_types import CELL_FAMILIES, Family
 from supple.importers.abaqus.freedoms import Freedoms
 from supple.importers.abaqus.instances import decks_of_instances
 from supple.importers.abaqus.keywords import LEFT_OUT, PASSED_OVER
 from supple.importers.abaqus.lumped import read_masses, read_springs
-from supple.importers.abaqus.model import AbaqusModel, read_model
 from supple.importers.abaqus.orientation import read_orientations
 from supple.importers.abaqus.public_names import public_ids, public_name, public_sets
 from supple.importers.abaqus.sections import read_elements

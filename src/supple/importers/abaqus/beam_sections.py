@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
 from supple.importers.abaqus.beam_shapes import BeamShape, beam_shape
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import ElementType
 from supple.importers.abaqus.materials import DeckMaterial
-from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial
 from supple.importers.keyword_file import fields, numbers
 from supple.mesh import SectionGeometry

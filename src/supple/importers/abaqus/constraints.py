@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.deck_model import AbaqusModel, DeckSurface
 from supple.importers.abaqus.element_types import Family
 from supple.importers.abaqus.freedoms import Freedoms, Rows, rigid_terms
-from supple.importers.abaqus.model import AbaqusModel, Surface
 from supple.importers.abaqus.mpc_rows import mpc_rows
 from supple.importers.abaqus.public_names import PublicIds
 from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.keyword_file import fields, numbers
 from supple.importers.plain_number import is_plain_digits
 
-__all__ = ["Constraints", "read_constraints"]
+__all__ = ["DeckConstraints", "read_constraints"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
@@ -27,7 +27,7 @@ _MPC_NODES = {"TIE": 2, "PIN": 2, "BEAM": 2, "LINK": 2, "LINEAR": 3, "SLIDER": 3
 
 
 @dataclass(eq=False)
-class Constraints:
+class DeckConstraints:
     """Rows of freedoms, rigid ties and weighted means, under construction."""
 
     rows: Rows
@@ -35,7 +35,7 @@ class Constraints:
     means: list[WeightedMean] = field(default_factory=list)
 
 
-def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> Constraints:
+def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> DeckConstraints:
     """All ties between nodes except *TIE.
 
     A node without rotations follows a rigid body or coupling in its translations.
@@ -44,7 +44,7 @@ def read_constraints(model: AbaqusModel, freedoms: Freedoms, ids: PublicIds) -> 
     ------
     ImportFormatError   incomplete equations; missing reference nodes; words instead of numbers
     """
-    found = Constraints(Rows(freedoms.lines))
+    found = DeckConstraints(Rows(freedoms.lines))
     solid_only = _nodes_of_solids_alone(model)
     for placed in model.named("RIGIDBODY"):
         _rigid_body(model, placed, freedoms, ids, found)
@@ -135,7 +135,7 @@ def _equation(
 
 
 def _mpcs(
-    model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, ids: PublicIds, found: Constraints
+    model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, ids: PublicIds, found: DeckConstraints
 ) -> None:
     data = list(placed.block.data)
     i = 0
@@ -176,7 +176,7 @@ def _groups(nodes: list[IntArray], n: int) -> list[list[int]] | None:
 
 
 def _add_rigid(
-    found: Constraints, name: str, reference: int, nodes: IntArray, line: int, freedoms: Freedoms
+    found: DeckConstraints, name: str, reference: int, nodes: IntArray, line: int, freedoms: Freedoms
 ) -> None:
     """Add to the tie of that name and reference node."""
     nodes = np.unique(nodes)
@@ -201,7 +201,7 @@ def _reference(model: AbaqusModel, placed: ScopedBlock) -> int | None:
 
 
 def _rigid_body(
-    model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, ids: PublicIds, found: Constraints
+    model: AbaqusModel, placed: ScopedBlock, freedoms: Freedoms, ids: PublicIds, found: DeckConstraints
 ) -> None:
     block, scope = placed.block, placed.scope
     reference = _reference(model, placed)
@@ -242,7 +242,7 @@ def _coupling(
     kind: ScopedBlock,
     freedoms: Freedoms,
     ids: PublicIds,
-    found: Constraints,
+    found: DeckConstraints,
     solid_only: NDArray[np.bool_],
 ) -> None:
     block = coupling.block
@@ -296,7 +296,7 @@ def _kinematic(
     components: tuple[int, ...],
     line: int,
     freedoms: Freedoms,
-    found: Constraints,
+    found: DeckConstraints,
     solid_only: NDArray[np.bool_],
 ) -> None:
     """A rigid tie for all freedoms of the nodes, rows for some of them."""
@@ -323,7 +323,7 @@ def _kinematic_coupling(
     placed: ScopedBlock,
     freedoms: Freedoms,
     ids: PublicIds,
-    found: Constraints,
+    found: DeckConstraints,
     solid_only: NDArray[np.bool_],
 ) -> None:
     reference = _reference(model, placed)
@@ -357,7 +357,7 @@ def _kinematic_coupling(
 
 
 def _distributing_coupling(
-    model: AbaqusModel, placed: ScopedBlock, ids: PublicIds, found: Constraints
+    model: AbaqusModel, placed: ScopedBlock, ids: PublicIds, found: DeckConstraints
 ) -> None:
     """The reference is the node of its element of type DCOUP3D; lines are node or set, weight."""
     block = placed.block
@@ -387,7 +387,7 @@ def _distributing_coupling(
         )
 
 
-def _tributary(model: AbaqusModel, surface: Surface) -> FloatArray:
+def _tributary(model: AbaqusModel, surface: DeckSurface) -> FloatArray:
     """Area of the surface at each of its nodes; 1 for a surface of nodes."""
     weights = np.zeros(len(model.positions))
     for faces in surface.faces:

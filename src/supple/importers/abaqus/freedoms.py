@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.orientation import cylindrical_axes
 from supple.importers.deck import ScalarTerms
 from supple.importers.keyword_file import fields, numbers

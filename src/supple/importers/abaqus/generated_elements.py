@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
-from supple.importers.abaqus.element_block import ElementBlock, Labels
 from supple.importers.abaqus.element_types import CELLS, ElementType, Family
+from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
 from supple.importers.abaqus.nodes import most_generated
 from supple.importers.keyword_file import KeywordFile, fields
 from supple.importers.moved_deck import mirrored_order

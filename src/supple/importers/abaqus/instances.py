@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import Deck
 from supple.importers.restricted_deck import restricted_deck
 

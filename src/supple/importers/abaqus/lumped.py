@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
-from supple.importers.abaqus.element_block import ElementBlock
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import Family
 from supple.importers.abaqus.freedoms import Freedoms, Rows, along
-from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.abaqus.keyword_elements import ElementBlock
 from supple.importers.abaqus.orientation import Orientation
 from supple.importers.deck import NodalMatrix, ScalarTerms
 from supple.importers.keyword_file import fields, numbers

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.keyword_file import KeywordBlock, fields, numbers
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.arguments import checked_arguments
+from supple.importers.abaqus.deck_model import read_model
 from supple.importers.abaqus.element_types import Family, cells_of, element_type
-from supple.importers.abaqus.model import read_model
 from supple.importers.abaqus.public_names import public_ids, public_sets
 from supple.importers.file_mesh import CellOrigin, FileMesh, UnusedNodes
 from supple.importers.keyword_file import KeywordFile, read_keyword_file

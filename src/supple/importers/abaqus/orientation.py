@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.keywords import LEFT_OUT
-from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.keyword_file import fields, numbers
 
 __all__ = ["Orientation", "cylindrical_axes", "read_orientations"]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from supple.importers.abaqus.element_block import Labels
-from supple.importers.abaqus.model import AbaqusModel
+from supple.importers.abaqus.deck_model import AbaqusModel
+from supple.importers.abaqus.keyword_elements import Labels
 
 __all__ = ["PublicIds", "public_ids", "public_name", "public_sets"]
 

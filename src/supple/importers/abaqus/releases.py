@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import Family
-from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.keyword_file import fields
 
 __all__ = ["read_releases", "released_ends"]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.freedoms import Freedoms, Rows
-from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.deck import ScalarTerms
 from supple.importers.keyword_file import fields, numbers
 from supple.importers.plain_number import is_plain_digits

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.deck_model import AbaqusModel, DeckSurface
 from supple.importers.abaqus.element_types import Family
 from supple.importers.abaqus.freedoms import Rows
-from supple.importers.abaqus.model import AbaqusModel, Surface
 from supple.importers.keyword_file import fields, numbers
 
 __all__ = ["read_ties"]
@@ -66,12 +66,12 @@ def _tied_contacts(model: AbaqusModel) -> Iterator[ScopedBlock]:
             yield placed
 
 
-def _surface(model: AbaqusModel, placed: ScopedBlock, name: str) -> Surface | None:
+def _surface(model: AbaqusModel, placed: ScopedBlock, name: str) -> DeckSurface | None:
     """A surface, or a set of nodes of that name, as CalculiX allows."""
     found = model.surface(placed.scope, name)
     if found is None and (placed.scope, name.upper()) in model.node_sets:
         nodes = model.node_sets[placed.scope, name.upper()][1]
-        found = Surface(name, (nodes[:, None],), nodes)
+        found = DeckSurface(name, (nodes[:, None],), nodes)
     return found
 
 
@@ -79,8 +79,8 @@ def _tie(
     model: AbaqusModel,
     placed: ScopedBlock,
     line: int,
-    slave: Surface,
-    master: Surface,
+    slave: DeckSurface,
+    master: DeckSurface,
     rows: Rows,
 ) -> None:
     block, x = placed.block, model.positions
@@ -120,7 +120,7 @@ def _tie(
         )
 
 
-def _face_size(x: FloatArray, surface: Surface) -> float:
+def _face_size(x: FloatArray, surface: DeckSurface) -> float:
     """Mean distance of the first two corners of its faces; 1 for single nodes."""
     spans = [
         np.linalg.norm(x[faces[:, 1]] - x[faces[:, 0]], axis=1)

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from supple.importers.abaqus.assembly import ScopedBlock
+from supple.importers.abaqus.deck_model import AbaqusModel
 from supple.importers.abaqus.element_types import ElementType, Family
 from supple.importers.abaqus.materials import DeckMaterial
-from supple.importers.abaqus.model import AbaqusModel
 from supple.importers.abaqus.orientation import Orientation
 from supple.importers.deck import IsotropicMaterial, ShellProperty, WallProperty
 from supple.importers.keyword_file import KeywordBlock, fields, numbers

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from supple.importers.deck import DeckElements, IsotropicMaterial, Property, ShellProperty, SolidProperty
 from supple.importers.nastran.bulk_data import BulkCard, integers
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.materials import Materials
-from supple.importers.nastran.reading import Reading
 from supple.importers.nastran.walls import WALL_CARDS, WallOptions, read_wall
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals, split_quadrilaterals
@@ -98,7 +98,7 @@ _SHELLS = {
 SHELL_CARDS = tuple(_SHELLS)
 
 
-def grids_named(cards: Sequence[BulkCard], reading: Reading, first: int, count: int) -> IntArray:
+def grids_named(cards: Sequence[BulkCard], reading: DeckReading, first: int, count: int) -> IntArray:
     """Numbers (cards, count) of the grids in fields of element cards; an unknown one is an error."""
     ids = np.stack([integers(cards, first + i, f"grid G{i + 1}") for i in range(count)], axis=1)
     nodes, known = reading.grids.lookup(ids)
@@ -163,7 +163,7 @@ class Properties:
 # --- solids
 
 
-def read_solids(reading: Reading, materials: Materials) -> tuple[list[DeckElements], dict[str, Property]]:
+def read_solids(reading: DeckReading, materials: Materials) -> tuple[list[DeckElements], dict[str, Property]]:
     """Cells of CTETRA, CHEXA, CPENTA and CPYRAM, linear or quadratic, with PSOLID and PCOMPS."""
     properties = Properties(by_id(reading.file.named(*SOLID_PROPERTY_CARDS), "property"))
     middles = _Middles(reading)
@@ -202,7 +202,7 @@ def _solid_cells(
     cards: list[BulkCard],
     of: str,
     psolid: BulkCard,
-    reading: Reading,
+    reading: DeckReading,
     middles: _Middles,
     properties: Properties,
 ) -> list[DeckElements]:
@@ -237,7 +237,7 @@ _MIRRORED = {
 }
 
 
-def _turned_outwards(kind: CellType, nodes: IntArray, reading: Reading) -> IntArray:
+def _turned_outwards(kind: CellType, nodes: IntArray, reading: DeckReading) -> IntArray:
     """Cells with their base ordered about the direction to their top; Nastran accepts both orders."""
     n = kind.n_corners
     x = reading.positions(nodes[:, :n])
@@ -261,7 +261,7 @@ def _material_axes(
     made: Property,
     system: int,
     nodes: IntArray,
-    reading: Reading,
+    reading: DeckReading,
     cards: Sequence[BulkCard],
 ) -> FloatArray | None:
     """Axes (C, 3, 3) of an anisotropic solid, those of CORDM at its middle; None if isotropic."""
@@ -283,7 +283,7 @@ class _Middles:
     In Nastran a side without middle node moves linearly; an added node follows the mean of the corners.
     """
 
-    def __init__(self, reading: Reading) -> None:
+    def __init__(self, reading: DeckReading) -> None:
         self._reading = reading
         self._added: dict[tuple[int, int], tuple[int, int]] = {}
 
@@ -324,7 +324,7 @@ class _Middles:
 
 
 def read_shells(
-    reading: Reading, materials: Materials, added: Mapping[int, float]
+    reading: DeckReading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """Triangles of CQUAD4, CQUADR, CQUAD8, CTRIA3, CTRIAR, CTRIA6 with PSHELL, PCOMP and PCOMPG.
 
@@ -377,7 +377,7 @@ def _wall_options(card: BulkCard, shell: _Shell, added: float) -> WallOptions | 
 
 
 def _shell_cells(
-    name: str, shell: _Shell, cards: list[BulkCard], of: str, reading: Reading, made: Property
+    name: str, shell: _Shell, cards: list[BulkCard], of: str, reading: DeckReading, made: Property
 ) -> DeckElements:
     corners = grids_named(cards, reading, 2, shell.corners)
     positions = reading.grids.positions
@@ -412,7 +412,7 @@ def _mass_share(positions: FloatArray, corners: IntArray) -> FloatArray:
 
 
 def _triangles_with_middles(
-    shell: _Shell, cards: Sequence[BulkCard], corners: IntArray, reading: Reading
+    shell: _Shell, cards: Sequence[BulkCard], corners: IntArray, reading: DeckReading
 ) -> tuple[IntArray, IntArray]:
     """Triangles of quadratic shells: one at each corner, then those between the middle nodes."""
     triangles: list[list[int]] = []
@@ -451,7 +451,7 @@ def _ring_triangles(ring: list[int], middles: list[int], positions: FloatArray) 
 
 
 def _material_directions(
-    cards: Sequence[BulkCard], shell: _Shell, corners: IntArray, reading: Reading
+    cards: Sequence[BulkCard], shell: _Shell, corners: IntArray, reading: DeckReading
 ) -> FloatArray:
     """The material's x axis (k, 3): the side G1-G2 rotated by THETA, or the x axis of MCID at the middle."""
     x = reading.grids.positions[corners]

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 
-class Coordinates(Enum):
+class CoordinateKind(Enum):
     """Coordinates of a point; angles are in degrees."""
 
     RECTANGULAR = auto()
@@ -30,7 +30,7 @@ class CoordinateSystem:
     axes   : (3, 3)    unit vectors of its x, y, z as columns, in basic axes
     """
 
-    coordinates: Coordinates
+    coordinates: CoordinateKind
     origin: FloatArray
     axes: FloatArray
 
@@ -38,12 +38,12 @@ class CoordinateSystem:
         """Points (k, 3), given in this system's coordinates, in basic ones."""
         first, second, third = np.moveaxis(np.asarray(points, dtype=np.float64), -1, 0)
         match self.coordinates:
-            case Coordinates.RECTANGULAR:
+            case CoordinateKind.RECTANGULAR:
                 x, y, z = first, second, third
-            case Coordinates.CYLINDRICAL:
+            case CoordinateKind.CYLINDRICAL:
                 theta = np.radians(second)
                 x, y, z = first * np.cos(theta), first * np.sin(theta), third
-            case Coordinates.SPHERICAL:
+            case CoordinateKind.SPHERICAL:
                 theta, phi = np.radians(second), np.radians(third)
                 x, y = first * np.sin(theta) * np.cos(phi), first * np.sin(theta) * np.sin(phi)
                 z = first * np.cos(theta)
@@ -60,11 +60,11 @@ class CoordinateSystem:
         phi = np.where(on_axis, 0.0, np.arctan2(y, x))
         c, s, o, e = np.cos(phi), np.sin(phi), np.zeros_like(phi), np.ones_like(phi)
         match self.coordinates:
-            case Coordinates.RECTANGULAR:
+            case CoordinateKind.RECTANGULAR:
                 rows = [[e, o, o], [o, e, o], [o, o, e]]
-            case Coordinates.CYLINDRICAL:
+            case CoordinateKind.CYLINDRICAL:
                 rows = [[c, -s, o], [s, c, o], [o, o, e]]
-            case Coordinates.SPHERICAL:
+            case CoordinateKind.SPHERICAL:
                 theta = np.arctan2(rho, z)
                 ct, st = np.cos(theta), np.sin(theta)
                 rows = [[st * c, ct * c, -s], [st * s, ct * s, c], [ct, -st, o]]
@@ -73,11 +73,11 @@ class CoordinateSystem:
         return self.axes @ local
 
 
-BASIC = CoordinateSystem(Coordinates.RECTANGULAR, np.zeros(3), np.eye(3))
+BASIC = CoordinateSystem(CoordinateKind.RECTANGULAR, np.zeros(3), np.eye(3))
 
 
 def through_points(
-    coordinates: Coordinates, origin: FloatArray, on_axis: FloatArray, in_plane: FloatArray
+    coordinates: CoordinateKind, origin: FloatArray, on_axis: FloatArray, in_plane: FloatArray
 ) -> CoordinateSystem | None:
     """System with its z axis from `origin` to `on_axis` and `in_plane` in its x-z plane; None if collinear.
 

@@ -21,6 +21,7 @@ from supple.importers.nastran.cells import (
     read_shells,
     read_solids,
 )
+from supple.importers.nastran.deck_reading import DeckReading, left_out_by_card
 from supple.importers.nastran.grids import COORDINATE_CARDS, read_grids
 from supple.importers.nastran.line_properties import BEAM_PROPERTY_CARDS, ROD_PROPERTY_CARDS
 from supple.importers.nastran.lines import BEAM_CARDS, ROD_CARDS, read_beams, read_rods
@@ -32,7 +33,6 @@ from supple.importers.nastran.point_elements import (
     POINT_PROPERTY_CARDS,
     read_point_elements,
 )
-from supple.importers.nastran.reading import Reading, left_out_by_card
 from supple.importers.nastran.rigid import RIGID_CARDS, read_multipoint_constraints, read_ties, turned_by_ties
 from supple.importers.nastran.superelements import SUPERELEMENT_CARDS, assembled, repeated_parts
 from supple.importers.nastran.supports import SUPPORT_CARDS, read_matrices, read_supports
@@ -194,7 +194,7 @@ def _used_properties(file: BulkFile) -> set[str]:
     return {card.word(1) or card.word(0) for card in file.named(*elements)}
 
 
-def _deck(reading: Reading) -> Deck:
+def _deck(reading: DeckReading) -> Deck:
     materials, added = Materials(reading), read_added_mass(reading)
     elements: list[DeckElements] = []
     properties = {}
@@ -249,7 +249,7 @@ def _deck(reading: Reading) -> Deck:
 
 
 def _turning(
-    reading: Reading, elements: list[DeckElements], matrices: list[NodalMatrix]
+    reading: DeckReading, elements: list[DeckElements], matrices: list[NodalMatrix]
 ) -> NDArray[np.bool_]:
     """Grids (N,) whose rotations elements, springs, masses, matrices, constraints or ties act on."""
     nodes = [each.nodes.ravel() for each in elements if each.kind.dimension < 3]
@@ -263,11 +263,11 @@ def _turning(
     return found
 
 
-def start_reading(file: BulkFile, whole: BulkFile) -> Reading:
+def start_reading(file: BulkFile, whole: BulkFile) -> DeckReading:
     """Grids, parameters and case control of a file; unsupported cards are left out."""
     file = _elements_once(file)
     parameters = _parameters([*whole.named("PARAM"), *(file.named("PARAM") if file is not whole else [])])
-    reading = Reading(
+    reading = DeckReading(
         file,
         read_grids(file),
         _scalar_points(file),

@@ -11,7 +11,7 @@ from supple.errors import ImportFormatError
 from supple.importers.nastran.bulk_data import BulkCard, BulkFile, integers, reals
 from supple.importers.nastran.coordinate_system import (
     BASIC,
-    Coordinates,
+    CoordinateKind,
     CoordinateSystem,
     through_points,
 )
@@ -21,7 +21,11 @@ IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 COORDINATE_CARDS = ("CORD2R", "CORD2C", "CORD2S", "CORD1R", "CORD1C", "CORD1S")
-_COORDINATES = {"R": Coordinates.RECTANGULAR, "C": Coordinates.CYLINDRICAL, "S": Coordinates.SPHERICAL}
+_COORDINATES = {
+    "R": CoordinateKind.RECTANGULAR,
+    "C": CoordinateKind.CYLINDRICAL,
+    "S": CoordinateKind.SPHERICAL,
+}
 
 
 @dataclass(frozen=True, eq=False)

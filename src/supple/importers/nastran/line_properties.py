@@ -10,8 +10,8 @@ import numpy as np
 
 from supple.importers.deck import BeamProperty, BeamValues, IsotropicMaterial, RodProperty
 from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.materials import Materials
-from supple.importers.nastran.reading import Reading
 from supple.importers.nastran.section_shapes import SHAPES, SectionValues
 from supple.mesh import SectionGeometry
 
@@ -29,13 +29,13 @@ _OFF_THE_LINE = 0.01
 _STATIONS = {"YES": 2, "YESA": 1, "NO": 1}
 
 
-def read_beam(card: BulkCard, materials: Materials, reading: Reading, added: float) -> BeamProperty | str:
+def read_beam(card: BulkCard, materials: Materials, reading: DeckReading, added: float) -> BeamProperty | str:
     """The section of a beam's property with non-structural mass `added`, kg/m; else a reason."""
     material = materials.isotropic(card.integer(1, "the material id"))
     return material if isinstance(material, str) else _BEAMS[card.name](card, material, reading, added)
 
 
-def read_rod(card: BulkCard, materials: Materials, reading: Reading, added: float) -> RodProperty | str:
+def read_rod(card: BulkCard, materials: Materials, reading: DeckReading, added: float) -> RodProperty | str:
     """The section of a rod's property; else the reason for its absence.
 
     PROD: MID A J C NSM. PTUBE: MID OD T NSM OD2, a tube of outer diameter OD, tapered to OD2; a blank T
@@ -59,13 +59,13 @@ def read_rod(card: BulkCard, materials: Materials, reading: Reading, added: floa
 
 
 def rod(
-    material: IsotropicMaterial, area: float, J: float, arm: float, added: float, reading: Reading
+    material: IsotropicMaterial, area: float, J: float, arm: float, added: float, reading: DeckReading
 ) -> RodProperty:
     """A rod's property, with torsional stress arm M / J; `added` is non-structural, without PARAM,WTMASS."""
     return RodProperty(material, area, J, material.density * area + added * reading.mass_factor, arm)
 
 
-def _pbar(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
+def _pbar(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
     area, I1, I2, J, nsm = (card.real(2 + i, w, 0.0) for i, w in enumerate(("A", "I1", "I2", "J", "NSM")))
     K1, K2, I12 = (card.real(16 + i, what, 0.0) for i, what in enumerate(("K1", "K2", "I12")))
     mass = material.density * area + (nsm + added) * reading.mass_factor
@@ -80,7 +80,7 @@ def _points(values: Sequence[float], words: Sequence[str]) -> SectionGeometry | 
     return SectionGeometry(points) if points else None
 
 
-def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
+def _pbend(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
     """A curved beam by A I1 I2 J .. K1 K2 NSM; or a pipe by FSI, mean radius RM, thickness T .. NSM."""
     geometry = None
     if card.word(2) in ("1", "2", "3"):
@@ -103,7 +103,7 @@ def _pbend(card: BulkCard, material: IsotropicMaterial, reading: Reading, added:
     return BeamProperty(material, BeamValues(area, I1, I2, J, K1, K2, mass, geometry=geometry))
 
 
-def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float) -> BeamProperty:
+def _pbeam(card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float) -> BeamProperty:
     """Stations with A I1 I2 I12 J NSM, then K1 K2 S1 S2 NSI CW M1 M2 N1 N2; linear between the ends."""
     names = ("A", "I1", "I2", "I12", "J", "NSM")
     at_a = [card.real(2 + i, what, 0.0) for i, what in enumerate(names)]
@@ -155,7 +155,7 @@ def _leave_out_between(
     at_a: Sequence[float],
     at_b: Sequence[float],
     between: Sequence[tuple[float, Sequence[float]]],
-    reading: Reading,
+    reading: DeckReading,
 ) -> None:
     """Omit stations between the ends, with a record if they deviate from the linear section."""
     a, b = np.array(at_a), np.array(at_b)
@@ -185,7 +185,7 @@ def _values(
     nsm_at: tuple[float, float],
     neutral: tuple[float, float],
     material: IsotropicMaterial,
-    reading: Reading,
+    reading: DeckReading,
     added: float,
 ) -> BeamValues:
     """One station; the mass of the section lies at its neutral axis, the non-structural one where M says."""
@@ -223,7 +223,7 @@ def _rows_of_beam(card: BulkCard) -> tuple[list[tuple[_Row, _Row]], _Row, _Row]:
 
 
 def _shaped(
-    card: BulkCard, material: IsotropicMaterial, reading: Reading, added: float
+    card: BulkCard, material: IsotropicMaterial, reading: DeckReading, added: float
 ) -> BeamProperty | str:
     """PBARL, PBEAML: TYPE, then DIM1 .. NSM at A, and after SO, X/XB those of further stations.
 
@@ -277,7 +277,7 @@ def _of_shape(card: BulkCard, s: SectionValues, material: IsotropicMaterial, add
     )
 
 
-_BEAMS: dict[str, Callable[[BulkCard, IsotropicMaterial, Reading, float], BeamProperty | str]] = {
+_BEAMS: dict[str, Callable[[BulkCard, IsotropicMaterial, DeckReading, float], BeamProperty | str]] = {
     "PBAR": _pbar,
     "PBARL": _shaped,
     "PBEAM": _pbeam,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from supple.importers.deck import BeamProperty, DeckElements, Property
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.cells import Properties, by_id, grids_named
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.line_properties import (
     BEAM_PROPERTY_CARDS,
     ROD_PROPERTY_CARDS,
@@ -21,7 +22,6 @@ from supple.importers.nastran.line_properties import (
     rod,
 )
 from supple.importers.nastran.materials import Materials
-from supple.importers.nastran.reading import Reading
 from supple.importers.plain_number import is_plain_digits
 from supple.mesh import CellType
 
@@ -84,7 +84,7 @@ class _Lines:
 
 
 def read_rods(
-    reading: Reading, materials: Materials, added: Mapping[int, float]
+    reading: DeckReading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """CROD with PROD, CTUBE with PTUBE, and CONROD, which has its own values."""
     properties = Properties(by_id(reading.file.named(*ROD_PROPERTY_CARDS), "property"))
@@ -114,7 +114,7 @@ def read_rods(
 
 
 def read_beams(
-    reading: Reading, materials: Materials, added: Mapping[int, float]
+    reading: DeckReading, materials: Materials, added: Mapping[int, float]
 ) -> tuple[list[DeckElements], dict[str, Property]]:
     """CBAR and CBEAM with orientation, offsets and pins; CBEND as straight pieces of an arc."""
     properties = Properties(by_id(reading.file.named(*BEAM_PROPERTY_CARDS), "property"))
@@ -159,7 +159,7 @@ def _filled(card: BulkCard, default: BulkCard | None) -> BulkCard:
     return card._replace(fields=tuple(fields))
 
 
-def _orientation(card: BulkCard, ends: list[int], reading: Reading) -> tuple[FloatArray, FloatArray]:
+def _orientation(card: BulkCard, ends: list[int], reading: DeckReading) -> tuple[FloatArray, FloatArray]:
     """A vector in plane 1 and the offsets (2, 3) of the ends, in basic axes.
 
     The flag OFFT states their axes: G those of the grids, B (of the vector) the basic ones,
@@ -183,7 +183,7 @@ def _orientation(card: BulkCard, ends: list[int], reading: Reading) -> tuple[Flo
     return vector, offsets
 
 
-def _vector(card: BulkCard, node: int, start: FloatArray, reading: Reading, *, basic: bool) -> FloatArray:
+def _vector(card: BulkCard, node: int, start: FloatArray, reading: DeckReading, *, basic: bool) -> FloatArray:
     """The vector to grid G0, or (X1, X2, X3) in the axes of the first end or the basic ones; of length 1."""
     if is_plain_digits(card.word(4)) and card.is_blank(5, 7):
         vector = reading.grids.positions[reading.node(card, 4, "the grid G0")] - start
@@ -216,7 +216,7 @@ def _curved(
     properties: Properties,
     groups: dict[tuple[str, str], _Lines],
     materials: Materials,
-    reading: Reading,
+    reading: DeckReading,
 ) -> None:
     """A curved beam as straight pieces between nodes on its arc; they have the mass of the arc."""
     start, end = reading.grids.positions[ends]
@@ -256,7 +256,7 @@ def _curved(
 
 
 def _centre(
-    card: BulkCard, known: BulkCard, start: FloatArray, end: FloatArray, node: int, reading: Reading
+    card: BulkCard, known: BulkCard, start: FloatArray, end: FloatArray, node: int, reading: DeckReading
 ) -> FloatArray | None:
     """Centre of the arc by GEOM: 1 on the line of the vector, 2 across it, 3 by RB, 4 by the angle THETAB."""
     geometry = card.integer(7, "GEOM", 1)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from supple.importers.deck import AnisotropicMaterial, IsotropicMaterial
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.temperature import at_temperature
 
 __all__ = ["MATERIAL_CARDS", "Materials", "WallMaterial"]
@@ -38,7 +38,7 @@ class WallMaterial:
 class Materials:
     """Materials by number, each read on first use."""
 
-    def __init__(self, reading: Reading) -> None:
+    def __init__(self, reading: DeckReading) -> None:
         self._reading = reading
         self._cards: dict[int, BulkCard] = {}
         self._line: dict[int, IsotropicMaterial] = {}

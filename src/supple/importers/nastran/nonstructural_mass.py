@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.deck_reading import DeckReading
 
 __all__ = ["NSM_CARDS", "read_added_mass"]
 
@@ -27,7 +27,7 @@ _ELEMENTS = {
 _BY_ELEMENT = (*_SHELLS, "CBAR", "CBEAM", "CROD", "CTUBE", "CONROD")
 
 
-def read_added_mass(reading: Reading) -> dict[int, float]:
+def read_added_mass(reading: DeckReading) -> dict[int, float]:
     """Added mass of elements, per area or length, by element id, without PARAM,WTMASS.
 
     NSM, NSM1 give it per area or length; NSML, NSML1 give a total, distributed over their elements. They
@@ -52,7 +52,7 @@ def read_added_mass(reading: Reading) -> dict[int, float]:
     return found
 
 
-def _entries(card: BulkCard, reading: Reading) -> list[tuple[str, list[range] | None, float]]:
+def _entries(card: BulkCard, reading: DeckReading) -> list[tuple[str, list[range] | None, float]]:
     """Type, ids (None: all) and value of each entry: TYPE ID VALUE ID VALUE .., or TYPE VALUE ID ID .."""
     of = card.word(1)
     if card.name in ("NSM", "NSML"):
@@ -90,7 +90,7 @@ def _only(number: int) -> range:
     return range(number, number + 1)
 
 
-def _members(card: BulkCard, of: str, ids: list[range] | None, reading: Reading) -> list[BulkCard]:
+def _members(card: BulkCard, of: str, ids: list[range] | None, reading: DeckReading) -> list[BulkCard]:
     there: set[int] | None = None
     if of in ("ELEMENT", "CONROD"):
         field, names = 0, _ELEMENTS.get(of, _BY_ELEMENT)
@@ -116,7 +116,7 @@ def _is_among(number: int, ids: list[range]) -> bool:
     return any(number in each for each in ids)
 
 
-def _extent(element: BulkCard, reading: Reading) -> float:
+def _extent(element: BulkCard, reading: DeckReading) -> float:
     """Area of a shell by its corners, length of a line."""
     start, count = (1 if element.name == "CONROD" else 2), 2
     if element.name in _SHELLS:

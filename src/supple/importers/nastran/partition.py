@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from supple.importers.deck import Deck, NodalMatrix, RigidTie, ScalarTerms, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard, integers
-from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.superelements import superelement_name
 from supple.importers.restricted_deck import kept_elements, kept_terms, restricted_deck, used_nodes
 
@@ -20,7 +20,7 @@ IntArray = NDArray[np.int64]
 PARTITION_CARDS = ("SESET", "SEELT")
 
 
-def partitioned(deck: Deck, reading: Reading) -> Deck:
+def partitioned(deck: Deck, reading: DeckReading) -> Deck:
     """The deck with a set of elements and of nodes for each superelement, and each in `superelements`.
 
     Everything on an interior grid of a superelement belongs to it, in case of two to the lower number; the
@@ -50,7 +50,7 @@ def partitioned(deck: Deck, reading: Reading) -> Deck:
     )
 
 
-def _interior(deck: Deck, reading: Reading) -> IntArray:
+def _interior(deck: Deck, reading: DeckReading) -> IntArray:
     """The superelement of each interior grid; 0 for the residual structure."""
     file = reading.file
     found = np.zeros(len(deck.nodes), dtype=np.int64)

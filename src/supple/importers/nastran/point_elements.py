@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
 from supple.importers.nastran.cells import by_id, grids_named
+from supple.importers.nastran.deck_reading import DeckReading, FreedomSums, Term, times
 from supple.importers.nastran.materials import Materials
-from supple.importers.nastran.reading import Reading, Rows, Term, times
 from supple.importers.plain_number import is_plain_digits
 
 __all__ = ["POINT_CARDS", "POINT_PROPERTY_CARDS", "read_point_elements"]
@@ -27,7 +27,7 @@ _PER_PROPERTY = {"PELAS": 4, "PDAMP": 2, "PMASS": 2, "PVISC": 4}
 _VALUES = {"CELAS": "PELAS", "CDAMP": "PDAMP", "CMASS": "PMASS"}
 
 
-def read_point_elements(reading: Reading, materials: Materials) -> None:
+def read_point_elements(reading: DeckReading, materials: Materials) -> None:
     """Add every spring, damper and mass of the file to the reading."""
     scalars = {name: _several(reading.file.named(name), step) for name, step in _PER_PROPERTY.items()}
     rows = {"CELAS": reading.springs, "CDAMP": reading.dashpots, "CMASS": reading.inertias}
@@ -78,9 +78,9 @@ def _scalar(
     form: str,
     properties: dict[int, tuple[BulkCard, int]],
     of: str,
-    rows: Rows,
+    rows: FreedomSums,
     factor: float,
-    reading: Reading,
+    reading: DeckReading,
 ) -> None:
     """EID, property (1, 3) or value (2, 4), then G1 C1 G2 C2 (1, 2) or points S1 S2; blank is ground."""
     if form in "13":
@@ -107,7 +107,7 @@ def _scalar(
 
 
 def _relative(
-    a: int, b: int | None, axes: FloatArray, at: FloatArray, place: int, reading: Reading
+    a: int, b: int | None, axes: FloatArray, at: FloatArray, place: int, reading: DeckReading
 ) -> list[Term]:
     """Terms of component `place` (0 to 5) of the motion of b relative to a, at a point, in given axes."""
     terms: list[Term] = []
@@ -125,7 +125,7 @@ def _relative(
     return [(freedom, value) for freedom, value in terms if abs(value) > 1e-14 * scale]
 
 
-def _bush(card: BulkCard, known: BulkCard, reading: Reading) -> None:
+def _bush(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
     """EID PID GA GB X1 X2 X3/G0 CID S OCID S1 S2 S3: springs and dampers at a point between two grids."""
     a = reading.node(card, 2, "the grid GA")
     b = reading.node(card, 3, "the grid GB") if card.word(3) not in ("", "0") else None
@@ -167,7 +167,7 @@ def _bush_values(known: BulkCard) -> dict[str, list[float]]:
     return found
 
 
-def _bush_mass(a: int, b: int | None, mass: float, reading: Reading) -> None:
+def _bush_mass(a: int, b: int | None, mass: float, reading: DeckReading) -> None:
     ends = [a] if b is None else [a, b]
     for node in ends:
         freedoms = 6 * node + np.arange(3)
@@ -175,7 +175,7 @@ def _bush_mass(a: int, b: int | None, mass: float, reading: Reading) -> None:
         reading.masses.append(NodalMatrix(freedoms, share * np.eye(3)))
 
 
-def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: Reading) -> FloatArray:
+def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: DeckReading) -> FloatArray:
     """Those of CID at GA; else x from GA to GB and y in the plane of the vector; else the basic ones."""
     if card.word(7):
         return reading.system(card, card.integer(7, "CID")).directions(xa[None])[0]
@@ -197,7 +197,7 @@ def _bush_axes(card: BulkCard, a: int, xa: FloatArray, xb: FloatArray, reading: 
     return np.stack([x, np.cross(z, x), z], axis=1).astype(np.float64)
 
 
-def _bush_along(card: BulkCard, known: BulkCard, reading: Reading) -> None:
+def _bush_along(card: BulkCard, known: BulkCard, reading: DeckReading) -> None:
     """EID PID GA GB CID; PBUSH1D: K C M: a spring and damper along the line, or along x of CID."""
     a = reading.node(card, 2, "the grid GA")
     b = reading.node(card, 3, "the grid GB") if card.word(3) not in ("", "0") else None
@@ -221,7 +221,7 @@ def _bush_along(card: BulkCard, known: BulkCard, reading: Reading) -> None:
         _bush_mass(a, b, m, reading)
 
 
-def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], reading: Reading) -> None:
+def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], reading: DeckReading) -> None:
     """EID PID G1 G2; PVISC: CE along the line, CR about it."""
     number = card.integer(1, "the property id", card.integer(0, "the element id"))
     if number not in properties:
@@ -243,7 +243,7 @@ def _viscous(card: BulkCard, properties: dict[int, tuple[BulkCard, int]], readin
 # --- masses
 
 
-def _conm2(card: BulkCard, reading: Reading) -> NodalMatrix:
+def _conm2(card: BulkCard, reading: DeckReading) -> NodalMatrix:
     """EID G CID M X1 X2 X3 - I11 I21 I22 I31 I32 I33: a rigid mass, moments about its own centre.
 
     About the grid, with offset d:  [m, -m [d]x; m [d]x, I - m [d]x [d]x],  off-diagonal moments with a minus.
@@ -268,7 +268,7 @@ def _conm2(card: BulkCard, reading: Reading) -> NodalMatrix:
     return _kept(6 * node + np.arange(6), M * reading.mass_factor)
 
 
-def _conm1(card: BulkCard, reading: Reading) -> NodalMatrix:
+def _conm1(card: BulkCard, reading: DeckReading) -> NodalMatrix:
     """EID G CID M11 M21 M22 M31 .. M66: a symmetric matrix in the axes of CID."""
     node = reading.node(card, 1, "the grid G")
     M = np.zeros((6, 6))
@@ -289,7 +289,7 @@ def _kept(freedoms: NDArray[np.int64], M: FloatArray) -> NodalMatrix:
 # --- shear panels
 
 
-def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, reading: Reading) -> None:
+def _shear_panel(card: BulkCard, known: BulkCard | None, materials: Materials, reading: DeckReading) -> None:
     """EID PID G1 G2 G3 G4; PSHEAR: MID T NSM F1 F2: a panel with a constant shear flow only.
 
     Forces of the flow q along the four sides, at their ends, do work on  w = sum of -+ L/2 (u_i + u_j) t_ij,

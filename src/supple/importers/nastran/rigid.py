@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from supple.importers.deck import RigidTie, WeightedMean
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.reading import Reading, Term, times
+from supple.importers.nastran.deck_reading import DeckReading, Term, times
 
 __all__ = ["RIGID_CARDS", "read_multipoint_constraints", "read_ties", "turned_by_ties"]
 
@@ -22,7 +22,7 @@ RIGID_CARDS = ("RBE2", "RBE3", "RBE1", "RBAR", "RBAR1", "RROD", "RTRPLT", "MPC",
 Side = tuple[int, str]
 
 
-def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
+def read_ties(reading: DeckReading, turning: NDArray[np.bool_]) -> tuple[list[RigidTie], list[WeightedMean]]:
     """All rigid and averaging elements; mixed ones become constraints.
 
     turning : (N,) whether anything but supports acts on the rotations of a grid; if not, as on nodes of
@@ -54,7 +54,7 @@ def read_ties(reading: Reading, turning: NDArray[np.bool_]) -> tuple[list[RigidT
     return rigid, means
 
 
-def turned_by_ties(reading: Reading) -> NDArray[np.bool_]:
+def turned_by_ties(reading: DeckReading) -> NDArray[np.bool_]:
     """Grids (N,) with rotations that a tie uses; rotations of averaged grids are not used."""
     found = np.zeros(len(reading.grids.ids), dtype=bool)
 
@@ -94,7 +94,7 @@ def _some_components(card: BulkCard, place: int) -> str:
     return "" if word in ("", "0") else _components(card, word, "its components")
 
 
-def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: Reading) -> list[int]:
+def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: DeckReading) -> list[int]:
     """Grid numbers of a list that may hold THRU."""
     ids: list[int] = []
     place = 0
@@ -111,7 +111,7 @@ def _grid_list(card: BulkCard, words: list[tuple[int, str]], reading: Reading) -
     return reading.grids.numbers(card, ids).tolist() if ids else []
 
 
-def _rbe2(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
+def _rbe2(card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], rigid: list[RigidTie]) -> None:
     """EID GN CM GM1 .. [ALPHA]: components CM of the others follow GN rigidly, in the axes of each."""
     ties = _components(card, card.word(2), "its components")
     reference = reading.node(card, 1, "the grid GN")
@@ -133,7 +133,7 @@ def _listed_grids(card: BulkCard) -> list[tuple[int, str]]:
     return [(i, card.word(i)) for i in range(3, len(card.fields)) if card.word(i) and "." not in card.word(i)]
 
 
-def _follows(card: BulkCard, node: int, component: int, reference: int, reading: Reading) -> None:
+def _follows(card: BulkCard, node: int, component: int, reference: int, reading: DeckReading) -> None:
     """The constraint that a component of a node is that of the rigid motion of another."""
     own = reading.node_freedom(node, component)
     direction = reading.grids.axes[node][:, component % 3]
@@ -153,7 +153,7 @@ def _alone(terms: list[Term]) -> int:
     return terms[0][0] if len(terms) == 1 else -1
 
 
-def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], reading: Reading) -> None:
+def _rigid_rows(card: BulkCard, independent: list[Side], dependent: list[Side], reading: DeckReading) -> None:
     """Constraints of dependent components that follow the rigid motion of six independent ones.
 
     The motion q (6,) of a rigid body is that of the independent components,  u_I = T_I q,  so the others are
@@ -190,7 +190,7 @@ def _rest(components: str) -> str:
     return "".join(c for c in "123456" if c not in components)
 
 
-def _rbar(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
+def _rbar(card: BulkCard, reading: DeckReading, rigid: list[RigidTie]) -> None:
     """RBAR: EID GA GB CNA CNB CMA CMB; RBAR1: EID GA GB CB, all of GA independent."""
     a, b = reading.node(card, 1, "the grid GA"), reading.node(card, 2, "the grid GB")
     if card.name == "RBAR1":
@@ -212,7 +212,7 @@ def _rbar(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
         reading.leave_out(card, "left out: it has no independent, or no dependent components")
 
 
-def _rrod(card: BulkCard, reading: Reading) -> None:
+def _rrod(card: BulkCard, reading: DeckReading) -> None:
     """EID GA GB CMA CMB: two grids at a constant distance."""
     a, b = reading.node(card, 1, "the grid GA"), reading.node(card, 2, "the grid GB")
     chord = reading.grids.positions[b] - reading.grids.positions[a]
@@ -226,7 +226,7 @@ def _rrod(card: BulkCard, reading: Reading) -> None:
     reading.constraints.add(terms, card.line, dependent=_alone(own))
 
 
-def _rtrplt(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
+def _rtrplt(card: BulkCard, reading: DeckReading, rigid: list[RigidTie]) -> None:
     """EID GA GB GC CNA CNB CNC - CMA CMB CMC: a rigid triangle."""
     nodes = [reading.node(card, 1 + i, "a grid") for i in range(3)]
     own = [_some_components(card, 4 + i) for i in range(3)]
@@ -244,7 +244,7 @@ def _rtrplt(card: BulkCard, reading: Reading, rigid: list[RigidTie]) -> None:
     )
 
 
-def _rbe1(card: BulkCard, reading: Reading) -> None:
+def _rbe1(card: BulkCard, reading: DeckReading) -> None:
     independent, dependent = _rbe1_sides(card, reading)
     if not independent or not dependent:
         reading.leave_out(card, "left out: it has no independent, or no dependent components")
@@ -252,7 +252,7 @@ def _rbe1(card: BulkCard, reading: Reading) -> None:
     _rigid_rows(card, independent, dependent, reading)
 
 
-def _rbe1_sides(card: BulkCard, reading: Reading) -> tuple[list[Side], list[Side]]:
+def _rbe1_sides(card: BulkCard, reading: DeckReading) -> tuple[list[Side], list[Side]]:
     """EID GN1 CN1 .. GN6 CN6, then UM GM1 CM1 .. [ALPHA]: independent and dependent components."""
     independent: list[Side] = []
     dependent: list[Side] = []
@@ -272,7 +272,9 @@ def _rbe1_sides(card: BulkCard, reading: Reading) -> tuple[list[Side], list[Side
     return independent, dependent
 
 
-def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: list[WeightedMean]) -> None:
+def _rbe3(
+    card: BulkCard, reading: DeckReading, turning: NDArray[np.bool_], means: list[WeightedMean]
+) -> None:
     """EID - REFGRID REFC WT1 C1 G1,1 G1,2 .. WT2 C2 G2,1 .. [UM ..] [ALPHA ..].
 
     UM selects the eliminated freedoms of the same equations.
@@ -306,7 +308,7 @@ def _rbe3(card: BulkCard, reading: Reading, turning: NDArray[np.bool_], means: l
     _mean_rows(card, reference, follows, groups, reading)
 
 
-def _weighted(card: BulkCard, reading: Reading) -> list[tuple[float, str, list[int]]]:
+def _weighted(card: BulkCard, reading: DeckReading) -> list[tuple[float, str, list[int]]]:
     """Weight, components and grids of each group of an RBE3."""
     found: list[tuple[float, str, list[int]]] = []
     place = 4
@@ -342,7 +344,7 @@ def _mean_rows(
     reference: int,
     follows: str,
     groups: list[tuple[float, str, list[int]]],
-    reading: Reading,
+    reading: DeckReading,
 ) -> None:
     """The least-squares rigid motion of the averaged components, as constraints of the reference grid.
 
@@ -384,7 +386,7 @@ def _mean_rows(
         reading.constraints.add(terms, card.line, dependent=_alone(of))
 
 
-def read_multipoint_constraints(reading: Reading) -> None:
+def read_multipoint_constraints(reading: DeckReading) -> None:
     """MPC of the set selected by case control (also by MPCADD), else of the only set."""
     cards = reading.file.named("MPC")
     sets = {card.integer(0, "the set id") for card in cards}

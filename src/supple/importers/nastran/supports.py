@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from supple.errors import ImportFormatError
 from supple.importers.deck import NodalMatrix
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.retained_freedoms import retained_freedoms
 from supple.importers.plain_number import plain_number
 
@@ -21,7 +21,7 @@ IntArray = NDArray[np.int64]
 SUPPORT_CARDS = ("SPC", "SPC1", "SPCADD", "ASET", "ASET1", "DMIG")
 
 
-def read_supports(reading: Reading, tied: Collection[int] = ()) -> dict[str, IntArray]:
+def read_supports(reading: DeckReading, tied: Collection[int] = ()) -> dict[str, IntArray]:
     """Node sets `spcS_C` of support set S and components C, `spc_C` of PS fields, `aset`; each node once.
 
     Constraints of the selected set and the PS fields are added to the reading's `held`.
@@ -61,7 +61,7 @@ def read_supports(reading: Reading, tied: Collection[int] = ()) -> dict[str, Int
     return {name: np.array(list(nodes), dtype=np.int64) for name, nodes in found.items() if nodes}
 
 
-def _supported(card: BulkCard, reading: Reading) -> list[tuple[int, str]]:
+def _supported(card: BulkCard, reading: DeckReading) -> list[tuple[int, str]]:
     """Node and components of every entry of an SPC or SPC1."""
     if card.name == "SPC1":
         return _listed(card, 1, 2, reading)
@@ -70,7 +70,7 @@ def _supported(card: BulkCard, reading: Reading) -> list[tuple[int, str]]:
     return _pairs(card, 1, 3, reading)
 
 
-def _pairs(card: BulkCard, start: int, step: int, reading: Reading) -> list[tuple[int, str]]:
+def _pairs(card: BulkCard, start: int, step: int, reading: DeckReading) -> list[tuple[int, str]]:
     found: list[tuple[int, str]] = []
     for place in range(start, len(card.fields), step):
         if card.word(place) in ("", "0"):
@@ -85,7 +85,7 @@ def _pairs(card: BulkCard, start: int, step: int, reading: Reading) -> list[tupl
     return found
 
 
-def _listed(card: BulkCard, components: int, start: int, reading: Reading) -> list[tuple[int, str]]:
+def _listed(card: BulkCard, components: int, start: int, reading: DeckReading) -> list[tuple[int, str]]:
     """Nodes of a list G1 G2 .., with G1 THRU G2 for all existing ones in between, and their components."""
     ids: list[int] = []
     place = start
@@ -111,7 +111,7 @@ def _listed(card: BulkCard, components: int, start: int, reading: Reading) -> li
     return [(node, what) for node in _known(card, grids, reading)]
 
 
-def _known(card: BulkCard, ids: list[int], reading: Reading) -> list[int]:
+def _known(card: BulkCard, ids: list[int], reading: DeckReading) -> list[int]:
     """Numbers of the existing grids; supports of others have no effect."""
     numbers, known = reading.grids.lookup(np.array(ids, dtype=np.int64))
     if not known.all():
@@ -129,7 +129,7 @@ def _components(card: BulkCard, word: str) -> str:
 # --- DMIG that case control adds to those of the elements
 
 
-def read_matrices(reading: Reading) -> dict[str, list[NodalMatrix]]:
+def read_matrices(reading: DeckReading) -> dict[str, list[NodalMatrix]]:
     """Matrices by their target: K2GG stiffness, M2GG mass, B2GG damping."""
     found: dict[str, list[NodalMatrix]] = {"K2GG": [], "M2GG": [], "B2GG": []}
     cards: dict[str, list[BulkCard]] = {}
@@ -164,7 +164,7 @@ def _scaled(word: str) -> tuple[float, str]:
         return 1.0, word
 
 
-def _matrix(cards: list[BulkCard], factor: float, reading: Reading) -> NodalMatrix:
+def _matrix(cards: list[BulkCard], factor: float, reading: DeckReading) -> NodalMatrix:
     """Entries by grid and component, one triangle or both, rotated to basic axes."""
     entries: dict[tuple[int, int], float] = {}
     for card in cards:

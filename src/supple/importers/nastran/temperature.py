@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from supple.importers.nastran.bulk_data import BulkCard
-from supple.importers.nastran.reading import Reading
+from supple.importers.nastran.deck_reading import DeckReading
 
 __all__ = ["at_temperature"]
 
@@ -17,7 +17,7 @@ _OF_STIFFNESS_AND_MASS = range(1, 5)
 """Fields of E, G, NU and RHO: of a MAT1 the values, of a MATT1 the tables."""
 
 
-def at_temperature(reading: Reading, cards: Mapping[int, BulkCard]) -> dict[int, BulkCard]:
+def at_temperature(reading: DeckReading, cards: Mapping[int, BulkCard]) -> dict[int, BulkCard]:
     """MAT1 cards with the values of tables at the uniform temperature of the selected set.
 
     Other temperatures and tables are left out.
@@ -46,7 +46,7 @@ def at_temperature(reading: Reading, cards: Mapping[int, BulkCard]) -> dict[int,
     return found
 
 
-def _uniform(reading: Reading) -> float | None:
+def _uniform(reading: DeckReading) -> float | None:
     """The uniform temperature by TEMPD; None without one, or with other temperatures."""
     chosen = reading.case.temperature
     if any(card.word(0) == chosen for card in reading.file.named(*_FIELDS)):

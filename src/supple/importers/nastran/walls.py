@@ -9,8 +9,8 @@ import numpy as np
 from supple.importers.deck import ShellProperty, WallProperty
 from supple.importers.laminate import Ply, laminate, moved_wall
 from supple.importers.nastran.bulk_data import BulkCard
+from supple.importers.nastran.deck_reading import DeckReading
 from supple.importers.nastran.materials import Materials, WallMaterial
-from supple.importers.nastran.reading import Reading
 
 __all__ = ["WALL_CARDS", "WallOptions", "read_wall"]
 
@@ -32,7 +32,7 @@ class WallOptions:
 
 
 def read_wall(
-    card: BulkCard, materials: Materials, reading: Reading, options: WallOptions
+    card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> ShellProperty | WallProperty | str:
     """The wall of a property card with the options of an element; else why there is none."""
     if card.name == "PSHELL":
@@ -41,7 +41,7 @@ def read_wall(
 
 
 def _pshell(
-    card: BulkCard, materials: Materials, reading: Reading, options: WallOptions
+    card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> ShellProperty | WallProperty | str:
     """MID1 membrane, MID2 bending, MID3 transverse shear, MID4 coupling.
 
@@ -94,7 +94,7 @@ def _pshell(
 
 
 def _pcomp(
-    card: BulkCard, materials: Materials, reading: Reading, options: WallOptions
+    card: BulkCard, materials: Materials, reading: DeckReading, options: WallOptions
 ) -> WallProperty | str:
     """Plies from the bottom up, each with material, thickness and angle; Z0 is the lower face."""
     plies: list[Ply] = []

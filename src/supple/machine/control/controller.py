@@ -10,7 +10,7 @@ import numpy as np
 
 from supple.arguments import check_fields, check_instance, check_number
 from supple.errors import ModelError
-from supple.machine.control.readings import EndReading, JointReading, Reading
+from supple.machine.control.controller_readings import EndReading, JointReading, Reading
 from supple.machine.forces.force_element import ForceElement
 
 __all__ = ["Controller", "SampledController"]

@@ -4,7 +4,7 @@ from supple.methods.explicit.elements import BulkViscosity as BulkViscosity
 from supple.methods.explicit.engine import *
 from supple.methods.explicit.explicit_shell import *
 from supple.methods.explicit.explicit_subdomain import *
-from supple.methods.explicit.march.model import *
+from supple.methods.explicit.march.march_model import *
 from supple.methods.explicit.materials import J2Plasticity as J2Plasticity
 from supple.methods.explicit.materials import LinearHardening as LinearHardening
 from supple.methods.explicit.materials import NeoHookean as NeoHookean

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.algebra.jax_settings import before_compiled_code
-from supple.equations.checks.start import report_start
+from supple.equations.checks.start_report import report_start
 from supple.equations.floating_solution import joint_multipliers
 from supple.equations.joint_wrench import joint_wrenches
 from supple.equations.sampling import march_sampled, sampling_of
@@ -28,8 +28,8 @@ from supple.methods.explicit.march.interval import (
     nodes_limit,
     recorded,
 )
+from supple.methods.explicit.march.march_model import Energies, MarchState
 from supple.methods.explicit.march.march_step import begun
-from supple.methods.explicit.march.model import Energies, MarchState
 from supple.methods.explicit.method import explicit_method
 from supple.methods.explicit.motions import NodalMotion
 

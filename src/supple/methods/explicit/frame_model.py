@@ -15,7 +15,7 @@ __all__ = [
     "FrameModel",
     "FrameState",
     "Generalized",
-    "Steps",
+    "StepLengths",
     "elastic_force",
     "gravity_force",
     "point_forces",
@@ -53,7 +53,7 @@ class FrameState(NamedTuple):
     vy: Array
 
 
-class Steps(NamedTuple):
+class StepLengths(NamedTuple):
     """The lengths of the step before t_n, zero at the start, and of the one after, s."""
 
     before: Array | float

@@ -22,7 +22,13 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, Steps, elastic_force
+from supple.methods.explicit.frame_model import (
+    FrameModel,
+    FrameState,
+    Generalized,
+    StepLengths,
+    elastic_force,
+)
 from supple.methods.explicit.frame_moments import Spread, arms, spread
 from supple.methods.explicit.rigid_links import link_residual, link_rows, link_vectors
 from supple.methods.explicit.spin_stiffness import spin_products
@@ -50,7 +56,7 @@ class ProjectedDifference:
     """The default scheme of a four-point frame."""
 
     def step(
-        self, model: FrameModel, state: FrameState, force: Generalized, steps: Steps
+        self, model: FrameModel, state: FrameState, force: Generalized, steps: StepLengths
     ) -> tuple[FrameState, Array]:
         """The state after the step, and the link multipliers (6,), N/m; `force` applies at t_n."""
         after, multipliers, _ = self.step_joined((model,), (state,), (force,), (), _nothing_open, steps)
@@ -63,7 +69,7 @@ class ProjectedDifference:
         forces: tuple[Generalized, ...],
         rows: tuple[Generalized, ...],
         gaps: Gaps,
-        steps: Steps,
+        steps: StepLengths,
     ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
         """Frames tied or joined to each other, and the multipliers of links (6,) and of what joins them (R,).
 
@@ -88,7 +94,7 @@ class ProjectedDifference:
         old: tuple[FrameState, ...],
         new: tuple[FrameState, ...],
         pulls: Array,
-        steps: Steps,
+        steps: StepLengths,
     ) -> Array:
         """Work (R,) of the multipliers of ties and joints in a step, J.
 
@@ -101,7 +107,7 @@ class ProjectedDifference:
         return steps.mean * pulls * opened
 
     def turning_work(
-        self, model: FrameModel, old: FrameState, new: FrameState, multipliers: Array, steps: Steps
+        self, model: FrameModel, old: FrameState, new: FrameState, multipliers: Array, steps: StepLengths
     ) -> Array:
         """Work that the links and the bilinear motion do in a step, for it turns by a finite angle, J.
 
@@ -176,7 +182,7 @@ class _Frozen(NamedTuple):
     after: Array | float
 
 
-def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: Steps) -> _Frozen:
+def _frozen(model: FrameModel, state: FrameState, force: Generalized, steps: StepLengths) -> _Frozen:
     p, y, vp, vy = state
     h, mean = steps.after, steps.mean
     t = _tangent(model, p, y)

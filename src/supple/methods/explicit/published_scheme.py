@@ -17,7 +17,13 @@ from typing import Protocol
 import jax.numpy as jnp
 from jax import Array, lax
 
-from supple.methods.explicit.frame_model import FrameModel, FrameState, Generalized, Steps, elastic_force
+from supple.methods.explicit.frame_model import (
+    FrameModel,
+    FrameState,
+    Generalized,
+    StepLengths,
+    elastic_force,
+)
 from supple.methods.explicit.frame_moments import arms
 from supple.methods.explicit.rigid_links import link_residual, link_rows, link_vectors
 
@@ -28,7 +34,7 @@ class Links(Protocol):
     """How the distances of the points are kept over a step."""
 
     def accelerations(
-        self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: Steps
+        self, inverse_mass: Array, free: Array, p: Array, v: Array, squared_lengths: Array, steps: StepLengths
     ) -> tuple[Array, Array]:
         """Accelerations (12 + k,) and multipliers (6,) from those without links, at velocities v (4, 3)."""
         ...
@@ -117,7 +123,7 @@ class PublishedScheme:
     gyroscopic: GyroscopicForce = field(default_factory=NoGyroscopicForce)
 
     def step(
-        self, model: FrameModel, state: FrameState, force: Generalized, steps: Steps
+        self, model: FrameModel, state: FrameState, force: Generalized, steps: StepLengths
     ) -> tuple[FrameState, Array]:
         """The state after the step, and the link multipliers (6,); `force` applies at t_n."""
         p, y, vp, vy = state

@@ -20,7 +20,7 @@ from supple.machine import Placed, System
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
 from supple.methods.intrinsic.intrinsic_modes import IntrinsicModes
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
-from supple.methods.intrinsic.joined_equations import Instant, held_forces, held_wrenches
+from supple.methods.intrinsic.joined_equations import JoinedInstant, held_forces, held_wrenches
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine, with_stations
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_slope import system_slope
@@ -124,7 +124,7 @@ def states_of(body: IntrinsicBody, motion: Motion) -> LineState:
 
 def _instants(
     machine: JoinedMachine, solution: Solution, times: jax.Array, states: States
-) -> tuple[Instant, Array]:
+) -> tuple[JoinedInstant, Array]:
     """The instants of a run (leading axis: time), and the multipliers (t, m) of all equations of joints."""
     motions = [
         solution.motion(placed.body.name, FloatingMotion)
@@ -147,7 +147,7 @@ def _instants(
         for part in (motion.velocity, motion.angular_velocity, motion.coordinate_rates)
     ]
     multipliers = [solution.multipliers[joint.name] for joint in machine.system.joints]
-    return Instant(times, states, floating, together(velocities, 0)), together(multipliers, 0)
+    return JoinedInstant(times, states, floating, together(velocities, 0)), together(multipliers, 0)
 
 
 def _motions(
@@ -273,8 +273,8 @@ def _followed(
     return jax.lax.map(at, (times, states, wrenches))
 
 
-def _held(arrays: JoinedArrays, instants: Instant, multipliers: jax.Array) -> jax.Array:
-    def at(now: Instant, own: jax.Array) -> jax.Array:
+def _held(arrays: JoinedArrays, instants: JoinedInstant, multipliers: jax.Array) -> jax.Array:
+    def at(now: JoinedInstant, own: jax.Array) -> jax.Array:
         placed = now._replace(floating=with_stations(arrays, now.floating, now.lines))
         return held_wrenches(arrays, placed, own)
 

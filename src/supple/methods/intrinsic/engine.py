@@ -25,8 +25,8 @@ from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.joined_engine import ITERATED, JoinedEngine
 from supple.methods.intrinsic.line_march import (
+    LineMarchState,
     LineRule,
-    MarchState,
     Stepping,
     first_march_state,
     march_by,
@@ -61,7 +61,7 @@ _NAMES = ("q1", "q2", "quaternion", "position")
 
 
 class IntrinsicEngine:
-    """An `Engine` of machines whose bodies are intrinsic; `MarchState` is its state."""
+    """An `Engine` of machines whose bodies are intrinsic; `LineMarchState` is its state."""
 
     def __init__(self, system: System, run: Run) -> None:
         self._system = system
@@ -88,20 +88,20 @@ class IntrinsicEngine:
         """To which implicit steps are solved."""
         return ITERATED * self._run.tolerances.residual
 
-    def start(self, time: float) -> MarchState:
+    def start(self, time: float) -> LineMarchState:
         """The bodies as they are placed; residual modes where they rest."""
         begun = first_march_state(self._machine.lines, self.rule, time, self._machine.start)
         # Of NumPy's types as all later states: JAX would compile once more for numbers of Python's.
         return jax.tree.map(np.asarray, begun)
 
-    def resumed(self, last: Solution) -> MarchState:
+    def resumed(self, last: Solution) -> LineMarchState:
         """The state at the end of a recorded part, exact."""
         known = last.engine_state
         states = tuple(
             LineState(*(jnp.asarray(known[f"{number} {name}"]) for name in _NAMES))
             for number in range(len(self._machine.start))
         )
-        return MarchState(
+        return LineMarchState(
             jnp.asarray(float(last.times[-1])),
             states,
             jnp.asarray(known["rates"]),
@@ -109,7 +109,7 @@ class IntrinsicEngine:
             jnp.asarray(int(known["iterations"])),
         )
 
-    def march(self, state: MarchState, times: np.ndarray) -> Leg[MarchState]:
+    def march(self, state: LineMarchState, times: np.ndarray) -> Leg[LineMarchState]:
         """To each of the output times, in one call of the compiled program."""
         began = clock.perf_counter()
         # A short leg repeats its end, where steps have no length.
@@ -123,8 +123,8 @@ class IntrinsicEngine:
         return self.leg(state, jax.device_get(reached), times, clock.perf_counter() - began)
 
     def leg(
-        self, state: MarchState, reached: MarchState, times: np.ndarray, seconds: float
-    ) -> Leg[MarchState]:
+        self, state: LineMarchState, reached: LineMarchState, times: np.ndarray, seconds: float
+    ) -> Leg[LineMarchState]:
         """What a march from a state reached (leading axis: time), checked; it may go on beyond the times."""
         good = self._good(reached)[: len(times)]
         n_reached = len(times) if good.all() else int(np.argmin(good))
@@ -152,11 +152,11 @@ class IntrinsicEngine:
             case _:
                 return np.inf
 
-    def _good(self, reached: MarchState) -> np.ndarray:
+    def _good(self, reached: LineMarchState) -> np.ndarray:
         sizes = [np.abs(leaf).reshape(len(leaf), -1).sum(axis=1) for leaf in jax.tree.leaves(reached.states)]
         return np.isfinite(np.sum(sizes, axis=0)) & (np.asarray(reached.worst) <= self._limit())
 
-    def _why(self, reached: MarchState, number: int) -> str:
+    def _why(self, reached: LineMarchState, number: int) -> str:
         when = f"before t = {float(reached.time[number]):.6g}"
         worst = float(reached.worst[number])
         match self.rule:
@@ -177,9 +177,9 @@ class IntrinsicEngine:
                     "GeneralizedAlpha, which is stable at any step"
                 )
 
-    def solution(self, leg: Leg[MarchState]) -> Solution:
+    def solution(self, leg: Leg[LineMarchState]) -> Solution:
         """The motion of a leg, and the forces of the joints from the balance of their bodies."""
-        states: MarchState = leg.states
+        states: LineMarchState = leg.states
         times = np.asarray(states.time)
         filled = full_leg((times, states.states), self._length)
         found, rates = jax.device_get(reactions(self._machine.lines, *filled))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-__all__ = ["ImplicitStep", "Tangent", "first_order_coefficients", "implicit_step", "no_tangent"]
+__all__ = ["StepResult", "Tangent", "first_order_coefficients", "implicit_step", "no_tangent"]
 
 ROUNDING = 1e-14
 """Of the terms of a rate, that its cancellation leaves."""
@@ -50,7 +50,7 @@ class Tangent(NamedTuple):
     rounding: Any
 
 
-class ImplicitStep(NamedTuple):
+class StepResult(NamedTuple):
     """State and rates at the end of a step, the tangent it was found with, and how the iteration went."""
 
     state: jax.Array
@@ -77,7 +77,7 @@ def implicit_step(
     *,
     tolerance: Any,
     most: int,
-) -> ImplicitStep:
+) -> StepResult:
     """The state (n,) after a step h, by Newton's method with a tangent that is made anew where it is slow.
 
         y_1 = y_0 + h ((1 - gamma) y'_0 + gamma y'_1)
@@ -143,4 +143,4 @@ def implicit_step(
 
     after, (count, error, known) = jax.lax.custom_root(missing, before, found, tangent_solve, has_aux=True)
     moved = state + h * ((1 - gamma) * before + gamma * after)
-    return ImplicitStep(moved, after, known, jnp.asarray(count, dtype=int), error)
+    return StepResult(moved, after, known, jnp.asarray(count, dtype=int), error)

@@ -35,7 +35,7 @@ from supple.methods.intrinsic.line_sections import line_section_loads
 from supple.methods.intrinsic.root_support import RootSupport
 from supple.methods.intrinsic.second_order_modes import completed_modes, second_order_shapes
 from supple.methods.intrinsic.station_motion import StationMotion, station_motion
-from supple.methods.intrinsic.strain_integration import Places, station_places
+from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.kept_programs import KeptProgram
 from supple.summary import Summarized, Summary, point
 
@@ -250,7 +250,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         )
         place = place + arms
 
-        def carried(places: Places, *terms: tuple[Places, Array]) -> Array:
+        def carried(places: StationPlaces, *terms: tuple[StationPlaces, Array]) -> Array:
             moved = places.positions[:, own]
             for by, local in terms:
                 moved = moved + np.einsum("tnwij,tnwj->tnwi", by.rotations[:, own], local)
@@ -268,7 +268,7 @@ class IntrinsicBody(FormDefaults, Summarized):
         number = self.interface(name).number
         known = self.station_motion(motion)
 
-        def there(places: Places) -> tuple[Array, Array]:
+        def there(places: StationPlaces) -> tuple[Array, Array]:
             return np.asarray(places.positions[:, number]), np.asarray(places.rotations[:, number])
 
         (position, rotation), (velocity, turning) = there(known.places), there(known.velocities)

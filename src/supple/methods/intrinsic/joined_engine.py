@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.checks.start import report_start
+from supple.equations.checks.start_report import report_start
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import ControlState, SystemMotion
 from supple.equations.control_start import first_control, fresh_control
@@ -22,7 +22,7 @@ from supple.machine import At, System
 from supple.methods.intrinsic.chosen_step import with_chosen_step
 from supple.methods.intrinsic.full_leg import full_leg
 from supple.methods.intrinsic.implicit_step import FirstOrderCoefficients, first_order_coefficients
-from supple.methods.intrinsic.joined_equations import Instant, JoinedRates, all_velocities
+from supple.methods.intrinsic.joined_equations import JoinedInstant, JoinedRates, all_velocities
 from supple.methods.intrinsic.joined_machine import JoinedArrays, JoinedMachine, joined_machine
 from supple.methods.intrinsic.joined_solution import joined_solution
 from supple.methods.intrinsic.joined_start import instant_rates, joined_start
@@ -194,18 +194,18 @@ class JoinedEngine:
             "allow more iterations (Tolerances), or look for a singular position of the joints"
         )
 
-    def _outputs(self, now: Instant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
+    def _outputs(self, now: JoinedInstant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
         """Velocities of the model's bodies, rates and multipliers at instants."""
         n = len(now.time)
         both = full_leg((now, control), max(self._length, n))
         return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
 
-    def _at(self, now: Instant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
+    def _at(self, now: JoinedInstant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
         """The same at one instant."""
         found = self._outputs(*jax.tree.map(lambda leaf: np.asarray(leaf)[None], (now, control)))
         return jax.tree.map(lambda leaf: leaf[0], found)
 
-    def _motion(self, now: Instant, control: ControlState) -> SystemMotion:
+    def _motion(self, now: JoinedInstant, control: ControlState) -> SystemMotion:
         """What controllers see."""
         velocities, *_ = self._at(now, control)
         still = np.zeros_like(np.asarray(velocities)), np.zeros(len(self._arrays.model.active))
@@ -213,7 +213,7 @@ class JoinedEngine:
 
     def solution(self, leg: Leg[JoinedState]) -> Solution:
         """The motion of a leg; forces of joints and accelerations are those of its very instants."""
-        now: Instant = leg.states.now
+        now: JoinedInstant = leg.states.now
         velocities, rates, multipliers = jax.device_get(self._outputs(now, leg.states.control))
         state = {
             f"leaf {number}": np.asarray(leaf, dtype=float)
@@ -245,9 +245,9 @@ def _march_joined(
 
 
 def _rates_at(
-    arrays: JoinedArrays, states: Instant, controls: ControlState | None
+    arrays: JoinedArrays, states: JoinedInstant, controls: ControlState | None
 ) -> tuple[jax.Array, JoinedRates, jax.Array]:
-    def at(now: Instant, control: ControlState | None) -> tuple[jax.Array, JoinedRates, jax.Array]:
+    def at(now: JoinedInstant, control: ControlState | None) -> tuple[jax.Array, JoinedRates, jax.Array]:
         return all_velocities(arrays, now), *instant_rates(arrays, now, control)
 
     return jax.vmap(at)(states, controls)

@@ -38,7 +38,7 @@ from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import States, root_rates, system_wrenches
 
 __all__ = [
-    "Instant",
+    "JoinedInstant",
     "JoinedRates",
     "all_velocities",
     "held_forces",
@@ -53,7 +53,7 @@ __all__ = [
 ]
 
 
-class Instant(NamedTuple):
+class JoinedInstant(NamedTuple):
     """Where the machine is, and how it moves.
 
     floating : Configuration    of all bodies of the model
@@ -105,7 +105,7 @@ def held_forces(arrays: JoinedArrays, states: States, wrenches: jax.Array) -> tu
     return jax.vjp(lambda q1: station_twists(arrays, states, q1), amplitudes)[1](wrenches)[0]
 
 
-def held_wrenches(arrays: JoinedArrays, now: Instant, multipliers: jax.Array) -> jax.Array:
+def held_wrenches(arrays: JoinedArrays, now: JoinedInstant, multipliers: jax.Array) -> jax.Array:
     """Forces (global) and moments (own axes) of joints and forces on the stations that are held, (6 s,).
 
     now : with its stations in place,  multipliers : (m,) of the active equations
@@ -115,18 +115,18 @@ def held_wrenches(arrays: JoinedArrays, now: Instant, multipliers: jax.Array) ->
     return -balance(arrays.model, seen).residual[arrays.n_floating :]
 
 
-def all_velocities(arrays: JoinedArrays, now: Instant) -> jax.Array:
+def all_velocities(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
     """Velocities (N,) of the model's bodies: floating ones, then stations."""
     twists = station_twists(arrays, now.lines, tuple(state.q1 for state in now.lines))
     return jnp.concatenate([now.velocity, twists])
 
 
-def joint_rates(arrays: JoinedArrays, now: Instant) -> jax.Array:
+def joint_rates(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
     """G V + dg/dt of the active equations, (m,)."""
     return joint_equations(arrays, now)[1]
 
 
-def joint_equations(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.Array]:
+def joint_equations(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
     """G and G V + dg/dt of the active equations, (m,) each, at an instant whose stations are in place."""
     model, time, at = arrays.model, jnp.asarray(now.time, dtype=float), now.floating
     joints = joint_force.linearized(model, time, at)
@@ -136,19 +136,19 @@ def joint_equations(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.
     return joint_force.residuals(model, joints), rates
 
 
-def moved(arrays: JoinedArrays, now: Instant, change: JoinedRates, time: Any) -> Instant:
+def moved(arrays: JoinedArrays, now: JoinedInstant, change: JoinedRates, time: Any) -> JoinedInstant:
     """The instant a time later, moved by a change of the kind rate * time."""
     increment = jnp.concatenate([change.frames, jnp.zeros(6 * arrays.n_held)])
     lines = jax.tree.map(jnp.add, now.lines, change.lines)
     floating = advance(arrays.model, now.floating, increment)
-    return Instant(
+    return JoinedInstant(
         now.time + time, lines, with_stations(arrays, floating, lines), now.velocity + change.acceleration
     )
 
 
 def seen_motion(
     arrays: JoinedArrays,
-    now: Instant,
+    now: JoinedInstant,
     rates: JoinedRates,
     multipliers: Any,
     control: ControlStep | None = None,
@@ -161,7 +161,7 @@ def seen_motion(
 
 def motion_residuals(
     arrays: JoinedArrays,
-    now: Instant,
+    now: JoinedInstant,
     rates: JoinedRates,
     multipliers: jax.Array,
     closing: jax.Array,

@@ -18,7 +18,7 @@ import numpy as np
 from supple.body import RigidBody
 from supple.equations.build_model import station_model
 from supple.equations.configuration import Configuration
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.errors import ModelError
 from supple.machine import (
     GROUND,

@@ -10,7 +10,7 @@ import numpy as np
 from supple.equations.floating_solution import body_motions, joint_multipliers
 from supple.equations.joint_wrench import joint_wrenches
 from supple.integrate import Motion, Solution, Statistics
-from supple.methods.intrinsic.joined_equations import Instant, JoinedRates
+from supple.methods.intrinsic.joined_equations import JoinedInstant, JoinedRates
 from supple.methods.intrinsic.joined_machine import JoinedMachine
 from supple.methods.intrinsic.machine_of_lines import line_motion
 
@@ -19,7 +19,7 @@ __all__ = ["joined_solution"]
 
 def joined_solution(
     machine: JoinedMachine,
-    now: Instant,
+    now: JoinedInstant,
     velocities: np.ndarray,
     rates: JoinedRates,
     multipliers: np.ndarray,

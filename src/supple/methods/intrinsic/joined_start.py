@@ -28,7 +28,7 @@ from supple.errors import ModelError
 from supple.machine import System
 from supple.methods.intrinsic.intrinsic_body import body_of
 from supple.methods.intrinsic.joined_equations import (
-    Instant,
+    JoinedInstant,
     JoinedRates,
     joint_rates,
     motion_residuals,
@@ -60,7 +60,7 @@ class JoinedStart(NamedTuple):
     """The machine without redundant equations, and where and how it begins, on its joints."""
 
     arrays: JoinedArrays
-    now: Instant
+    now: JoinedInstant
     change: StartChange
 
 
@@ -83,7 +83,7 @@ class ClosedMachine(NamedTuple):
     """
 
     arrays: JoinedArrays
-    now: Instant
+    now: JoinedInstant
     active: np.ndarray
     rows: np.ndarray
     rates: np.ndarray
@@ -99,7 +99,7 @@ def closed_machine(
     """
     arrays, seen = machine.arrays, machine.seen
     placed = jax.tree.map(jnp.asarray, placed_configuration(seen))
-    given = Instant(
+    given = JoinedInstant(
         jnp.asarray(float(time)),
         machine.states,
         placed,
@@ -117,8 +117,8 @@ def closed_machine(
 
 
 def _begun(
-    arrays: JoinedArrays, given: Instant
-) -> tuple[Instant, jax.Array, jax.Array, jax.Array, jax.Array]:
+    arrays: JoinedArrays, given: JoinedInstant
+) -> tuple[JoinedInstant, jax.Array, jax.Array, jax.Array, jax.Array]:
     """The instant with its stations in place, and of its joints the gaps, rows and rates; the metric."""
     now = given._replace(floating=with_stations(arrays, given.floating, given.lines))
     gaps = constraints(arrays.model, now.time, now.floating)
@@ -137,17 +137,17 @@ def _check_closed(machine: JoinedMachine, gaps: np.ndarray) -> None:
         )
 
 
-def _velocities(now: Instant) -> tuple[Any, Any]:
+def _velocities(now: JoinedInstant) -> tuple[Any, Any]:
     return now.velocity, tuple(state.q1 for state in now.lines)
 
 
-def _with_velocities(now: Instant, velocities: tuple[Any, Any]) -> Instant:
+def _with_velocities(now: JoinedInstant, velocities: tuple[Any, Any]) -> JoinedInstant:
     floating, amplitudes = velocities
     lines = tuple(replace(state, q1=q1) for state, q1 in zip(now.lines, amplitudes, strict=True))
     return now._replace(velocity=floating, lines=lines)
 
 
-def _rows(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.Array]:
+def _rows(arrays: JoinedArrays, now: JoinedInstant) -> tuple[jax.Array, jax.Array]:
     """Derivative (m, z) of the rates of the joints' equations for all velocities, and these rates."""
     flat, unravel = ravel_pytree(_velocities(now))
 
@@ -157,7 +157,7 @@ def _rows(arrays: JoinedArrays, now: Instant) -> tuple[jax.Array, jax.Array]:
     return jax.jacfwd(rates)(flat), rates(flat)
 
 
-def velocity_metric(arrays: JoinedArrays, now: Instant) -> jax.Array:
+def velocity_metric(arrays: JoinedArrays, now: JoinedInstant) -> jax.Array:
     """Mass matrix of all velocities: modes are mass-normal."""
     n = arrays.n_floating
     lines = sum(len(state.q1) for state in now.lines)
@@ -165,7 +165,7 @@ def velocity_metric(arrays: JoinedArrays, now: Instant) -> jax.Array:
     return metric.at[:n, :n].set(mass_matrix(arrays.model, now.floating)[:n, :n])
 
 
-def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[Instant, StartChange]:
+def _on_joints(machine: JoinedMachine, closed: ClosedMachine) -> tuple[JoinedInstant, StartChange]:
     """The instant with velocities that its joints allow, and by what they differ from those given."""
     _, now, active, all_rows, all_rates, metric = closed
     flat, unravel = ravel_pytree(_velocities(now))
@@ -232,7 +232,7 @@ def _rigid_motions(machine: JoinedMachine) -> tuple[list[slice], list[np.ndarray
 
 
 def instant_rates(
-    arrays: JoinedArrays, now: Instant, control: ControlState | None = None
+    arrays: JoinedArrays, now: JoinedInstant, control: ControlState | None = None
 ) -> tuple[JoinedRates, jax.Array]:
     """Rates of an instant on its joints, and the multipliers of these.
 

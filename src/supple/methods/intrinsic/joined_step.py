@@ -15,7 +15,7 @@ from supple.equations.control_force import stepped
 from supple.equations.inertia import mass_matrix
 from supple.methods.intrinsic.implicit_step import ROUNDING, FirstOrderCoefficients
 from supple.methods.intrinsic.joined_equations import (
-    Instant,
+    JoinedInstant,
     JoinedRates,
     joint_equations,
     motion_residuals,
@@ -36,7 +36,7 @@ class JoinedState(NamedTuple):
     iterations : ()         so far
     """
 
-    now: Instant
+    now: JoinedInstant
     rates: JoinedRates
     multipliers: Any
     control: Any
@@ -146,7 +146,7 @@ def _kinds(arrays: JoinedArrays, rates: JoinedRates, m: int) -> np.ndarray:
     return np.concatenate([*lines, of_frames + k, of_frames + k + 3, *closed]).astype(int)
 
 
-def _sizes(arrays: JoinedArrays, now: Instant, m: int) -> jax.Array:
+def _sizes(arrays: JoinedArrays, now: JoinedInstant, m: int) -> jax.Array:
     """Sizes of states, by the rates that change them, whose rounding is not an error."""
     length = jnp.asarray(arrays.model.length, dtype=float)
     frames, first = [jnp.zeros(0)], 0

@@ -42,8 +42,8 @@ from supple.methods.intrinsic.line_model import LineModel
 from supple.methods.intrinsic.line_system import wrenches_on
 from supple.methods.intrinsic.machine_loads import machine_loads
 from supple.methods.intrinsic.machine_of_lines import line_start
-from supple.methods.intrinsic.station_loads import StationLoad, StationMotion
-from supple.methods.intrinsic.strain_integration import Places, station_places
+from supple.methods.intrinsic.station_loads import MovingStations, StationLoad
+from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["LineInFrame", "lines_in_frames"]
@@ -218,19 +218,19 @@ def _missing(line: FrameLine, state: BodyState) -> tuple[jax.Array, jax.Array]:
     q1, rates = _rates(line, state)
     q2 = -model.omega * state.coordinates
     root = state.origin + state.rotation @ line.root
-    places: Places = station_places(model, q2, state.rotation, root)
-    (wrench,) = wrenches_on(line.loads, [StationMotion(places, station_velocities(model, q1))], state.time)
+    places: StationPlaces = station_places(model, q2, state.rotation, root)
+    (wrench,) = wrenches_on(line.loads, [MovingStations(places, station_velocities(model, q1))], state.time)
     first, _ = line_rates(model, q1, q2, wrench)
     pushed = jnp.zeros_like(q1) if wrench is None else -wrench.reshape(-1) @ model.velocities
     left, loads = jnp.linalg.solve(rows.T, jnp.stack([rates - first, pushed], axis=1)).T
     return tuple(jnp.concatenate([state.rotation @ each[:3], each[3:]]) for each in (left, loads))  # ty: ignore[invalid-explicit-return]
 
 
-def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> Places:
+def _places_of_held(line: FrameLine, origin: Any, rotation: Any, coordinates: Any) -> StationPlaces:
     q2 = -line.model.omega * coordinates
     places = station_places(line.model, q2, rotation, origin + rotation @ line.root)
     held = np.array(line.held, dtype=int)
-    return Places(places.rotations[held], places.positions[held])
+    return StationPlaces(places.rotations[held], places.positions[held])
 
 
 def _twists(line: FrameLine, state: BodyState, u: jax.Array) -> jax.Array:

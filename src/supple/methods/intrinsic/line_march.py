@@ -25,13 +25,13 @@ from supple.methods.intrinsic.residual_modes import at_rest_rates, inverse_of_hi
 from supple.methods.intrinsic.runge_kutta import runge_kutta_step
 from supple.programs.kept_programs import KeptProgram
 
-__all__ = ["LineRule", "MarchState", "Stepping", "first_march_state", "march_by", "march_lines"]
+__all__ = ["LineMarchState", "LineRule", "Stepping", "first_march_state", "march_by", "march_lines"]
 
 LineRule = RungeKutta4 | ResidualRungeKutta4 | GeneralizedAlpha
 """Step rules that lines take; GeneralizedAlpha(1.0) keeps the energy."""
 
 
-class MarchState(NamedTuple):
+class LineMarchState(NamedTuple):
     """Where a march is.
 
     rates : (N,)        of all states in one vector, that the implicit rule remembers; empty for the others
@@ -49,28 +49,28 @@ class MarchState(NamedTuple):
 _rates = KeptProgram(system_rates)
 
 
-def first_march_state(system: LineSystem, rule: LineRule, time: float, states: States) -> MarchState:
+def first_march_state(system: LineSystem, rule: LineRule, time: float, states: States) -> LineMarchState:
     """The state in which a march begins."""
     none, count = jnp.zeros(()), jnp.zeros((), dtype=int)
     if isinstance(rule, GeneralizedAlpha):
         rates = ravel_pytree(_rates(system, time, states))[0]
-        return MarchState(jnp.asarray(float(time)), states, rates, none, count)
+        return LineMarchState(jnp.asarray(float(time)), states, rates, none, count)
     if isinstance(rule, ResidualRungeKutta4):
         states, _ = slaved(system, _kept(system, rule), time, states, 3 * rule.sweeps)
-    return MarchState(jnp.asarray(float(time)), states, jnp.zeros(0), none, count)
+    return LineMarchState(jnp.asarray(float(time)), states, jnp.zeros(0), none, count)
 
 
 @partial(jax.jit, static_argnames=("rule", "n_steps", "max_iterations"))
 def march_lines(
     system: LineSystem,
-    start: MarchState,
+    start: LineMarchState,
     times: jax.Array,
     *,
     rule: LineRule,
     n_steps: int,
     tolerance: Any = 1e-10,
     max_iterations: int = 12,
-) -> MarchState:
+) -> LineMarchState:
     """The states at output times (t,), each reached in `n_steps` equal steps; leaves have a leading axis.
 
     It can be mapped over cases (`jax.vmap`) and differentiated in either direction.
@@ -78,12 +78,16 @@ def march_lines(
     step = _step_of(system, rule, tolerance, max_iterations)
     tangent = no_tangent(start.rates.size) if isinstance(rule, GeneralizedAlpha) else None
 
-    def to_output(carry: tuple[MarchState, Any], end: jax.Array) -> tuple[tuple[MarchState, Any], MarchState]:
+    def to_output(
+        carry: tuple[LineMarchState, Any], end: jax.Array
+    ) -> tuple[tuple[LineMarchState, Any], LineMarchState]:
         state, known = carry
         h = (end - state.time) / n_steps
         begin = state.time
 
-        def one(now: tuple[MarchState, Any], number: jax.Array) -> tuple[tuple[MarchState, Any], None]:
+        def one(
+            now: tuple[LineMarchState, Any], number: jax.Array
+        ) -> tuple[tuple[LineMarchState, Any], None]:
             return step(now[0]._replace(time=begin + number * h), now[1], h), None
 
         (last, known), _ = jax.lax.scan(one, (state, known), jnp.arange(n_steps))
@@ -104,8 +108,8 @@ class Stepping:
 
 
 def _march_by(
-    stepping: Stepping, system: LineSystem, start: MarchState, times: jax.Array, tolerance: Any
-) -> MarchState:
+    stepping: Stepping, system: LineSystem, start: LineMarchState, times: jax.Array, tolerance: Any
+) -> LineMarchState:
     return march_lines(
         system,
         start,
@@ -121,7 +125,7 @@ march_by = KeptProgram(_march_by)
 """`march_lines` by a program that later processes find."""
 
 
-Step = Callable[[MarchState, Any, Any], tuple[MarchState, Any]]
+Step = Callable[[LineMarchState, Any, Any], tuple[LineMarchState, Any]]
 """From a state, and a tangent where the rule keeps one, by a step h."""
 
 
@@ -143,7 +147,9 @@ def _kept(system: LineSystem, rule: ResidualRungeKutta4) -> tuple[int, ...]:
     return tuple(min(rule.n_kept, model.velocities.shape[1]) for model in system.lines)
 
 
-def _residual_step(system: LineSystem, rule: ResidualRungeKutta4, now: MarchState, h: Any) -> MarchState:
+def _residual_step(
+    system: LineSystem, rule: ResidualRungeKutta4, now: LineMarchState, h: Any
+) -> LineMarchState:
     kept = _kept(system, rule)
     inverse = inverse_of_high(system, kept, now.time, now.states)
 
@@ -161,10 +167,10 @@ def _implicit(
     rule: GeneralizedAlpha,
     tolerance: Any,
     most: int,
-    now: MarchState,
+    now: LineMarchState,
     tangent: Tangent,
     h: Any,
-) -> tuple[MarchState, Tangent]:
+) -> tuple[LineMarchState, Tangent]:
     flat, unravel = ravel_pytree(now.states)
 
     def rates(time: Any, y: jax.Array) -> jax.Array:
@@ -177,7 +183,7 @@ def _implicit(
     done = implicit_step(
         rates, slope, coefficients, now.time, flat, now.rates, h, tangent, tolerance=tolerance, most=most
     )
-    reached = MarchState(
+    reached = LineMarchState(
         now.time,
         unravel(done.state),
         done.rates,

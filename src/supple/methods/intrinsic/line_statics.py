@@ -14,15 +14,15 @@ from supple.equations.build_model import system_length
 from supple.equations.configuration import Configuration
 from supple.equations.control_linearization import LinearControl
 from supple.equations.coordinate_scales import kinds_of_rows, known_position_scale
-from supple.equations.model import Model
-from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
-from supple.equations.steady_motion import LinearEquations, SteadyEquations, Turning
+from supple.equations.machine_model import Model
+from supple.equations.static_search import ROUND_OFF, EquilibriumResidual, StaticState, StaticStep
+from supple.equations.steady_motion import LinearEquations, SteadyEquations, SteadyTurning
 from supple.errors import AccuracyError, ModelError
 from supple.integrate import Solution, Statistics
 from supple.machine import Placed, System
 from supple.machine.laws.constant_rate import ConstantRate
 from supple.methods.intrinsic.intrinsic_body import body_of
-from supple.methods.intrinsic.joined_equations import Instant
+from supple.methods.intrinsic.joined_equations import JoinedInstant
 from supple.methods.intrinsic.joined_machine import (
     JoinedArrays,
     JoinedMachine,
@@ -53,7 +53,7 @@ class LineStatics(SteadyEquations):
     """
 
     machine: JoinedMachine
-    begin: Instant
+    begin: JoinedInstant
 
     @property
     def model(self) -> Model:
@@ -79,7 +79,7 @@ class LineStatics(SteadyEquations):
         """What is unbalanced in all freedoms, (N,)."""
         return self.unbalance(state, time).terms
 
-    def unbalance(self, state: StaticState, time: float) -> Unbalance:  # noqa: ARG002 - drives stand
+    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:  # noqa: ARG002 - drives stand
         """The residuals at rest."""
         found = jax.device_get(unbalanced_at(*self._terms, state.configuration, state.multipliers))
         residual = found.residual - self.held
@@ -89,9 +89,11 @@ class LineStatics(SteadyEquations):
         scale = np.maximum(scale, ROUND_OFF * max(scale.max(), self._work_of_turning))
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(found.gaps), initial=0.0)) / self._length
-        return Unbalance(relative, gap, residual, float(scale.max()))
+        return EquilibriumResidual(relative, gap, residual, float(scale.max()))
 
-    def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
+    def correction(
+        self, state: StaticState, time: float, unbalance: EquilibriumResidual, k: float
+    ) -> StaticStep:
         """One implicit step of length k; AccuracyError where it is singular."""
         linear = self._small_motions(state)
         matrix, rows = linear.mass + k * linear.stiffness, linear.jacobian
@@ -105,9 +107,9 @@ class LineStatics(SteadyEquations):
             )
         except np.linalg.LinAlgError as error:
             raise AccuracyError(f"no equilibrium at t = {time:g}: the tangent is singular") from error
-        return StaticCorrection(k * change[:n], size * change[n:])
+        return StaticStep(k * change[:n], size * change[n:])
 
-    def moved(self, configuration: Instant, increment: np.ndarray) -> Instant:
+    def moved(self, configuration: JoinedInstant, increment: np.ndarray) -> JoinedInstant:
         """The machine after an increment (N,)."""
         return moved_by(self.machine.arrays, configuration, increment)
 
@@ -163,7 +165,7 @@ class LineStatics(SteadyEquations):
         """Derivatives of the joints' equations, (m, N)."""
         return self._small_motions(state).jacobian
 
-    def bodies_at(self, configuration: Instant) -> Configuration:
+    def bodies_at(self, configuration: JoinedInstant) -> Configuration:
         """Where the bodies are, in their order."""
         known, first = {}, 0
         floating = configuration.floating
@@ -225,7 +227,7 @@ class LineStatics(SteadyEquations):
         return np.concatenate([starts[placed.body.name] for placed in self.machine.system.bodies])
 
     @cached_property
-    def _terms(self) -> tuple[JoinedArrays, Turning | None]:
+    def _terms(self) -> tuple[JoinedArrays, SteadyTurning | None]:
         """The machine's arrays with drives as they turn, and how its bodies turn, floating ones first."""
         arrays, time = self.machine.arrays, float(self.begin.time)
         names = [placed.body.name for placed in self.machine.system.bodies]
@@ -272,7 +274,7 @@ def _blocks(*parts: np.ndarray) -> np.ndarray:
 
 
 def line_statics(
-    system: System, turning: Turning | None, time: float, known: tuple[int, ...] | None = None
+    system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> LineStatics:
     """A machine with intrinsic bodies, its joints closed, made ready for the search of a steady motion.
 

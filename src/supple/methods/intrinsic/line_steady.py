@@ -26,9 +26,9 @@ import numpy as np
 from supple.equations.balance import balance
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_force import constraints
-from supple.equations.steady_motion import Turning
+from supple.equations.steady_motion import SteadyTurning
 from supple.methods.intrinsic.joined_equations import (
-    Instant,
+    JoinedInstant,
     JoinedRates,
     all_velocities,
     motion_residuals,
@@ -82,7 +82,7 @@ def _parts(arrays: JoinedArrays, y: jax.Array) -> tuple[jax.Array, list[jax.Arra
     return floating, lines
 
 
-def _moved_by(arrays: JoinedArrays, at: Instant, y: jax.Array) -> Instant:
+def _moved_by(arrays: JoinedArrays, at: JoinedInstant, y: jax.Array) -> JoinedInstant:
     floating, own = _parts(arrays, y)
     lines = tuple(
         LineState(jnp.zeros_like(state.q1), *shape_rates(model, state, change))
@@ -111,7 +111,9 @@ def _turning_line(
     return jnp.linalg.solve(rows, jnp.concatenate([rigid @ twist, -strain_rates(none)]))
 
 
-def _turning_lines(arrays: JoinedArrays, turning: Turning | None, now: Instant) -> tuple[jax.Array, ...]:
+def _turning_lines(
+    arrays: JoinedArrays, turning: SteadyTurning | None, now: JoinedInstant
+) -> tuple[jax.Array, ...]:
     if turning is None:
         return tuple(jnp.zeros_like(state.q1) for state in now.lines)
     rates = turning.angular_velocities[len(arrays.model.sizes) - arrays.n_held :]
@@ -122,7 +124,7 @@ def _turning_lines(arrays: JoinedArrays, turning: Turning | None, now: Instant) 
 
 
 def _turning_frames(
-    arrays: JoinedArrays, turning: Turning | None, now: Instant, dy: jax.Array, ddy: jax.Array
+    arrays: JoinedArrays, turning: SteadyTurning | None, now: JoinedInstant, dy: jax.Array, ddy: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
     """Velocities and accelerations (n,) of the floating bodies."""
     nb = len(arrays.model.sizes) - arrays.n_held
@@ -138,8 +140,8 @@ def _turning_frames(
 
 
 def _near(
-    arrays: JoinedArrays, turning: Turning | None, at: Instant, y: Any, dy: Any, ddy: Any
-) -> tuple[Instant, JoinedRates]:
+    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant, y: Any, dy: Any, ddy: Any
+) -> tuple[JoinedInstant, JoinedRates]:
     """The machine displaced by y, at rates y' and y'' seen in axes that turn along."""
     now = _moved_by(arrays, at, y)
     (floating, own), (faster, own_faster) = _parts(arrays, dy), _parts(arrays, ddy)
@@ -156,14 +158,16 @@ def _near(
     return now, JoinedRates(tuple(rates), acceleration, jnp.zeros_like(velocity))
 
 
-def _residual(arrays: JoinedArrays, now: Instant, rates: JoinedRates, multipliers: jax.Array) -> jax.Array:
+def _residual(
+    arrays: JoinedArrays, now: JoinedInstant, rates: JoinedRates, multipliers: jax.Array
+) -> jax.Array:
     none = jnp.zeros(len(arrays.model.active))
     left = motion_residuals(arrays, now, rates, multipliers, none, jnp.zeros_like)
     return jnp.concatenate([left.acceleration, *(line.q1 for line in left.lines)])
 
 
 def _unbalanced(
-    arrays: JoinedArrays, turning: Turning | None, at: Instant, multipliers: jax.Array
+    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant, multipliers: jax.Array
 ) -> Unbalanced:
     n, none = arrays.n_floating, jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
     now, rates = _near(arrays, turning, at, none, none, none)
@@ -188,7 +192,7 @@ def _unbalanced(
 
 
 def _small_motions(
-    arrays: JoinedArrays, turning: Turning | None, at: Instant, multipliers: jax.Array
+    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant, multipliers: jax.Array
 ) -> SmallMotions:
     none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
 
@@ -203,8 +207,8 @@ def _small_motions(
 
 
 def _steady(
-    arrays: JoinedArrays, turning: Turning | None, at: Instant
-) -> tuple[Instant, JoinedRates, jax.Array]:
+    arrays: JoinedArrays, turning: SteadyTurning | None, at: JoinedInstant
+) -> tuple[JoinedInstant, JoinedRates, jax.Array]:
     """The instant and its rates, and the velocities of all bodies of the model."""
     none = jnp.zeros(arrays.n_floating + sum(len(state.q1) for state in at.lines))
     now, rates = _near(arrays, turning, at, none, none, none)

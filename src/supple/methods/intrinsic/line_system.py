@@ -12,8 +12,8 @@ import jax.numpy as jnp
 from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.root_drive import RootDrive
-from supple.methods.intrinsic.station_loads import StationLoad, StationMotion
-from supple.methods.intrinsic.strain_integration import Places, rotation_of, station_places
+from supple.methods.intrinsic.station_loads import MovingStations, StationLoad
+from supple.methods.intrinsic.strain_integration import StationPlaces, rotation_of, station_places
 
 __all__ = [
     "LineSystem",
@@ -39,7 +39,7 @@ class LineSystem:
     loads: tuple[StationLoad, ...]
 
 
-def places_of(model: LineModel, drive: RootDrive | None, state: LineState, time: Any) -> Places:
+def places_of(model: LineModel, drive: RootDrive | None, state: LineState, time: Any) -> StationPlaces:
     """Places of the stations of one line, whose root may be driven."""
     if drive is None:
         return station_places(model, state.q2, rotation_of(state.quaternion), state.position)
@@ -54,7 +54,7 @@ def system_wrenches(
         return [None] * len(system.lines)
     need_places = any(load.needs_places for load in system.loads)
     motions = [
-        StationMotion(
+        MovingStations(
             places_of(model, drive, state, time) if need_places else None,
             station_velocities(model, state.q1, root),
         )
@@ -64,7 +64,7 @@ def system_wrenches(
 
 
 def wrenches_on(
-    loads: Sequence[StationLoad], motions: Sequence[StationMotion], time: Any
+    loads: Sequence[StationLoad], motions: Sequence[MovingStations], time: Any
 ) -> list[jax.Array | None]:
     """Forces and moments of loads on the stations of each line, which move in some way."""
     sums: list[jax.Array | None] = [None] * len(motions)

@@ -21,7 +21,14 @@ from supple.machine import (
     System,
 )
 from supple.methods.intrinsic.intrinsic_body import IntrinsicBody, body_of
-from supple.methods.intrinsic.station_loads import Element, End, Follower, Gravity, SpreadLoad, StationLoad
+from supple.methods.intrinsic.station_loads import (
+    End,
+    Follower,
+    Gravity,
+    SpreadLoad,
+    StationElement,
+    StationLoad,
+)
 
 __all__ = ["machine_loads"]
 
@@ -74,7 +81,7 @@ def _follower(
     return Follower(axes, load.law, body_of(placed).interface(load.first.interface).number, line)
 
 
-def _element(bodies: Sequence[Placed], numbers: Mapping[str, int], load: ForceElement) -> Element:
+def _element(bodies: Sequence[Placed], numbers: Mapping[str, int], load: ForceElement) -> StationElement:
     def end(own: At, other: At) -> End:
         if own == GROUND:
             placed = bodies[numbers[other.body]]
@@ -87,7 +94,7 @@ def _element(bodies: Sequence[Placed], numbers: Mapping[str, int], load: ForceEl
         return End(placed.rotation.T @ load.initial_axes, np.zeros(3), station, line)
 
     ends = end(load.first, load.second), end(load.second, load.first)
-    return Element(ends, load.law, load.parameters, type(load).wrenches)
+    return StationElement(ends, load.law, load.parameters, type(load).wrenches)
 
 
 def _spread(bodies: Sequence[Placed], line: int, load: NodalLoad) -> SpreadLoad:

@@ -16,11 +16,11 @@ import jax.numpy as jnp
 
 from supple.integrate import RungeKutta4
 from supple.methods.intrinsic.line_equations import RootTwist, line_rates, station_velocities
-from supple.methods.intrinsic.line_march import LineRule, MarchState, march_lines
+from supple.methods.intrinsic.line_march import LineMarchState, LineRule, march_lines
 from supple.methods.intrinsic.line_model import LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, root_rates, wrenches_on
 from supple.methods.intrinsic.runge_kutta import runge_kutta_step
-from supple.methods.intrinsic.station_loads import StationMotion
+from supple.methods.intrinsic.station_loads import MovingStations
 from supple.methods.intrinsic.strain_integration import rotation_of, station_places
 
 __all__ = ["march_of_cases"]
@@ -32,7 +32,7 @@ Axes: TypeAlias = tuple[int | None, ...]
 @lru_cache(maxsize=32)
 def march_of_cases(
     structure: Any, axes: Axes, rule: LineRule, n_steps: int, max_iterations: int
-) -> Callable[..., MarchState]:
+) -> Callable[..., LineMarchState]:
     """The compiled march of k cases for one pattern of what they share.
 
     structure : of a `LineSystem`;  axes : of its leaves
@@ -46,7 +46,7 @@ def march_of_cases(
             partial(_together, structure, axes, n_steps),
         )
 
-    def one(own: list[Any], start: MarchState, times: jax.Array, tolerance: Any) -> MarchState:
+    def one(own: list[Any], start: LineMarchState, times: jax.Array, tolerance: Any) -> LineMarchState:
         return march_lines(
             jax.tree.unflatten(structure, own),
             start,
@@ -63,8 +63,14 @@ def march_of_cases(
 
 
 def _together(
-    structure: Any, axes: Axes, n_steps: int, leaves: list[Any], starts: MarchState, times: jax.Array, _: Any
-) -> MarchState:
+    structure: Any,
+    axes: Axes,
+    n_steps: int,
+    leaves: list[Any],
+    starts: LineMarchState,
+    times: jax.Array,
+    _: Any,
+) -> LineMarchState:
     """The march by Runge and Kutta's rule, cases last; they share the lines, and the time of their start."""
     lines = jax.tree.unflatten(structure, leaves).lines
     of_roots = jax.vmap(partial(_roots, structure), in_axes=(list(axes), None, -1), out_axes=-1)
@@ -73,7 +79,7 @@ def _together(
     def rates(time: Any, states: States) -> States:
         roots = of_roots(leaves, time, states)
         motions = [
-            StationMotion(
+            MovingStations(
                 station_places(model, state.q2, *root.pose), station_velocities(model, state.q1, root.twist)
             )
             for model, state, root in zip(lines, states, roots, strict=True)
@@ -127,7 +133,7 @@ def _roots(structure: Any, leaves: list[Any], time: Any, states: States) -> list
 
 
 def _wrenches(
-    structure: Any, leaves: list[Any], time: Any, motions: list[StationMotion]
+    structure: Any, leaves: list[Any], time: Any, motions: list[MovingStations]
 ) -> list[jax.Array | None]:
     """Of one case."""
     return wrenches_on(jax.tree.unflatten(structure, leaves).loads, motions, time)

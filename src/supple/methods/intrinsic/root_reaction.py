@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from supple.methods.intrinsic.line_equations import RootTwist, momenta, station_velocities, turning_forces
 from supple.methods.intrinsic.line_model import LineModel, LineState
 from supple.methods.intrinsic.line_system import LineSystem, States, places_of, system_rates, system_wrenches
-from supple.methods.intrinsic.strain_integration import Places
+from supple.methods.intrinsic.strain_integration import StationPlaces
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["reactions", "root_reaction"]
@@ -42,7 +42,7 @@ def root_reaction(
     rates: LineState,
     wrenches: jax.Array | None,
     root: RootTwist | None,
-    places: Places,
+    places: StationPlaces,
 ) -> jax.Array:
     """Force and moment (6,) that act on the body at its root besides its loads, along the root's axes.
 

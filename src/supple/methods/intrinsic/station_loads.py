@@ -11,20 +11,20 @@ import jax
 import jax.numpy as jnp
 
 from supple.machine.pose import Pose
-from supple.methods.intrinsic.strain_integration import Places
+from supple.methods.intrinsic.strain_integration import StationPlaces
 
-__all__ = ["Element", "End", "Follower", "Gravity", "SpreadLoad", "StationLoad", "StationMotion"]
+__all__ = ["End", "Follower", "Gravity", "MovingStations", "SpreadLoad", "StationElement", "StationLoad"]
 
 STATIC = {"static": True}
 
 
-class StationMotion(NamedTuple):
+class MovingStations(NamedTuple):
     """Where the stations of a line are, and their velocities (n, 6) along their own axes.
 
     places : Places | None      None where no load asks for them
     """
 
-    places: Places | None
+    places: StationPlaces | None
     velocities: jax.Array
 
 
@@ -37,11 +37,11 @@ class StationLoad(Protocol):
         """Whether it depends on where stations are."""
 
     @abstractmethod
-    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
         """Number of a line and forces and moments (n, 6) on its stations, along their own axes."""
 
 
-def _one(motion: StationMotion, station: jax.Array, wrench: jax.Array) -> jax.Array:
+def _one(motion: MovingStations, station: jax.Array, wrench: jax.Array) -> jax.Array:
     # No scatter: over many cases it would be a loop.
     return jnp.where(jnp.arange(motion.velocities.shape[0])[:, None] == station, wrench, 0.0)
 
@@ -57,7 +57,7 @@ class Follower:
     line: int = field(metadata=STATIC)
     needs_places: bool = field(default=False, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
         """On one station."""
         yield self.line, _one(motions[self.line], self.station, self.axes @ jnp.asarray(self.law(time)))
 
@@ -77,7 +77,7 @@ class Gravity:
     line: int = field(metadata=STATIC)
     needs_places: bool = field(default=True, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
         """M [R^T g; 0] on every station."""
         places = motions[self.line].places
         assert places is not None
@@ -103,7 +103,7 @@ class End:
     station: Any
     line: int = field(metadata=STATIC)
 
-    def pose(self, motions: Sequence[StationMotion]) -> Pose:
+    def pose(self, motions: Sequence[MovingStations]) -> Pose:
         """Place and motion in space."""
         if self.line < 0:
             return Pose(self.point, self.axes, jnp.zeros(3), jnp.zeros(3))
@@ -118,7 +118,7 @@ class End:
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
-class Element:
+class StationElement:
     """Any force element of a machine between two ends; `function` is its `wrenches`."""
 
     ends: tuple[End, End]
@@ -127,7 +127,7 @@ class Element:
     function: Callable[..., Any] = field(metadata=STATIC)
     needs_places: bool = field(default=True, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
         """On the stations of both ends."""
         value = None if self.law is None else self.law(time)
         poses = [end.pose(motions) for end in self.ends]
@@ -161,7 +161,7 @@ class SpreadLoad:
     value_rank: int = field(metadata=STATIC)
     needs_places: bool = field(default=True, metadata=STATIC)
 
-    def wrenches(self, motions: Sequence[StationMotion], time: Any) -> Iterator[tuple[int, jax.Array]]:
+    def wrenches(self, motions: Sequence[MovingStations], time: Any) -> Iterator[tuple[int, jax.Array]]:
         """The work of the points' forces, on the stations that carry them."""
         motion = motions[self.line]
         assert motion.places is not None

@@ -15,7 +15,7 @@ from supple.equations.compiler_options import STARTING
 from supple.methods.intrinsic.intrinsic_motion import IntrinsicMotion
 from supple.methods.intrinsic.line_equations import force_rates, section_strains, station_velocities
 from supple.methods.intrinsic.line_model import LineModel
-from supple.methods.intrinsic.strain_integration import Places, station_places
+from supple.methods.intrinsic.strain_integration import StationPlaces, station_places
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["StationMotion", "station_motion", "station_twists"]
@@ -30,9 +30,9 @@ class StationMotion(NamedTuple):
     strain_rates, strain_accelerations : (t, e)     of the amplitudes q_2
     """
 
-    places: Places
-    velocities: Places
-    accelerations: Places
+    places: StationPlaces
+    velocities: StationPlaces
+    accelerations: StationPlaces
     strain_rates: Any
     strain_accelerations: Any
 
@@ -119,7 +119,7 @@ def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
         first = strain_rate(*here)
         second = jax.jvp(strain_rate, here, (now.q1_rate, first, now.driven_rate))[1]
 
-        def places(s: Any) -> Places:
+        def places(s: Any) -> StationPlaces:
             """To second order in the time s from now."""
             turn = s * now.angular_velocity + s**2 / 2 * now.angular_acceleration
             return station_places(
@@ -129,7 +129,7 @@ def _motion_over_time(model: LineModel, over_time: _Now) -> StationMotion:
                 now.position + s * now.velocity + s**2 / 2 * now.acceleration,
             )
 
-        def rates(s: Any) -> tuple[Places, Places]:
+        def rates(s: Any) -> tuple[StationPlaces, StationPlaces]:
             return jax.jvp(places, (s,), (jnp.ones(()),))
 
         (where, velocities), (_, accelerations) = jax.jvp(rates, (jnp.zeros(()),), (jnp.ones(()),))

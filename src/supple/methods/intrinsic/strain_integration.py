@@ -11,10 +11,10 @@ from supple.algebra.rotation import angle_quotients
 from supple.methods.intrinsic.line_equations import section_strains
 from supple.methods.intrinsic.line_model import LineModel
 
-__all__ = ["Places", "rotation_of", "station_places"]
+__all__ = ["StationPlaces", "rotation_of", "station_places"]
 
 
-class Places(NamedTuple):
+class StationPlaces(NamedTuple):
     """Where stations are.
 
     rotations : (n, 3, 3)   material axes to global ones
@@ -39,7 +39,9 @@ def rotation_of(quaternion: jax.Array) -> jax.Array:
     return inside / (s * s + square)
 
 
-def station_places(model: LineModel, q2: jax.Array, rotation: jax.Array, position: jax.Array) -> Places:
+def station_places(
+    model: LineModel, q2: jax.Array, rotation: jax.Array, position: jax.Array
+) -> StationPlaces:
     """Rotations and positions of all stations from those of the root; of all cases, if q_2 has a last axis.
 
     Strain gamma and curvature kappa are constant along a segment of length h and direction t:
@@ -61,7 +63,7 @@ def station_places(model: LineModel, q2: jax.Array, rotation: jax.Array, positio
         before = rotations[above]
         arms = arms[above] + _times(before, arms)
         rotations = _products(before, rotations)
-    return Places(_products(rotation[None], rotations), position + _times(rotation[None], arms))
+    return StationPlaces(_products(rotation[None], rotations), position + _times(rotation[None], arms))
 
 
 def _segments(psi: jax.Array, d: jax.Array) -> tuple[jax.Array, jax.Array]:

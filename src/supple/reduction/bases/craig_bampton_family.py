@@ -16,7 +16,7 @@ from supple.reduction.components.fixed_interface_component import (
     fixed_interface_component,
 )
 from supple.reduction.components.free_vibration import FreeVibrations, free_vibrations
-from supple.reduction.eigenvalues.eigenvalue_error import ErrorEstimator, error_terms
+from supple.reduction.eigenvalues.eigenvalue_error import EigenvalueErrorEstimator, error_terms
 
 __all__ = ["CraigBamptonFamily"]
 
@@ -57,7 +57,7 @@ class CraigBamptonFamily:
         self._know(max(n_kept, min(n_vibrations, self.n_available)))
         return free_vibrations(self.component.leading(n_kept), self.rigid_motion, n_vibrations)
 
-    def errors(self, n_kept: int, n_vibrations: int, estimator: ErrorEstimator) -> np.ndarray:
+    def errors(self, n_kept: int, n_vibrations: int, estimator: EigenvalueErrorEstimator) -> np.ndarray:
         """Estimated eigenvalue errors (n_vibrations,); infinite where there is no such vibration."""
         vibrations = self.vibrations(n_kept, n_vibrations)
         errors = np.full(n_vibrations, np.inf)

@@ -17,7 +17,11 @@ from supple.reduction.bases.craig_bampton_family import CraigBamptonFamily
 from supple.reduction.bases.linear_basis import LinearBasis
 from supple.reduction.eigenvalues.eigenvalue_certificate import EigenvalueCertificate
 from supple.reduction.eigenvalues.eigenvalue_enclosure import EigenvalueEnclosure, enclose_eigenvalues
-from supple.reduction.eigenvalues.eigenvalue_error import ErrorEstimator, KnownEigenvalues, SharperBound
+from supple.reduction.eigenvalues.eigenvalue_error import (
+    EigenvalueErrorEstimator,
+    KnownEigenvalues,
+    SharperBound,
+)
 from supple.reduction.eigenvalues.mode_search import Bisection, ModeSearch, SearchStep
 from supple.reduction.stopwatch import timed
 
@@ -53,7 +57,7 @@ class ErrorControlled:
     n_modes: int
     start: int = 5
     most: int | None = None
-    estimator: ErrorEstimator = field(default_factory=SharperBound)
+    estimator: EigenvalueErrorEstimator = field(default_factory=SharperBound)
     search: ModeSearch = field(default_factory=Bisection)
     progress: Callable[[SearchStep], None] | None = field(default=None, compare=False)
 
@@ -144,7 +148,7 @@ def _check_range(family: CraigBamptonFamily, control: ErrorControlled) -> None:
 
 
 def _search(
-    family: CraigBamptonFamily, control: ErrorControlled, estimator: ErrorEstimator, first: int
+    family: CraigBamptonFamily, control: ErrorControlled, estimator: EigenvalueErrorEstimator, first: int
 ) -> tuple[SearchStep, ...]:
     """The steps to the first body that meets the tolerance; AccuracyError where none does."""
     most = family.n_available if control.most is None else min(control.most, family.n_available)
@@ -162,7 +166,7 @@ def _search(
 
 
 def _tried(
-    family: CraigBamptonFamily, control: ErrorControlled, estimator: ErrorEstimator, n_kept: int
+    family: CraigBamptonFamily, control: ErrorControlled, estimator: EigenvalueErrorEstimator, n_kept: int
 ) -> SearchStep:
     start = perf_counter()
     errors = family.errors(n_kept, control.n_modes, estimator)

@@ -12,7 +12,7 @@ from supple.reduction.components.fixed_interface_component import FixedInterface
 from supple.reduction.components.free_vibration import FreeVibrations
 
 __all__ = [
-    "ErrorEstimator",
+    "EigenvalueErrorEstimator",
     "ErrorTerms",
     "FirstOrderEstimate",
     "Han2020Bound",
@@ -63,7 +63,7 @@ def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) 
     )
 
 
-class ErrorEstimator(Protocol):
+class EigenvalueErrorEstimator(Protocol):
     """An estimate of zeta_n = chi-bar_n / chi_n - 1, by how much the reduced eigenvalues are too high.
 
     Above or below are meant to first order, for errors of a few per cent and less. None of them sees a

@@ -15,7 +15,7 @@ from supple.equations.balance import tangent
 from supple.equations.build_model import build_model
 from supple.equations.compiler_options import STARTING
 from supple.equations.joint_force import constraint_rows
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.fem import Isotropic, solid_model
 from supple.integrate import FixedStep, GeneralizedAlpha, Run, StepRule, Tolerances
 from supple.machine import GROUND, At, DeadForce, Placed, PrescribedRotation, SpringDamper, System, Table
@@ -27,7 +27,7 @@ from supple.methods.floating.compiled.elimination import ByLapack
 from supple.methods.floating.compiled.engine import controls, initial_state
 from supple.methods.floating.compiled.frozen_tangent import (
     PAUSE,
-    FrozenTangent,
+    FrozenInverse,
     bodies_inverse,
     freezes_tangent,
     no_tangent,
@@ -291,7 +291,7 @@ def test_the_inverse_is_the_same_however_a_body_turns(smooth):
     assert np.abs((here.inverse - there.inverse) / scale).max() < 1e-9
 
 
-KNOWN = FrozenTangent(np.eye(1), STEP, 4.0, 1e3, 4e-3, 2.0, 1.0, 1.0, 0.0, np.ones(1), STEP, 0.0)
+KNOWN = FrozenInverse(np.eye(1), STEP, 4.0, 1e3, 4e-3, 2.0, 1.0, 1.0, 0.0, np.ones(1), STEP, 0.0)
 
 
 @pytest.mark.parametrize(

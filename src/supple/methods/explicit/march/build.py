@@ -18,8 +18,7 @@ from supple.methods.explicit.march.build_shells import explicit_shells
 from supple.methods.explicit.march.build_surfaces import TiedNodes, modal_skins
 from supple.methods.explicit.march.build_ties import met_material, within
 from supple.methods.explicit.march.frame_step import tied_positions
-from supple.methods.explicit.march.march_step import begun
-from supple.methods.explicit.march.model import (
+from supple.methods.explicit.march.march_model import (
     Energies,
     MarchModel,
     MarchState,
@@ -27,7 +26,8 @@ from supple.methods.explicit.march.model import (
     NodesTouching,
     ObstacleState,
 )
-from supple.methods.explicit.march.turning import Turning
+from supple.methods.explicit.march.march_step import begun
+from supple.methods.explicit.march.turning_nodes import TriadState
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.start_motion import rigid_velocities, undeformed
@@ -162,7 +162,7 @@ def _start(
     x: FloatArray,
     v: FloatArray,
     framed: Framed,
-    turning: Turning,
+    turning: TriadState,
 ) -> MarchState:
     zero, frames = jnp.zeros(()), framed.states
     held = [0.5 * at.y @ own.model.stiffness @ at.y for own, at in zip(model.frames, frames, strict=True)]

@@ -18,7 +18,7 @@ from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.configuration import Configuration, ControlState
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import first_control
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.start_change import StartChange
 from supple.errors import ModelError
 from supple.machine import Contact, ForceElement, Placed, System
@@ -27,7 +27,7 @@ from supple.methods.explicit.frame_model import FrameModel, FrameState
 from supple.methods.explicit.march.build_joined import JoinedFrames, joined_frames
 from supple.methods.explicit.march.build_surfaces import ModalSkin, TiedNodes, touching_surfaces
 from supple.methods.explicit.march.frame_forces import frame_motion, stored_energy, storing_elements
-from supple.methods.explicit.march.model import FrameArrays, NodesTouching
+from supple.methods.explicit.march.march_model import FrameArrays, NodesTouching
 from supple.methods.explicit.march.touching_surface import TouchingSurface
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_frame import ModalFrame, modal_frame

@@ -15,7 +15,7 @@ from supple.algebra.cross import cross_matrix
 from supple.equations import marker_force
 from supple.equations.compiler_options import STARTING
 from supple.equations.configuration import SystemMotion
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.places import assembled_matrix
 from supple.errors import ModelError
 from supple.integrate import StepFactors
@@ -24,7 +24,7 @@ from supple.methods.explicit.frame_chart import configuration
 from supple.methods.explicit.frame_model import FrameState, Generalized
 from supple.methods.explicit.march.build_ties import modal_ties
 from supple.methods.explicit.march.frame_forces import joint_rows
-from supple.methods.explicit.march.model import FrameArrays
+from supple.methods.explicit.march.march_model import FrameArrays
 from supple.methods.explicit.modal_frame import ModalFrame
 from supple.methods.explicit.modal_tie import ModalTie, TiedSide, tied_rows
 from supple.methods.explicit.projected_difference import ProjectedDifference

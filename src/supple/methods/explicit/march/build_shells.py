@@ -13,7 +13,7 @@ from supple.machine import Placed, Support, System
 from supple.methods.explicit.elements import LayerArrays, shell_block
 from supple.methods.explicit.explicit_shell import ExplicitShell, ShellElements
 from supple.methods.explicit.march.element_block import TriangleArrays, Triangles
-from supple.methods.explicit.march.turning import Spins, Turning
+from supple.methods.explicit.march.turning_nodes import Spins, TriadState
 
 __all__ = ["Shells", "explicit_shells"]
 
@@ -47,10 +47,10 @@ class Shells:
         """Of all triangles at rest, s; infinite without any."""
         return min((float(own.limit) for own in self.blocks), default=np.inf)
 
-    def start(self) -> Turning:
+    def start(self) -> TriadState:
         """The triads as they are placed."""
         rates = jnp.asarray(self.rates)
-        return Turning(jnp.asarray(self.triads), rates, jnp.zeros_like(rates))
+        return TriadState(jnp.asarray(self.triads), rates, jnp.zeros_like(rates))
 
     def spins(self, supports: Sequence[Support], numbers: Mapping[str, IntArray], system: System) -> Spins:
         """The constants of the triads; rotations that supports hold do not begin to turn either."""

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from supple.methods.explicit.frame_model import material_points
-from supple.methods.explicit.march.model import MarchModel, MarchState, Methods
+from supple.methods.explicit.march.march_model import MarchModel, MarchState, Methods
 from supple.methods.explicit.march.nodal_forces import penalty
 from supple.methods.explicit.march.touching_surface import projected, pushes
 

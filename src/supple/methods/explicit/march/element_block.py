@@ -27,8 +27,8 @@ from supple.methods.explicit.materials import J2Plasticity, Law
 __all__ = [
     "BlockRule",
     "BlockState",
+    "ElementInstant",
     "Forces",
-    "Instant",
     "SolidArrays",
     "Solids",
     "TriangleArrays",
@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 
-class Instant(NamedTuple):
+class ElementInstant(NamedTuple):
     """Positions x (3, N), reached by the increment dx in a step h; triads (3, 3, r) at nodes of shells."""
 
     x: Array
@@ -116,7 +116,7 @@ class BlockRule(Protocol):
         """Undeformed."""
         ...
 
-    def force(self, own: Any, at: Instant, state: BlockState) -> Forces:
+    def force(self, own: Any, at: ElementInstant, state: BlockState) -> Forces:
         """Forces at an instant, and the state that led there."""
         ...
 
@@ -137,7 +137,7 @@ class Solids:
         shape = own.block.volumes.shape
         return BlockState(self.law.initial(shape), jnp.ones(shape), jnp.ones(shape[1]))
 
-    def force(self, own: SolidArrays, at: Instant, state: BlockState) -> Forces:
+    def force(self, own: SolidArrays, at: ElementInstant, state: BlockState) -> Forces:
         """Stress, damping, hourglass control; elements beyond the strain of deletion are gone afterwards."""
         out = block_force(
             self.law, own.block, at.x, at.dx, state.material, state.ratios, state.alive, own.beta, at.h
@@ -167,7 +167,7 @@ class Triangles:
         layers = None if own.block.layers is None else rest_layers(own.block)
         return BlockState(layers, None, jnp.ones(own.block.nodes.shape[1]))
 
-    def force(self, own: TriangleArrays, at: Instant, state: BlockState) -> Forces:
+    def force(self, own: TriangleArrays, at: ElementInstant, state: BlockState) -> Forces:
         """Force and moment; elements beyond the strain of deletion are gone afterwards."""
         if self.law is None:
             pull = shell_force(own.block, at.x, at.triads)

@@ -14,13 +14,13 @@ from supple.equations.balance import constraint_jacobian
 from supple.equations.configuration import ControlState, ControlStep, SystemMotion
 from supple.equations.ends import markers
 from supple.equations.joint_force import constraints
+from supple.equations.machine_model import Model
 from supple.equations.marker import Marker, pose
-from supple.equations.model import Model
 from supple.equations.places import Places, assembled_vector, over
 from supple.machine import Constant, ForceElement
 from supple.methods.explicit.frame_chart import configuration, on_points, velocity
 from supple.methods.explicit.frame_model import FrameState, Generalized
-from supple.methods.explicit.march.model import FrameArrays, MarchModel
+from supple.methods.explicit.march.march_model import FrameArrays, MarchModel
 
 __all__ = [
     "FrameForces",

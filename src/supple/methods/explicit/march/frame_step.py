@@ -11,7 +11,7 @@ from jax import Array
 from supple.methods.explicit.frame_model import (
     FrameState,
     Generalized,
-    Steps,
+    StepLengths,
     elastic_force,
     gravity_force,
     material_points,
@@ -20,7 +20,7 @@ from supple.methods.explicit.frame_model import (
 )
 from supple.methods.explicit.frame_moments import spread
 from supple.methods.explicit.march.frame_forces import frame_forces, gravity_at, joint_gaps, joint_rows
-from supple.methods.explicit.march.model import FrameArrays, MarchModel, MarchState, Methods
+from supple.methods.explicit.march.march_model import FrameArrays, MarchModel, MarchState, Methods
 from supple.methods.explicit.march.nodal_forces import penalty
 from supple.methods.explicit.modal_tie import tied_gap, tied_rows
 from supple.methods.explicit.projected_difference import ProjectedDifference
@@ -49,7 +49,7 @@ class FrameStep(NamedTuple):
 
 def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array) -> FrameStep:
     """All frames from t_n to t_n + h; their forces are those of t_n."""
-    steps = Steps(state.frame_before, h)
+    steps = StepLengths(state.frame_before, h)
     forces = []
     on_obstacles = jnp.zeros((len(methods.obstacles), 3))
     gravity = gravity_at(model, state.time)
@@ -85,7 +85,7 @@ def frame_step(model: MarchModel, methods: Methods, state: MarchState, h: Array)
 
 
 def _advanced(
-    model: MarchModel, methods: Methods, state: MarchState, forces: list[Generalized], steps: Steps
+    model: MarchModel, methods: Methods, state: MarchState, forces: list[Generalized], steps: StepLengths
 ) -> tuple[tuple[FrameState, ...], Array, Array, Array]:
     """The frames after the step, those that are joined together.
 
@@ -166,7 +166,7 @@ def tied_positions(arrays: FrameArrays, frame: FrameState) -> Array:
 
 
 def _works(
-    arrays: FrameArrays, old: FrameState, new: FrameState, forces: tuple[Generalized, ...], steps: Steps
+    arrays: FrameArrays, old: FrameState, new: FrameState, forces: tuple[Generalized, ...], steps: StepLengths
 ) -> Array:
     """Internal, damping, external, contact, from the nodes: force times mean rate times mean step.
 

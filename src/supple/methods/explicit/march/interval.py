@@ -12,8 +12,8 @@ from supple.equations.compiler_options import STARTING
 from supple.methods.explicit.march.contact_forces import contact_forces
 from supple.methods.explicit.march.element_block import with_contact
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
+from supple.methods.explicit.march.march_model import MarchModel, MarchState, Methods
 from supple.methods.explicit.march.march_step import kinetic, march_step
-from supple.methods.explicit.march.model import MarchModel, MarchState, Methods
 from supple.methods.explicit.spin_stiffness import spun_limit
 from supple.programs.kept_programs import KeptProgram
 

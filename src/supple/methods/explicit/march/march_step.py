@@ -14,12 +14,12 @@ from jax import Array, lax
 from supple.equations.compiler_options import STARTING
 from supple.equations.control_force import stepped
 from supple.methods.explicit.frame_invariants import kinetic_energy
-from supple.methods.explicit.march.element_block import Instant
+from supple.methods.explicit.march.element_block import ElementInstant
 from supple.methods.explicit.march.frame_forces import frame_motion, gravity_at
 from supple.methods.explicit.march.frame_step import frame_step, tied_positions
-from supple.methods.explicit.march.model import Energies, MarchModel, MarchState, Methods, ObstacleState
+from supple.methods.explicit.march.march_model import Energies, MarchModel, MarchState, Methods, ObstacleState
 from supple.methods.explicit.march.nodal_forces import nodal_forces
-from supple.methods.explicit.march.turning import turned
+from supple.methods.explicit.march.turning_nodes import turned
 from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["begun", "kinetic", "march_step"]
@@ -76,7 +76,7 @@ def nodal_step(
     obstacles, driven, given = _moved(model, state, from_frames, mean, h)
     x = state.x + h * v
     turning, spun, dragged = turned(model.spins, state.turning, mean, h)
-    at = Instant(x, h * v, h, turning.triads)
+    at = ElementInstant(x, h * v, h, turning.triads)
     out = nodal_forces(model, methods, state.time + h, at, state.blocks, obstacles)
     works = mean * (state.forces * middle).sum(axis=(1, 2))
     on_tied = mean * jnp.sum(jnp.where(tied, state.forces.sum(axis=0) * middle, 0.0))
@@ -136,7 +136,7 @@ def _fall(model: MarchModel, number: int, gravity: Array) -> Array:
 
 def _begun(model: MarchModel, methods: Methods, state: MarchState) -> MarchState:
     """A state at the start of a run with the forces and the energy there."""
-    at = Instant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
+    at = ElementInstant(state.x, jnp.zeros_like(state.x), jnp.ones(()), state.turning.triads)
     out = nodal_forces(model, methods, state.time, at, state.blocks, state.obstacles)
     turning = state.turning._replace(moments=out.moments)
     initial = kinetic(model, state) + state.energies.internal

@@ -8,15 +8,15 @@ import jax.numpy as jnp
 from jax import Array
 
 from supple.machine.obstacles import Obstacle
-from supple.methods.explicit.march.element_block import BlockState, Instant
+from supple.methods.explicit.march.element_block import BlockState, ElementInstant
 from supple.methods.explicit.march.frame_forces import gravity_at
-from supple.methods.explicit.march.model import MarchModel, Methods, NodesTouching, ObstacleState
+from supple.methods.explicit.march.march_model import MarchModel, Methods, NodesTouching, ObstacleState
 from supple.methods.explicit.march.touching_surface import surface_penalty
 
-__all__ = ["NodalForces", "nodal_forces", "penalty"]
+__all__ = ["AssembledForces", "nodal_forces", "penalty"]
 
 
-class NodalForces(NamedTuple):
+class AssembledForces(NamedTuple):
     """At t_n.
 
     forces : (4, 3, N) internal, hourglass, contact, external;   blocks : state of each
@@ -37,10 +37,10 @@ def nodal_forces(
     model: MarchModel,
     methods: Methods,
     time: Array,
-    at: Instant,
+    at: ElementInstant,
     blocks: tuple[BlockState, ...],
     obstacles: tuple[ObstacleState, ...],
-) -> NodalForces:
+) -> AssembledForces:
     """Forces at an instant; its step is any number where the increment is zero."""
     x = at.x
     internal, hourglass = jnp.zeros_like(x), jnp.zeros_like(x)
@@ -65,7 +65,7 @@ def nodal_forces(
     external = model.mass * gravity_at(model, time)[:, None]
     for nodes, shared, law in model.loaded:
         external = external.at[:, nodes].add(jnp.broadcast_to(law(time) / shared, (len(nodes), 3)).T)
-    return NodalForces(
+    return AssembledForces(
         jnp.stack([internal, hourglass, contact, external]),
         tuple(reached),
         on_obstacles,

@@ -24,7 +24,7 @@ from jax import Array
 from supple.fem import Isotropic
 from supple.methods.explicit.fusion_barrier import fusion_barrier
 from supple.methods.explicit.materials.hardening import Hardening
-from supple.methods.explicit.materials.law import Response, lame, linear_stress
+from supple.methods.explicit.materials.law import MaterialResponse, lame, linear_stress
 from supple.methods.explicit.tensor3 import (
     Tensor,
     added,
@@ -63,7 +63,7 @@ class J2Plasticity:
         """No stress, no plastic strain."""
         return PlasticState(jnp.zeros((6, *shape)), jnp.zeros(shape))
 
-    def respond(self, F: Tensor, dF: Tensor, state: PlasticState) -> Response:
+    def respond(self, F: Tensor, dF: Tensor, state: PlasticState) -> MaterialResponse:
         """Stress at F after the increment dF."""
         # By stages: else the compiler works out each tensor again for every component that reads it.
         inverse = fusion_barrier(_middle_inverse, (F, dF))
@@ -79,7 +79,7 @@ class J2Plasticity:
         stress, strain, dissipated = fusion_barrier(lambda of: self._returned(*of), (trial, state.strain))
         cof, J = fusion_barrier(_cofactor_and_determinant, F)
         kept = jnp.stack([stress[0][0], stress[1][1], stress[2][2], stress[1][2], stress[0][2], stress[0][1]])
-        return Response(product(stress, cof), PlasticState(kept, strain), J * dissipated, J)
+        return MaterialResponse(product(stress, cof), PlasticState(kept, strain), J * dissipated, J)
 
     def plastic_strain(self, state: PlasticState) -> Array | None:
         """Equivalent plastic strain."""

@@ -18,10 +18,10 @@ from supple.methods.explicit.tensor3 import (
     transposed,
 )
 
-__all__ = ["Law", "Response"]
+__all__ = ["Law", "MaterialResponse"]
 
 
-class Response(NamedTuple):
+class MaterialResponse(NamedTuple):
     """Of a law at some points.
 
     stress : Tensor             first Piola-Kirchhoff P, force per undeformed area, Pa
@@ -48,7 +48,7 @@ class Law(Protocol):
         """What it remembers of points at rest."""
         ...
 
-    def respond(self, F: Tensor, dF: Tensor, state: Any) -> Response:
+    def respond(self, F: Tensor, dF: Tensor, state: Any) -> MaterialResponse:
         """Stress at the deformation gradient F, reached by the increment dF from the last one."""
         ...
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from supple.fem import Isotropic
-from supple.methods.explicit.materials.law import Response, lame, no_dissipation
+from supple.methods.explicit.materials.law import MaterialResponse, lame, no_dissipation
 from supple.methods.explicit.tensor3 import Tensor, cofactor, determinant, tensor
 
 __all__ = ["NeoHookean"]
@@ -27,13 +27,13 @@ class NeoHookean:
         """Nothing."""
         return ()
 
-    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> Response:  # noqa: ARG002 - of the protocol
+    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> MaterialResponse:  # noqa: ARG002 - of the protocol
         """Stress at F."""
         first, mu = lame(self.elastic)
         cof = cofactor(F)
         J = determinant(F, cof)
         on_inverse = (first * jnp.log(J) - mu) / J
-        return Response(
+        return MaterialResponse(
             tensor(lambda i, j: mu * F[i][j] + on_inverse * cof[i][j]), state, no_dissipation(F), J
         )
 

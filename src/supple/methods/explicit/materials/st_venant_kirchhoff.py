@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from jax import Array
 
 from supple.fem import Isotropic
-from supple.methods.explicit.materials.law import Response, linear_stress, no_dissipation
+from supple.methods.explicit.materials.law import MaterialResponse, linear_stress, no_dissipation
 from supple.methods.explicit.tensor3 import Tensor, cofactor, determinant, product, tensor, transposed
 
 __all__ = ["StVenantKirchhoff"]
@@ -23,12 +23,12 @@ class StVenantKirchhoff:
         """Nothing."""
         return ()
 
-    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> Response:  # noqa: ARG002 - of the protocol
+    def respond(self, F: Tensor, dF: Tensor, state: tuple[()]) -> MaterialResponse:  # noqa: ARG002 - of the protocol
         """Stress at F."""
         C = product(transposed(F), F)
         E = tensor(lambda i, j: 0.5 * (C[i][j] - (1.0 if i == j else 0.0)))
         stress = product(F, linear_stress(self.elastic, E))
-        return Response(stress, state, no_dissipation(F), determinant(F, cofactor(F)))
+        return MaterialResponse(stress, state, no_dissipation(F), determinant(F, cofactor(F)))
 
     def plastic_strain(self, state: tuple[()]) -> Array | None:  # noqa: ARG002 - of the protocol
         """None."""

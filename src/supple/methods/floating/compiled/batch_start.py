@@ -18,7 +18,7 @@ from supple.equations.compiled_machine import (
 )
 from supple.equations.compiler_options import STARTING
 from supple.equations.consistent_start import placed_configuration, placed_velocity
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.start_velocity import given_parts
 from supple.integrate import Run
 from supple.machine import System

@@ -23,7 +23,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 
 __all__ = ["Contraction", "is_predictable", "measured", "no_estimate", "predicted_to_converge"]
 

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.custom_derivatives import SymbolicZero
 
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import ByLapack
 from supple.methods.floating.compiled.sensitivity_step import StateChange, changed_by_step, state_change
 from supple.methods.floating.compiled.state import Controls, State

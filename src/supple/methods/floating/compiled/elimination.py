@@ -13,10 +13,10 @@ from typing import Protocol
 import jax
 import jax.numpy as jnp
 
-__all__ = ["ByLapack", "ByLoops", "Elimination", "solve_bordering_column"]
+__all__ = ["ByLapack", "ByLoops", "DenseElimination", "solve_bordering_column"]
 
 
-class Elimination(Protocol):
+class DenseElimination(Protocol):
     """How a compiled program solves its dense systems."""
 
     def solution(self, augmented: jax.Array) -> jax.Array:
@@ -33,11 +33,11 @@ class ByLapack:
     """Factors by LAPACK: fast for large matrices, and compiled quickly."""
 
     def solution(self, augmented: jax.Array) -> jax.Array:
-        """As of `Elimination`."""
+        """As of `DenseElimination`."""
         return solve_bordering_column(augmented)
 
     def inverse(self, matrix: jax.Array) -> jax.Array:
-        """As of `Elimination`."""
+        """As of `DenseElimination`."""
         return _factored(jnp.concatenate([matrix, jnp.eye(len(matrix))], axis=1))
 
 
@@ -51,11 +51,11 @@ class ByLoops:
     largest: int = 48
 
     def solution(self, augmented: jax.Array) -> jax.Array:
-        """As of `Elimination`."""
+        """As of `DenseElimination`."""
         return _eliminated(augmented)[:, 0] if self._serve(augmented) else ByLapack().solution(augmented)
 
     def inverse(self, matrix: jax.Array) -> jax.Array:
-        """As of `Elimination`."""
+        """As of `DenseElimination`."""
         return _exchanged(matrix) if self._serve(matrix) else ByLapack().inverse(matrix)
 
     def _serve(self, matrix: jax.Array) -> bool:

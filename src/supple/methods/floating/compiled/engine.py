@@ -11,7 +11,7 @@ import jax
 import numpy as np
 
 from supple.equations.build_model import build_model
-from supple.equations.checks.start import report_start
+from supple.equations.checks.start_report import report_start
 from supple.equations.compiled_machine import compiled_start
 from supple.equations.configuration import SystemMotion
 from supple.equations.control_start import kept_control, resumed_control
@@ -20,13 +20,13 @@ from supple.equations.floating_solution import (
     floating_solution,
     last_instant,
 )
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.sampling import march_sampled, sampling_of
 from supple.equations.stops import Stops, stepping_instants
 from supple.integrate import Leg, Run, Solution, Statistics, Validity, damps_joint_forces
 from supple.machine import System
 from supple.methods.floating.compiled.contraction import Contraction, no_estimate
-from supple.methods.floating.compiled.frozen_tangent import FrozenTangent, freezes_tangent, no_tangent
+from supple.methods.floating.compiled.frozen_tangent import FrozenInverse, freezes_tangent, no_tangent
 from supple.methods.floating.compiled.padded_motion import (
     in_all_coordinates,
     in_own_coordinates,
@@ -93,20 +93,20 @@ def _state(**known: Any) -> State:
     return State(**arrays, **fresh, relative_residual=np.zeros(4))
 
 
-def _tangent_arrays(kept: FrozenTangent | None) -> dict[str, np.ndarray]:
+def _tangent_arrays(kept: FrozenInverse | None) -> dict[str, np.ndarray]:
     """By name, for result files."""
     if kept is None:
         return {}
     return {f"tangent.{name}": np.asarray(leaf) for name, leaf in kept._asdict().items()}
 
 
-def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenTangent | None:
+def _resumed_tangent(model: Model, known: Mapping[str, Any]) -> FrozenInverse | None:
     """As it was kept; none yet where a recorded part kept nothing."""
     if not freezes_tangent(model):
         return None
     fresh = no_tangent(model)
     found = {name: known.get(f"tangent.{name}", leaf) for name, leaf in fresh._asdict().items()}
-    return FrozenTangent(**found)
+    return FrozenInverse(**found)
 
 
 class CompiledEngine:
@@ -243,7 +243,7 @@ def march_failure(system: System, run: Run, failed: State) -> str:
 
 
 def as_solution(
-    system: System, model: Model, states: State, statistics: Statistics, kept: FrozenTangent | None = None
+    system: System, model: Model, states: State, statistics: Statistics, kept: FrozenInverse | None = None
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution.
 
@@ -261,7 +261,7 @@ def system_motion(states: State) -> SystemMotion:
     )
 
 
-def engine_state(model: Model, states: State, kept: FrozenTangent | None = None) -> dict[str, np.ndarray]:
+def engine_state(model: Model, states: State, kept: FrozenInverse | None = None) -> dict[str, np.ndarray]:
     """What an exact resume needs besides the motion at the end of stacked states; `kept` as above."""
     return {
         "active": np.array(model.active, dtype=float),

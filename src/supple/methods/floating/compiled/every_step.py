@@ -10,12 +10,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.stops import Stops, filled_up, stepping_instants
 from supple.errors import RedundantConstraintWarning, StartWarning
 from supple.integrate import Run, Solution, Statistics
 from supple.machine import System
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.engine import as_solution, controls, initial_state
 from supple.methods.floating.compiled.padded_motion import in_own_coordinates, with_padding_coordinates
 from supple.methods.floating.compiled.programs import is_over_soon, well_and_quickly
@@ -69,7 +69,7 @@ def every_step(system: System, run: Run, solution: Solution) -> EveryStep:
 
 
 def _next_steps(
-    elimination: Elimination, model: Model, settings: Controls, start: State, stops: jax.Array
+    elimination: DenseElimination, model: Model, settings: Controls, start: State, stops: jax.Array
 ) -> tuple[State, State]:
     """The next accepted steps on the way to some stops (k,): the last state, and all of them stacked."""
 

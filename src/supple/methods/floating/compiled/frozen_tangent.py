@@ -32,15 +32,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.configuration import AnyArray
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.contraction import LIKE, MEASURED_EVERY, is_predictable
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.step_equations import tree_layout
 
 __all__ = [
     "SHARE",
     "SLOWEST",
-    "FrozenTangent",
+    "FrozenInverse",
     "bodies_inverse",
     "freezes_tangent",
     "no_tangent",
@@ -63,7 +63,7 @@ _FEWEST = 10
 """Coordinates of a body with nonlinear stiffness that make a tangent dear."""
 
 
-class FrozenTangent(NamedTuple):
+class FrozenInverse(NamedTuple):
     """An inverse and what is known of it."""
 
     inverse: AnyArray
@@ -97,25 +97,25 @@ def freezes_tangent(model: Model) -> bool:
     return dear and is_predictable(model) and tree_layout(model) is None
 
 
-def no_tangent(model: Model) -> FrozenTangent:
+def no_tangent(model: Model) -> FrozenInverse:
     """Before the first step."""
     n = model.n_velocities
     none = np.zeros(())
-    return FrozenTangent(np.zeros((n, n)), *[none] * 8, acceleration=np.zeros(n), last=none, lead=none)
+    return FrozenInverse(np.zeros((n, n)), *[none] * 8, acceleration=np.zeros(n), last=none, lead=none)
 
 
-def serves(kept: FrozenTangent, step: jax.Array) -> jax.Array:
+def serves(kept: FrozenInverse, step: jax.Array) -> jax.Array:
     """Whether a step of this size can begin with it."""
     return jnp.abs(step - kept.step) <= 1e-6 * step
 
 
-def predicted(kept: FrozenTangent, acceleration: jax.Array, step: jax.Array) -> jax.Array:
+def predicted(kept: FrozenInverse, acceleration: jax.Array, step: jax.Array) -> jax.Array:
     """Where the iteration of a step begins: with the accelerations (n,) of the last, or along a line."""
     ahead = kept.lead * step / jnp.where(kept.last > 0, kept.last, jnp.inf)
     return acceleration + ahead * (acceleration - kept.acceleration)
 
 
-def predicted_to_suffice(kept: FrozenTangent, size: jax.Array) -> jax.Array:
+def predicted_to_suffice(kept: FrozenInverse, size: jax.Array) -> jax.Array:
     """Whether a correction from a residual of this size surely ends below the tolerance."""
     ratio = jnp.maximum(1.0, size / jnp.where(kept.before > 0, kept.before, 1.0))
     older = (kept.age + 1) / jnp.maximum(kept.measured_at, 1.0)
@@ -124,7 +124,7 @@ def predicted_to_suffice(kept: FrozenTangent, size: jax.Array) -> jax.Array:
 
 
 def used(
-    kept: FrozenTangent,
+    kept: FrozenInverse,
     step: jax.Array,
     accelerations: tuple[jax.Array, jax.Array],
     scale: jax.Array,
@@ -132,7 +132,7 @@ def used(
     sizes: jax.Array,
     corrections: jax.Array,
     evaluated: jax.Array,
-) -> FrozenTangent:
+) -> FrozenInverse:
     """What is known behind an accepted step.
 
     kept : with the inverse at its end; accelerations : before and behind it, (n,); scale : of them, (n,)
@@ -161,7 +161,7 @@ def used(
 
 
 def _lead(
-    kept: FrozenTangent, step: jax.Array, accelerations: tuple[jax.Array, jax.Array], scale: jax.Array
+    kept: FrozenInverse, step: jax.Array, accelerations: tuple[jax.Array, jax.Array], scale: jax.Array
 ) -> jax.Array:
     """1 where a line would have led nearer to the accelerations at the end of a step, 0 where rest would."""
     before, after = accelerations
@@ -172,7 +172,7 @@ def _lead(
 
 
 def bodies_inverse(
-    elimination: Elimination, model: Model, rotations: jax.Array, tangent: jax.Array
+    elimination: DenseElimination, model: Model, rotations: jax.Array, tangent: jax.Array
 ) -> jax.Array:
     """Inverse of the bodies' tangent (n, n), translations turned from global axes to those of the bodies."""
     own = _turned(model, rotations, _turned(model, rotations, tangent).T).T
@@ -180,7 +180,7 @@ def bodies_inverse(
 
 
 def solution_by_parts(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     rotations: jax.Array,
     inverse: jax.Array,

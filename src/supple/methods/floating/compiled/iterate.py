@@ -10,12 +10,12 @@ import jax.numpy as jnp
 from supple.equations.balance import Balance, Linearization, balance
 from supple.equations.configuration import Configuration, ControlStep, SystemMotion, advance
 from supple.equations.coordinate_scales import kinds_of_rows, position_scale
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.step_size import position_rounding
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.state import State
 
-__all__ = ["Place", "Trial", "evaluate", "motion_of", "place"]
+__all__ = ["ReachedState", "Trial", "evaluate", "motion_of", "place"]
 
 
 class Trial(NamedTuple):
@@ -32,7 +32,7 @@ class Trial(NamedTuple):
     converged: jax.Array
 
 
-class Place(NamedTuple):
+class ReachedState(NamedTuple):
     """Where an acceleration leads."""
 
     configuration: Configuration
@@ -62,12 +62,12 @@ def _relative_residual(
     return jnp.concatenate([forces, constraint[None]])
 
 
-def place(model: Model, rule: StepRule, start: State, acceleration: jax.Array) -> Place:
+def place(model: Model, rule: StepRule, start: State, acceleration: jax.Array) -> ReachedState:
     """Configuration, velocity and increments that belong to an acceleration."""
     auxiliary = rule.auxiliary(acceleration, start.acceleration, start.auxiliary)
     increments = rule.increment(start.velocity, start.auxiliary, auxiliary)
     velocity = rule.new_velocity(start.velocity, start.auxiliary, auxiliary)
-    return Place(advance(model, start.configuration, increments), velocity, increments)
+    return ReachedState(advance(model, start.configuration, increments), velocity, increments)
 
 
 def evaluate(

@@ -12,7 +12,7 @@ import numpy as np
 
 from supple.equations.balance import balance, constraint_jacobian
 from supple.equations.build_model import build_model
-from supple.equations.checks.start import report_start
+from supple.equations.checks.start_report import report_start
 from supple.equations.checks.strictness import warn_or_raise
 from supple.equations.compiled_machine import CompiledMachine
 from supple.equations.compiler_options import STARTING
@@ -20,7 +20,7 @@ from supple.equations.configuration import AnyArray, Configuration, SystemMotion
 from supple.equations.consistent_start import consistent_start
 from supple.equations.floating_solution import floating_solution, last_instant
 from supple.equations.joint_force import constraints
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.starting_machine import JointTerms, joint_terms
 from supple.equations.step_size import position_rounding
 from supple.errors import ModelError, ValidityWarning

@@ -12,14 +12,14 @@ import jax.numpy as jnp
 from supple.equations.balance import Linearization, tangent
 from supple.equations.coordinate_scales import position_scale
 from supple.equations.joint_force import constraint_rows
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import Contraction, predicted_to_converge
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.frozen_tangent import (
     SHARE,
     SLOWEST,
-    FrozenTangent,
+    FrozenInverse,
     bodies_inverse,
     predicted_to_suffice,
     serves,
@@ -37,7 +37,7 @@ _SOON = 2
 
 
 def modified_pass(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     rule: StepRule,
     start: State,
@@ -76,7 +76,7 @@ def modified_pass(
 
 
 def _correction(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     rule: StepRule,
     start: State,
@@ -108,7 +108,7 @@ def _correction(
 
 def used_in_step(
     model: Model, start: State, step: jax.Array, end: Iteration, contraction: Contraction
-) -> tuple[Contraction, FrozenTangent]:
+) -> tuple[Contraction, FrozenInverse]:
     """What is known behind an accepted step, of new tangents and of the kept one.
 
     contraction : what its last correction tells, if it was made with a new tangent

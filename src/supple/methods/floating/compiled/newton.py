@@ -9,11 +9,11 @@ import jax
 import jax.numpy as jnp
 
 from supple.equations.balance import Linearization
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, predicted_to_converge
-from supple.methods.floating.compiled.elimination import Elimination
-from supple.methods.floating.compiled.iterate import Place, Trial, motion_of
+from supple.methods.floating.compiled.elimination import DenseElimination
+from supple.methods.floating.compiled.iterate import ReachedState, Trial, motion_of
 from supple.methods.floating.compiled.sequential_vmap import sequential_vmap
 from supple.methods.floating.compiled.state import State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, correction
@@ -26,7 +26,7 @@ class Iteration(NamedTuple):
 
     acceleration: jax.Array
     multipliers: jax.Array
-    evaluated: Place
+    evaluated: ReachedState
     relative_residual: jax.Array
     """At the last evaluation"""
     sizes: jax.Array
@@ -66,7 +66,7 @@ class Assessed(NamedTuple):
 
 
 def newton_pass(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     rule: StepRule,
     start: State,
@@ -94,7 +94,7 @@ def newton_pass(
 
 
 def _correction_where_needed(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     rule: StepRule,
     start: State,
@@ -116,7 +116,7 @@ def _correction_where_needed(
 
 
 def _correction_in_turn(
-    elimination: Elimination, model: Model, rule: StepRule, start: State, *evaluated: Any
+    elimination: DenseElimination, model: Model, rule: StepRule, start: State, *evaluated: Any
 ) -> tuple[jax.Array, jax.Array]:
     """The same for cases that take turns, each of which copies its numbers: tables of loads would be most."""
     held = model.loads_at(start.time + rule.h)

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 from supple.equations.compiler_options import MARCHING, STARTING
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.methods.floating.compiled.elimination import ByLapack, ByLoops
 from supple.methods.floating.compiled.time_step import march
 from supple.programs.kept_programs import KeptProgram

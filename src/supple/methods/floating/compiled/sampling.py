@@ -9,13 +9,13 @@ import numpy as np
 
 from supple.equations.compiled_machine import CompiledMachine, accelerations
 from supple.equations.configuration import SystemMotion
-from supple.equations.sampling import Sampling
+from supple.equations.sampling import ControllerSampling
 from supple.methods.floating.compiled.state import State
 
 __all__ = ["sampled"]
 
 
-def sampled(sampling: Sampling, model: Any, state: State) -> State:
+def sampled(sampling: ControllerSampling, model: Any, state: State) -> State:
     """After calling the controllers that are due, with accelerations that belong to their outputs."""
     if state.control is None:
         return state

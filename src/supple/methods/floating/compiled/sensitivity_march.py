@@ -14,8 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from supple.equations.model import Model
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.equations.machine_model import Model
+from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.programs import STOPS_AT_ONCE, is_over_soon, well_and_quickly
 from supple.methods.floating.compiled.sensitivity_step import StateChange, changed_by_step
 from supple.methods.floating.compiled.state import Controls, State
@@ -68,7 +68,7 @@ def march_with_changes(
 
 
 def _march(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     controls: Controls,
     model_change: Sequence[Any],

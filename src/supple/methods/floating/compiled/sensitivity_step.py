@@ -23,9 +23,9 @@ import jax.numpy as jnp
 from supple.equations.configuration import AnyArray, Configuration, ControlState
 from supple.equations.control_force import stepped
 from supple.equations.coordinate_scales import position_scale
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.integrate import StepRule
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.iterate import evaluate, motion_of, place
 from supple.methods.floating.compiled.state import Controls, State
 from supple.methods.floating.compiled.step_equations import LinearizedStep, step_inverse
@@ -77,7 +77,7 @@ class _Solved(NamedTuple):
 
 
 def changed_by_step(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     controls: Controls,
     model_change: Sequence[Any],

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from supple.equations.configuration import AnyArray, Configuration, ControlState
 from supple.integrate import Coefficients
 from supple.methods.floating.compiled.contraction import Contraction
-from supple.methods.floating.compiled.frozen_tangent import FrozenTangent
+from supple.methods.floating.compiled.frozen_tangent import FrozenInverse
 
 __all__ = ["Controls", "State"]
 
@@ -50,5 +50,5 @@ class State(NamedTuple):
     """Largest rotation of a body within an accepted step so far, rad."""
     control: ControlState | None = None
     """None where there are no controllers"""
-    kept: FrozenTangent | None = None
+    kept: FrozenInverse | None = None
     """None where every iterate has its own tangent"""

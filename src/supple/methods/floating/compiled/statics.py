@@ -19,17 +19,17 @@ from supple.equations.control_linearization import LinearControl, control_at_res
 from supple.equations.coordinate_scales import kinds_of_rows, known_position_scale
 from supple.equations.floating_solution import floating_solution
 from supple.equations.joint_force import joint_rows
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.static_search import (
     ROUND_OFF,
-    StaticCorrection,
+    EquilibriumResidual,
     StaticState,
-    Unbalance,
+    StaticStep,
 )
 from supple.equations.steady_motion import (
     LinearEquations,
     SteadyEquations,
-    Turning,
+    SteadyTurning,
     in_turning_axes,
     linear_equations,
     steady_motion,
@@ -65,7 +65,7 @@ class CompiledStatics(SteadyEquations):
         terms, _ = self.unbalance(state, time).terms
         return np.asarray(terms.residual)
 
-    def unbalance(self, state: StaticState, time: float) -> Unbalance:
+    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:
         """The residuals at rest."""
         model, motion = self.machine.model, self._motion(state, time)
         terms, control = balanced(model, motion), control_at_rest(model, motion)
@@ -79,9 +79,11 @@ class CompiledStatics(SteadyEquations):
         relative = norms[:, 0] / np.where(scale > 0, scale, 1.0)
         gap = float(np.max(abs(np.asarray(terms.constraint_residual)), initial=0.0)) / float(model.length)
         left = unrest(self.machine.system, control, self.position_scale, motion.velocity, state.control)
-        return Unbalance(relative, gap, (terms, control), float(scale.max()), left)
+        return EquilibriumResidual(relative, gap, (terms, control), float(scale.max()), left)
 
-    def correction(self, state: StaticState, time: float, unbalance: Unbalance, k: float) -> StaticCorrection:
+    def correction(
+        self, state: StaticState, time: float, unbalance: EquilibriumResidual, k: float
+    ) -> StaticStep:
         """One implicit step of length k."""
         model, (terms, control) = self.machine.model, unbalance.terms
         motion, linear = self._motion(state, time), control.linear
@@ -105,7 +107,7 @@ class CompiledStatics(SteadyEquations):
         )
         bordered, states = _with_states(bordered, linear, control.rates, k, size)
         change = -np.asarray(_solved(bordered))
-        return StaticCorrection(k * change[:n], size * change[n : n + m], control=states * change[n + m :])
+        return StaticStep(k * change[:n], size * change[n : n + m], control=states * change[n + m :])
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:
         """The configuration after an increment (n,)."""
@@ -138,8 +140,8 @@ class CompiledStatics(SteadyEquations):
         return np.asarray(known_position_scale(self.machine.model))
 
     @property
-    def _still(self) -> Turning:
-        return Turning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
+    def _still(self) -> SteadyTurning:
+        return SteadyTurning(np.zeros((len(self.machine.model.sizes), 3)), np.zeros(3))
 
     def _motion(self, state: StaticState, time: float) -> SystemMotion:
         motion = self.turning or self._still, time, state.configuration, state.multipliers, state.control
@@ -147,7 +149,7 @@ class CompiledStatics(SteadyEquations):
 
 
 def compiled_statics(
-    system: System, turning: Turning | None, time: float, known: tuple[int, ...] | None = None
+    system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> CompiledStatics:
     """A machine of rigid and reduced bodies, its joints closed; `known` equations are independent."""
     machine = CompiledMachine(system, build_model(system, known))

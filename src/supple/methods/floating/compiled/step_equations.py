@@ -25,10 +25,10 @@ from supple.equations.balance import Linearization, tangent, tangent_blocks
 from supple.equations.configuration import SystemMotion
 from supple.equations.coordinate_scales import kinds_of_rows
 from supple.equations.joint_force import constraint_blocks, constraint_rows
-from supple.equations.model import Model
-from supple.equations.places import Block, Places
+from supple.equations.machine_model import Model
+from supple.equations.places import MatrixBlock, Places
 from supple.integrate import StepFactors
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.tree_elimination import TreeLayout
 
 __all__ = [
@@ -78,7 +78,7 @@ def tree_layout(model: Model) -> TreeLayout | None:
 
 
 def correction(
-    elimination: Elimination,
+    elimination: DenseElimination,
     model: Model,
     step: LinearizedStep,
     residual: jax.Array,
@@ -103,7 +103,7 @@ def _load(
 
 
 def step_inverse(
-    elimination: Elimination, model: Model, step: LinearizedStep
+    elimination: DenseElimination, model: Model, step: LinearizedStep
 ) -> Callable[[jax.Array, jax.Array], jax.Array]:
     """What `correction` gives for residuals (n,) and (m,), eliminated once for many of them, not refined."""
     layout, n = tree_layout(model), model.n_velocities
@@ -119,7 +119,7 @@ def step_inverse(
     return corrected
 
 
-def _dense_solution(elimination: Elimination, matrix: jax.Array, load: jax.Array) -> jax.Array:
+def _dense_solution(elimination: DenseElimination, matrix: jax.Array, load: jax.Array) -> jax.Array:
     return elimination.solution(jnp.concatenate([matrix, load[:, None]], axis=1))
 
 
@@ -135,7 +135,7 @@ class _Refined(NamedTuple):
 
 
 def tree_solution(
-    elimination: Elimination, model: Model, layout: TreeLayout, fronts: jax.Array, load: jax.Array
+    elimination: DenseElimination, model: Model, layout: TreeLayout, fronts: jax.Array, load: jax.Array
 ) -> jax.Array:
     """Solution along the tree, refined; with row exchanges across the whole matrix where that is inexact.
 
@@ -185,12 +185,12 @@ def step_fronts(layout: TreeLayout, model: Model, step: LinearizedStep) -> jax.A
     joints = step.linearization.joints
     for block in constraint_blocks(model, joints):
         own = _kept(model, block)
-        blocks.append(Block(own.columns, own.rows, jnp.swapaxes(own.values, 1, 2)))
+        blocks.append(MatrixBlock(own.columns, own.rows, jnp.swapaxes(own.values, 1, 2)))
     blocks += [_kept(model, block) for block in constraint_blocks(model, joints, step.increments)]
     return layout.fronts(blocks)
 
 
-def _kept(model: Model, block: Block) -> Block:
+def _kept(model: Model, block: MatrixBlock) -> MatrixBlock:
     """Constraint equations in parts of the mass, behind the velocities; zero where they are redundant."""
     values = model.mass * block.values
     if len(model.active) < model.n_equations:
@@ -198,4 +198,4 @@ def _kept(model: Model, block: Block) -> Block:
         kept[np.array(model.active, dtype=int)] = 1.0
         values = values * kept[block.rows.index][:, :, None]
     starts = tuple(model.n_velocities + start for start in block.rows.starts)
-    return Block(Places(starts, block.rows.size), block.columns, values)
+    return MatrixBlock(Places(starts, block.rows.size), block.columns, values)

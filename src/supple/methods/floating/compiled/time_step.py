@@ -15,13 +15,13 @@ import jax.numpy as jnp
 from supple.equations.configuration import Configuration
 from supple.equations.control_force import stepped
 from supple.equations.coordinate_scales import position_scale
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.step_size import next_step, position_rounding
 from supple.integrate import StepRule
 from supple.methods.floating.compiled.contraction import is_predictable, measured
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.methods.floating.compiled.elimination import DenseElimination
 from supple.methods.floating.compiled.frozen_tangent import predicted
-from supple.methods.floating.compiled.iterate import Place, evaluate, motion_of, place
+from supple.methods.floating.compiled.iterate import ReachedState, evaluate, motion_of, place
 from supple.methods.floating.compiled.modified_newton import modified_pass, used_in_step
 from supple.methods.floating.compiled.newton import Iteration, Modified, newton_pass
 from supple.methods.floating.compiled.state import Controls, State
@@ -42,7 +42,7 @@ class _Stepped(NamedTuple):
 
 
 def _try_step(
-    elimination: Elimination, model: Model, controls: Controls, start: State, h: jax.Array
+    elimination: DenseElimination, model: Model, controls: Controls, start: State, h: jax.Array
 ) -> _Stepped:
     """The iteration for one step of size h, from the acceleration of its start or along a line.
 
@@ -69,7 +69,7 @@ def _try_step(
         return Iteration(
             acceleration=old.acceleration + found.change,
             multipliers=old.multipliers + found.multiplier_change,
-            evaluated=Place(trial.configuration, trial.velocity, trial.increments),
+            evaluated=ReachedState(trial.configuration, trial.velocity, trial.increments),
             relative_residual=trial.relative_residual,
             sizes=jnp.stack([old.sizes[1], size]),
             moved=rule.factors.by_position * jnp.max(jnp.abs(found.change) / scale),
@@ -91,7 +91,7 @@ def _try_step(
         Iteration(
             acceleration=first,
             multipliers=start.multipliers,
-            evaluated=Place(start.configuration, start.velocity, jnp.zeros_like(start.velocity)),
+            evaluated=ReachedState(start.configuration, start.velocity, jnp.zeros_like(start.velocity)),
             relative_residual=jnp.zeros(4),
             sizes=jnp.zeros(2),
             moved=jnp.zeros(()),
@@ -141,7 +141,7 @@ def is_last(h: jax.Array, remaining: jax.Array) -> jax.Array:
 
 
 def substep(
-    elimination: Elimination, model: Model, controls: Controls, end: jax.Array, start: State
+    elimination: DenseElimination, model: Model, controls: Controls, end: jax.Array, start: State
 ) -> State:
     """Try one step towards `end`: accept it, or cut it."""
     remaining = end - start.time
@@ -190,7 +190,7 @@ def substep(
 
 
 def march(
-    elimination: Elimination, model: Model, controls: Controls, start: State, stops: jax.Array
+    elimination: DenseElimination, model: Model, controls: Controls, start: State, stops: jax.Array
 ) -> tuple[State, State]:
     """Simulate to each of the stops (k,), ascending; the final state, and the states there, stacked.
 

@@ -24,9 +24,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.elimination_tree import EliminationTree, elimination_tree
-from supple.equations.model import Model
-from supple.equations.places import Block
-from supple.methods.floating.compiled.elimination import Elimination
+from supple.equations.machine_model import Model
+from supple.equations.places import MatrixBlock
+from supple.methods.floating.compiled.elimination import DenseElimination
 
 __all__ = ["TreeFactor", "TreeLayout"]
 
@@ -150,7 +150,7 @@ class TreeLayout:
         own, border = self._index
         return idle[own], idle[border]
 
-    def fronts(self, blocks: Iterable[Block]) -> jax.Array:
+    def fronts(self, blocks: Iterable[MatrixBlock]) -> jax.Array:
         """The matrix as fronts (nb + 1, T, T), T = N + Q, the last one with the border alone.
 
         Rows and columns of the blocks that are constraint equations count from the number of velocities on.
@@ -203,7 +203,7 @@ class TreeLayout:
         between = jnp.zeros(shape)
         return jnp.concatenate([parent, between, border], axis=axis)
 
-    def factored(self, fronts: jax.Array, elimination: Elimination) -> TreeFactor:
+    def factored(self, fronts: jax.Array, elimination: DenseElimination) -> TreeFactor:
         """All fronts eliminated, children before parents."""
         n, parents = self.own, np.array(self.tree.parents)
         others = fronts.shape[1] - n

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.equations.checks.start import report_start
+from supple.equations.checks.start_report import report_start
 from supple.equations.consistent_start import consistent_start
 from supple.equations.control_start import kept_control, resumed_control
 from supple.equations.floating_solution import (

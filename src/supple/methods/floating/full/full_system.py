@@ -35,7 +35,7 @@ from supple.equations.control_start import control_after, fresh_control
 from supple.equations.converged_reactions import converged_reactions
 from supple.equations.inertia import mass_matrix
 from supple.equations.joint_force import constraint_rows
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.equations.starting_machine import JointTerms, joint_terms
 from supple.equations.station_body import BodyState, SeenMachine, Stations
 from supple.equations.step_size import position_rounding

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from supple.equations.checks.start import report_start
+from supple.equations.checks.start_report import report_start
 from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start
 from supple.equations.converged_reactions import converged_reactions

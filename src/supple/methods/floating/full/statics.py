@@ -11,9 +11,9 @@ from supple.equations.configuration import Configuration
 from supple.equations.consistent_start import consistent_start, placed_configuration
 from supple.equations.control_force import first_states, resting_control
 from supple.equations.control_linearization import control_at_rest, unrest
-from supple.equations.static_search import ROUND_OFF, StaticCorrection, StaticState, Unbalance
+from supple.equations.static_search import ROUND_OFF, EquilibriumResidual, StaticState, StaticStep
 from supple.equations.station_body import SeenMachine
-from supple.equations.steady_motion import SteadyEquations, Turning, turning_velocities, work_of_turning
+from supple.equations.steady_motion import SteadyEquations, SteadyTurning, turning_velocities, work_of_turning
 from supple.integrate import Solution, Statistics
 from supple.methods.floating.full.full_solution import full_solution
 from supple.methods.floating.full.full_state import Evaluation, FullState
@@ -53,7 +53,7 @@ class FullStatics(SteadyEquations):
         terms, _ = self.unbalance(state, time).terms
         return self.machine.residual_of(terms)
 
-    def unbalance(self, state: StaticState, time: float) -> Unbalance:
+    def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:
         """The residuals at rest."""
         terms = self.machine.evaluate(self._still(state, time), 0.0)
         if isinstance(self.held, np.ndarray):
@@ -74,7 +74,7 @@ class FullStatics(SteadyEquations):
         size = float(largest.max())
         if self.turning is not None:
             size = max(size, ROUND_OFF * work_of_turning(model, self.turning))
-        return Unbalance(relative, gap, (terms, control), size, restless)
+        return EquilibriumResidual(relative, gap, (terms, control), size, restless)
 
     def linear_equations(self, state: StaticState, time: float) -> SparseEquations:
         """The equations of motion, linearised about a state."""
@@ -85,13 +85,13 @@ class FullStatics(SteadyEquations):
         self,
         state: StaticState,  # noqa: ARG002 - the terms say all
         time: float,  # noqa: ARG002
-        unbalance: Unbalance,
+        unbalance: EquilibriumResidual,
         k: float,
-    ) -> StaticCorrection:
+    ) -> StaticStep:
         """One implicit step of length k."""
         return self.tangent(unbalance, k).correction(unbalance)
 
-    def tangent(self, unbalance: Unbalance, k: float) -> StaticTangent:
+    def tangent(self, unbalance: EquilibriumResidual, k: float) -> StaticTangent:
         """The factored tangent of an implicit step of length k.
 
         Raises AccuracyError where it is singular.
@@ -128,7 +128,7 @@ class FullStatics(SteadyEquations):
         return self.machine.position_scale
 
     def _linear(self, terms: Evaluation) -> SparseEquations:
-        still = Turning(np.zeros((len(self.machine.slices), 3)), np.zeros(3))
+        still = SteadyTurning(np.zeros((len(self.machine.slices), 3)), np.zeros(3))
         return full_linear_equations(self.machine, self.turning or still, terms)
 
     def _still(self, state: StaticState, time: float) -> FullState:
@@ -159,7 +159,7 @@ class StaticTangent:
     forces: np.ndarray
     k: float
 
-    def correction(self, unbalance: Unbalance) -> StaticCorrection:
+    def correction(self, unbalance: EquilibriumResidual) -> StaticStep:
         """What balances a state, as far as the tangent goes."""
         machine, linear, (terms, control) = self.machine, self.equations.control, unbalance.terms
         rotations = terms.rotations
@@ -178,7 +178,7 @@ class StaticTangent:
         joints, frames = np.split(forces, [len(terms.constraint_residual)])
         increment = _turned(machine, motion, rotations)
         climbs = self.factor.negative > self.equations.constraint.shape[0]
-        return StaticCorrection(increment, joints, tuple(frames.reshape(-1, 6)), moved, climbs)
+        return StaticStep(increment, joints, tuple(frames.reshape(-1, 6)), moved, climbs)
 
 
 def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> np.ndarray:
@@ -190,7 +190,7 @@ def _turned(machine: FullSystem, vector: np.ndarray, rotations: np.ndarray) -> n
 
 
 def full_statics(
-    machine: SeenMachine, turning: Turning | None, time: float, known: tuple[int, ...] | None = None
+    machine: SeenMachine, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> FullStatics:
     """A machine with full bodies, its joints closed; `known` are equations that are independent."""
     prepared = FullSystem(machine, known)

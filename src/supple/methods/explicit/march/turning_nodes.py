@@ -7,7 +7,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
-__all__ = ["Spins", "Turning", "turned"]
+__all__ = ["Spins", "TriadState", "turned"]
 
 
 class Spins(NamedTuple):
@@ -21,7 +21,7 @@ class Spins(NamedTuple):
     free: Array
 
 
-class Turning(NamedTuple):
+class TriadState(NamedTuple):
     """State of r triads.
 
     triads : (3, 3, r) from the mesh to space, at t_n;   rates : (3, r) in space over the step before, rad/s
@@ -33,7 +33,7 @@ class Turning(NamedTuple):
     moments: Array
 
 
-def turned(spins: Spins, state: Turning, mean: Array, h: Array) -> tuple[Turning, Array, Array]:
+def turned(spins: Spins, state: TriadState, mean: Array, h: Array) -> tuple[TriadState, Array, Array]:
     """Triads a step h on, the work of the moments, and that of the drag, J.
 
     J w' = m in space, for the inertia is the same about all axes: angular momentum is kept exactly.
@@ -43,7 +43,7 @@ def turned(spins: Spins, state: Turning, mean: Array, h: Array) -> tuple[Turning
     middle = 0.5 * (state.rates + rates)
     work = mean * jnp.sum(state.moments * middle)
     lost = mean * jnp.sum(spins.alpha * spins.inertia * middle**2)
-    return Turning(_turned(h * rates, state.triads), rates, state.moments), work, lost
+    return TriadState(_turned(h * rates, state.triads), rates, state.moments), work, lost
 
 
 def _turned(angle: Array, triads: Array) -> Array:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from supple.export.c.blocks import Block
-from supple.export.c.operations import Operation, Program, program_of
+from supple.export.c.blocks import CodeBlock
+from supple.export.c.operations import ArrayOperation, Program, program_of
 from supple.export.c.printer import constants_in, print_block, rule
-from supple.export.c.values import Uniform, Value, View
+from supple.export.c.values import BufferView, UniformValue, Value
 
 __all__ = ["hand_on"]
 
@@ -22,27 +22,31 @@ def _unchanged(program: Program, place: int, n_before: int) -> bool:
     return isinstance(atom, int) and atom == program.inputs[n_before + place]
 
 
-def _carried(block: Block, value: Value, changes: bool) -> Value:
+def _carried(block: CodeBlock, value: Value, changes: bool) -> Value:
     if not changes:
         return block.stored(value)
     return block.copied(value)
 
 
-def hand_on(block: Block, carried: Sequence[Value], after: Sequence[Value], changes: Sequence[bool]) -> None:
+def hand_on(
+    block: CodeBlock, carried: Sequence[Value], after: Sequence[Value], changes: Sequence[bool]
+) -> None:
     """Write what a pass leaves into what the next one begins with, all at once."""
     moves = [(old, new) for old, new, does in zip(carried, after, changes, strict=True) if does]
-    buffers = {id(old.buffer) for old, _ in moves if isinstance(old, View)}
+    buffers = {id(old.buffer) for old, _ in moves if isinstance(old, BufferView)}
     ready = []
     for old, new in moves:
-        is_own = isinstance(new, View) and id(new.buffer) not in buffers
-        ready.append((old, new if is_own or isinstance(new, Uniform) else block.copied(new)))
+        is_own = isinstance(new, BufferView) and id(new.buffer) not in buffers
+        ready.append((old, new if is_own or isinstance(new, UniformValue) else block.copied(new)))
     for old, new in ready:
-        assert isinstance(old, View)
+        assert isinstance(old, BufferView)
         block.assign(old, new)
 
 
 @rule("while")
-def _while(block: Block, one: Operation, inputs: Sequence[Value], _outputs: Sequence[Any]) -> list[Value]:
+def _while(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], _outputs: Sequence[Any]
+) -> list[Value]:
     asks, passes = program_of(one.params["cond_jaxpr"]), program_of(one.params["body_jaxpr"])
     n_asks, n_passes = one.params["cond_nconsts"], one.params["body_nconsts"]
     held = [block.stored(value) for value in inputs[: n_asks + n_passes]]
@@ -61,7 +65,9 @@ def _while(block: Block, one: Operation, inputs: Sequence[Value], _outputs: Sequ
 
 
 @rule("scan")
-def _scan(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _scan(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     passes, length = program_of(one.params["jaxpr"]), one.params["length"]
     n_held, n_carried = one.params["num_consts"], one.params["num_carry"]
     held = [block.stored(value) for value in inputs[:n_held]]
@@ -84,13 +90,13 @@ def _scan(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequen
 
 
 def _row(value: Value, place: str) -> Value:
-    if isinstance(value, Uniform):
+    if isinstance(value, UniformValue):
         return replace(value, shape=value.shape[1:])
-    assert isinstance(value, View)
+    assert isinstance(value, BufferView)
     return _row_of(value, place)
 
 
-def _row_of(value: View, place: str) -> View:
+def _row_of(value: BufferView, place: str) -> BufferView:
     stride = value.strides[0]
     shift = "" if value.shape[0] == 1 or not stride else f"{stride} * {place}"
     joined = " + ".join(term for term in (value.shift, shift) if term)
@@ -98,7 +104,9 @@ def _row_of(value: View, place: str) -> View:
 
 
 @rule("cond")
-def _cond(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _cond(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     branches = [program_of(branch) for branch in one.params["branches"]]
     which, operands = inputs[0], [block.stored(value) for value in inputs[1:]]
     known = constants_in([which]).get(0)

@@ -10,23 +10,23 @@ from numpy.typing import NDArray
 
 from supple.errors import ImportFormatError
 from supple.importers.abaqus.assembly import Scope, ScopedBlock, scoped_blocks
-from supple.importers.abaqus.element_block import ElementBlock, Labels
 from supple.importers.abaqus.element_types import ElementType, Family, element_type, face_nodes, free_faces
 from supple.importers.abaqus.generated_elements import copied_elements, generated_elements
+from supple.importers.abaqus.keyword_elements import ElementBlock, Labels
 from supple.importers.abaqus.nodes import NODE_KEYWORDS, plain_ids, read_nodes
 from supple.importers.abaqus.report import Report
 from supple.importers.keyword_file import IntegerRows, KeywordFile, fields, integers
 from supple.importers.plain_number import is_plain_digits
 from supple.importers.quadrilateral import CROSSED, crossed_quadrilaterals
 
-__all__ = ["AbaqusModel", "Surface", "read_model"]
+__all__ = ["AbaqusModel", "DeckSurface", "read_model"]
 
 IntArray = NDArray[np.int64]
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class DeckSurface:
     """faces : (F, k) node numbers, corners first, in arrays of one k each; of edges two nodes, of nodes one
 
     nodes : of all faces, each once
@@ -54,7 +54,7 @@ class AbaqusModel:
     element_labels: Labels = field(default_factory=lambda: Labels(np.empty(0, int), np.empty(0, int)))
     node_sets: dict[tuple[int, str], tuple[str, IntArray]] = field(default_factory=dict)
     element_sets: dict[tuple[int, str], tuple[str, IntArray]] = field(default_factory=dict)
-    surfaces: dict[tuple[int, str], Surface] = field(default_factory=dict)
+    surfaces: dict[tuple[int, str], DeckSurface] = field(default_factory=dict)
 
     def named(self, *keys: str) -> Iterator[ScopedBlock]:
         """Keywords of these names outside steps; they count as read."""
@@ -74,7 +74,7 @@ class AbaqusModel:
         """Numbers of the elements of a word, as for nodes."""
         return self._members(scope, word, line, what, "element", self.element_labels, self.element_sets)
 
-    def surface(self, scope: int, name: str) -> Surface | None:
+    def surface(self, scope: int, name: str) -> DeckSurface | None:
         """The surface of that name; None without one."""
         return next(
             (self.surfaces[key] for key in self._meanings(scope, name.upper()) if key in self.surfaces), None
@@ -448,7 +448,7 @@ def _read_surface(model: AbaqusModel, placed: ScopedBlock) -> None:
                 faces.setdefault(face.shape[1], []).append(face)
     by_size = tuple(np.concatenate(each) for each in faces.values())
     nodes = np.concatenate([np.empty(0, dtype=np.int64), *(each.ravel() for each in by_size)])
-    model.surfaces[scope, name.upper()] = Surface(name, by_size, _each_once(nodes))
+    model.surfaces[scope, name.upper()] = DeckSurface(name, by_size, _each_once(nodes))
 
 
 def _faces(elements: ElementBlock, places: IntArray, label: str) -> list[IntArray]:

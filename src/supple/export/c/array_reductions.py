@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from supple.errors import ModelError
-from supple.export.c.blocks import Block, loops
-from supple.export.c.operations import Operation
+from supple.export.c.blocks import CodeBlock, loops
+from supple.export.c.operations import ArrayOperation
 from supple.export.c.printer import RULES, rule
 from supple.export.c.values import Value, c_type, literal
 
@@ -38,7 +38,9 @@ def _form(name: str, value: Value) -> tuple[str, Callable[[str, str], str]]:
 
 
 def _reduced(name: str) -> Any:
-    def printed(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    def printed(
+        block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+    ) -> list[Value]:
         value, axes = inputs[0], set(one.params["axes"])
         start, form = _form(name, value)
         target = block.array(outputs[0].shape, outputs[0].dtype)
@@ -63,7 +65,9 @@ for _name in _FORMS:
 
 
 @rule("argmax", "argmin")
-def _extreme(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _extreme(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     value, axis = block.stored(inputs[0]), one.params["axes"][0]
     sign = ">" if one.name == "argmax" else "<"
     target = block.array(outputs[0].shape, outputs[0].dtype)
@@ -85,7 +89,9 @@ def _extreme(block: Block, one: Operation, inputs: Sequence[Value], outputs: Seq
 
 
 def _running(name: str) -> Any:
-    def printed(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+    def printed(
+        block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+    ) -> list[Value]:
         value, axis = block.stored(inputs[0]), one.params["axis"]
         start, form = _form(name, value)
         target = block.array(outputs[0].shape, outputs[0].dtype)
@@ -108,7 +114,9 @@ for _name, _form_name in {"cumsum": "sum", "cumprod": "prod", "cummax": "max", "
 
 
 @rule("sort")
-def _sort(block: Block, one: Operation, inputs: Sequence[Value], outputs: Sequence[Any]) -> list[Value]:
+def _sort(
+    block: CodeBlock, one: ArrayOperation, inputs: Sequence[Value], outputs: Sequence[Any]
+) -> list[Value]:
     if len(outputs[0].shape) != 1 or one.params["num_keys"] != 1:
         raise ModelError("only the sorting of one row of numbers, by one key, has a form in C yet")
     arrays = [block.copied(value) for value in inputs]

@@ -9,7 +9,7 @@ from jax import Array
 from jax.tree_util import register_static
 
 from supple.equations.configuration import ControlState
-from supple.equations.model import Model
+from supple.equations.machine_model import Model
 from supple.machine.obstacles import Obstacle
 from supple.methods.explicit.frame_chart import FrameChart
 from supple.methods.explicit.frame_model import FrameModel, FrameState
@@ -20,7 +20,7 @@ from supple.methods.explicit.march.element_block import (
     TriangleArrays,
 )
 from supple.methods.explicit.march.touching_surface import TouchingSurface
-from supple.methods.explicit.march.turning import Spins, Turning
+from supple.methods.explicit.march.turning_nodes import Spins, TriadState
 from supple.methods.explicit.method import Explicit
 from supple.methods.explicit.modal_tie import ModalTie
 
@@ -167,7 +167,7 @@ class MarchState(NamedTuple):
     blocks: tuple[BlockState, ...]
     frames: tuple[FrameState, ...]
     obstacles: tuple[ObstacleState, ...]
-    turning: Turning
+    turning: TriadState
     obstacle_forces: Array
     energies: Energies
     initial: Array

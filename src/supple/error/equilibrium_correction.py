@@ -23,10 +23,16 @@ from supple.quantities.quantity_of_interest import quantity_distance
 from supple.reduction import ReducedBody, ReductionBasis, enrich, project, reduction_basis
 from supple.simulation import Equilibrium, equilibrium
 
-__all__ = ["Missed", "StaticallyCorrected", "correct_at_rest", "correct_statically", "missed_at_rest"]
+__all__ = [
+    "MotionOutsideBasis",
+    "StaticallyCorrected",
+    "correct_at_rest",
+    "correct_statically",
+    "missed_at_rest",
+]
 
 
-class Missed(NamedTuple):
+class MotionOutsideBasis(NamedTuple):
     """Motion outside the basis of one body.
 
     error, allowed : in the unit of the quantity of interest
@@ -43,7 +49,7 @@ class Missed(NamedTuple):
         return self.error <= self.allowed
 
 
-Look = Callable[[System, Mapping[str, FullBody]], Mapping[str, Missed]]
+Look = Callable[[System, Mapping[str, FullBody]], Mapping[str, MotionOutsideBasis]]
 """Finds what is asked of a reduced machine, and what its bases miss of it, by name of the body."""
 
 
@@ -58,7 +64,7 @@ class StaticallyCorrected:
 
     system: System
     bases: Mapping[str, ReductionBasis]
-    missed: Mapping[str, tuple[Missed, ...]]
+    missed: Mapping[str, tuple[MotionOutsideBasis, ...]]
 
 
 def correct_at_rest(
@@ -86,7 +92,7 @@ def correct_at_rest(
     starts = start if isinstance(start, Mapping) else dict.fromkeys(system.bodies_of(FullBody), start)
     found: list[Equilibrium] = []
 
-    def look(reduced: System, fulls: Mapping[str, FullBody]) -> Mapping[str, Missed]:
+    def look(reduced: System, fulls: Mapping[str, FullBody]) -> Mapping[str, MotionOutsideBasis]:
         found.append(equilibrium(reduced, time=time, spin=spin, search=search, fulls=fulls))
         return missed_at_rest(found[-1], starts)
 
@@ -94,7 +100,7 @@ def correct_at_rest(
     return found[-1], corrected
 
 
-def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> dict[str, Missed]:
+def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> dict[str, MotionOutsideBasis]:
     """What the bases miss of an equilibrium, in the quantities that their targets name."""
     missed = {}
     for name, start in starts.items():
@@ -104,7 +110,7 @@ def missed_at_rest(found: Equilibrium, starts: Mapping[str, ReductionStart]) -> 
             error = quantity_distance(quantity, found.system, found.solution, *found.full)
         size = quantity.size(found.system, found.solution)
         fields = found.errors[name].deformation[:, None]
-        missed[name] = Missed(error, start.target.allowed(size), fields)
+        missed[name] = MotionOutsideBasis(error, start.target.allowed(size), fields)
     return missed
 
 
@@ -125,7 +131,7 @@ def correct_statically(
         name: reduction_basis(full.body, full.frame, starts[name].basis, derivatives=starts[name].derivatives)
         for name, full in fulls.items()
     }
-    rounds: dict[str, list[Missed]] = {name: [] for name in starts}
+    rounds: dict[str, list[MotionOutsideBasis]] = {name: [] for name in starts}
     while True:
         reduced = _reduced(system, fulls, starts, bases)
         with warnings.catch_warnings():
@@ -144,7 +150,7 @@ def correct_statically(
             bases[name] = enrich(fulls[name].body, bases[name], fields, more).basis
 
 
-def _check_prospects(name: str, target: SelfCorrection, rounds: list[Missed], size: int) -> None:
+def _check_prospects(name: str, target: SelfCorrection, rounds: list[MotionOutsideBasis], size: int) -> None:
     """SelfCorrectionError where the next round would be one too many, or too large."""
     if not np.isfinite(rounds[-1].error):
         reason = "no equilibrium was found with all its coordinates, to compare with"

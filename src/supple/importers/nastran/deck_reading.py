@@ -25,7 +25,7 @@ _SCALARS = 2**40
 
 
 @dataclass(eq=False)
-class Rows:
+class FreedomSums:
     """Linear combinations of freedoms under construction; `terms` returns them as one object."""
 
     freedoms: list[int] = field(default_factory=list)
@@ -63,7 +63,7 @@ class Rows:
 
 
 @dataclass(eq=False)
-class Reading:
+class DeckReading:
     """A deck under construction, with the data that all parts of the reader use.
 
     scalar_points : (S,) ids of points with one freedom
@@ -82,11 +82,11 @@ class Reading:
     damping_factor: float
     matrix_factors: Mapping[str, float]
     added_nodes: list[FloatArray] = field(default_factory=list)
-    springs: Rows = field(default_factory=Rows)
-    dashpots: Rows = field(default_factory=Rows)
-    inertias: Rows = field(default_factory=Rows)
-    constraints: Rows = field(default_factory=Rows)
-    held: Rows = field(default_factory=Rows)
+    springs: FreedomSums = field(default_factory=FreedomSums)
+    dashpots: FreedomSums = field(default_factory=FreedomSums)
+    inertias: FreedomSums = field(default_factory=FreedomSums)
+    constraints: FreedomSums = field(default_factory=FreedomSums)
+    held: FreedomSums = field(default_factory=FreedomSums)
     masses: list[NodalMatrix] = field(default_factory=list)
     notes: dict[str, None] = field(default_factory=dict)
     lumped_mass: bool = True
