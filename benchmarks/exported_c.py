@@ -66,7 +66,7 @@ def slider_crank_example() -> Machine:
 
 def machines(blade: Path | None) -> dict[str, Callable[[], Machine]]:
     """By name."""
-    found = {each.__name__: each for each in exported_machines.EVERY} | {
+    found = {each.__name__: each for each in (*exported_machines.EVERY, exported_machines.joined_line)} | {
         "example slider-crank": slider_crank_example
     }
     if blade is not None:

@@ -19,6 +19,8 @@ from supple.simulation import simulate
 from supple.stepping import step_program
 
 N = 1000
+LINE = pytest.param(joined_line, marks=pytest.mark.soak)
+"""Minutes: its program is long"""
 AGREEMENT = {"length": 1e-12, "angle": 1e-12, "velocity": 1e-11, "angular velocity": 1e-11}
 """Over 1000 steps, of the largest value of a quantity in the machine"""
 BY_STEP = 1e-8
@@ -46,7 +48,7 @@ def both(step, in_c, n=N):
 
 @needs_compiler
 @pytest.mark.slow
-@pytest.mark.parametrize("machine", EVERY, ids=lambda each: each.__name__)
+@pytest.mark.parametrize("machine", [*EVERY, LINE], ids=lambda each: each.__name__)
 def test_c_gives_the_motion_of_the_compiled_march(machine, tmp_path):
     step, in_c = exported(machine(), tmp_path)
     assert not step.outputs.left_out
@@ -60,7 +62,7 @@ def test_c_gives_the_motion_of_the_compiled_march(machine, tmp_path):
 
 @needs_compiler
 @pytest.mark.slow
-@pytest.mark.parametrize("machine", [*UNDRIVEN, joined_line], ids=lambda each: each.__name__)
+@pytest.mark.parametrize("machine", [*UNDRIVEN, LINE], ids=lambda each: each.__name__)
 def test_outputs_are_what_the_sensors_of_a_run_read(machine, tmp_path):
     system, its_run, sensors, _ = machine()
     step, in_c = exported((system, its_run, sensors, {}), tmp_path)
