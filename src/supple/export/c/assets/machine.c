@@ -26,7 +26,7 @@ $body
     return m->failed ? 1 : 0;
 }
 
-int step_program(machine *m)
+int machine_step(machine *m)
 {
     return machine_advance(m, m->time + MACHINE_STEP);
 }

@@ -50,6 +50,6 @@ int machine_start(machine *m);
 int machine_advance(machine *m, double end);
 
 /* One step of MACHINE_STEP. */
-int step_program(machine *m);
+int machine_step(machine *m);
 
 #endif

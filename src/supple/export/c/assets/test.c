@@ -50,7 +50,7 @@ int main(void)
     const double begin = seconds();
     while (steps < 1000) {
         const double before = seconds();
-        if (step_program(&m)) break;
+        if (machine_step(&m)) break;
         slowest = fmax(slowest, seconds() - before);
         ++steps;
     }
