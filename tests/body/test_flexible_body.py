@@ -175,7 +175,7 @@ def test_what_it_holds_is_read_only(body):
 
 
 def test_frequencies_are_those_of_the_modes_and_are_sought_once(body, monkeypatch):
-    """Held and in mean axes apart; more than were found are sought again; a copy knows none."""
+    """Held and in mean axes apart; more than were found are sought anew; a copy knows none."""
     held, mean = (frame.constraint(body) for frame in (NodalFixedFrame("root"), MeanAxisFrame()))
     expected = np.sqrt(body.lowest_modes(4, held).values)
     in_mean_axes = body.lowest_frequencies(4, mean)
@@ -187,26 +187,3 @@ def test_frequencies_are_those_of_the_modes_and_are_sought_once(body, monkeypatc
     np.testing.assert_array_equal(body.lowest_frequencies(4, mean), in_mean_axes)
     with pytest.raises(TypeError):
         copy.lowest_frequencies(2, held)
-
-
-def test_the_first_modes_are_sought_once_whatever_was_asked_before(body, monkeypatch):
-    """Two after five are those of a body that was asked for two; what a caller writes into them stays his."""
-    held, again = NodalFixedFrame("root").constraint(body), pickle.loads(pickle.dumps(body))
-    five, two = body.lowest_modes(5, held), again.lowest_modes(2, held)
-    exact = lowest_modes(body.stiffness, body.mass, 5, constraint=held)
-    np.testing.assert_allclose(five.values, exact.values, rtol=1e-9)
-    np.testing.assert_allclose(five.vectors, exact.vectors, atol=1e-6 * abs(exact.vectors).max())
-    monkeypatch.setattr(sys.modules["supple.body.flexible_body"], "lowest_modes", None)
-    shared = body.lowest_modes(2, held)
-    np.testing.assert_array_equal(shared.values, two.values)
-    np.testing.assert_array_equal(shared.vectors, two.vectors)
-    shared.vectors[:] = 0.0
-    np.testing.assert_array_equal(body.lowest_modes(5, held).vectors, five.vectors)
-    with pytest.raises(TypeError):  # that is another clamp
-        again.lowest_modes(2, MeanAxisFrame().constraint(body))
-
-
-def test_no_modes_are_sought_where_none_are_asked_for(body):
-    copy = pickle.loads(pickle.dumps(body))
-    assert copy.lowest_modes(0, NodalFixedFrame("root").constraint(copy)).vectors.shape == (copy.n, 0)
-    assert not copy._known_modes

@@ -22,9 +22,6 @@ from supple.summary import Summarized, Summary, point
 
 __all__ = ["FlexibleBody"]
 
-FEW_MODES = 8
-"""That are found together: two more cost a tenth of a search."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlexibleBody(Summarized):
@@ -141,23 +138,14 @@ class FlexibleBody(Summarized):
         return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
-        """The lowest modes on D q = 0, D (m, n), proven complete; of the free body without D.
-
-        The first few are found together and kept: damping, a basis and pictures ask for the same ones. What
-        is found does not depend on what was asked for before.
-        """
+        """The lowest modes on D q = 0, D (m, n), proven complete; of the free body without D."""
         rows = constraint_rows(constraint, self.n)
-        held, few = _digest(rows), min(FEW_MODES, self.n - len(rows))
-        number = few if 0 < n_modes <= few else n_modes
-        found = self._known_modes.get(held) if number == few else None
-        if found is None:
-            found = lowest_modes(
-                self.stiffness, self.mass, number, constraint=rows, grounded=self.grounded_stiffness
-            )
-            self._known_values[held] = max(self._known_values.get(held, found.values), found.values, key=len)
-        if number == few:
-            self._known_modes[held] = found
-        return Eigenpairs(found.values[:n_modes].copy(), found.vectors[:, :n_modes].copy())
+        found = lowest_modes(
+            self.stiffness, self.mass, n_modes, constraint=rows, grounded=self.grounded_stiffness
+        )
+        known, held = self._known_values, _digest(rows)
+        known[held] = max(known.get(held, found.values), found.values, key=len)
+        return found
 
     def lowest_frequencies(
         self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None
@@ -173,14 +161,9 @@ class FlexibleBody(Summarized):
         """By the rows that constrain them: the eigenvalues that were found."""
         return {}
 
-    @cached_property
-    def _known_modes(self) -> dict[bytes, Eigenpairs]:
-        """By the rows that constrain them: the first few modes."""
-        return {}
-
     def __getstate__(self) -> dict[str, Any]:
         # Factors live in the memory of a solver library and cannot travel between processes: made anew.
-        made_anew = ("grounded_stiffness", "_known_values", "_known_modes")
+        made_anew = ("grounded_stiffness", "_known_values")
         return {key: value for key, value in self.__dict__.items() if key not in made_anew}
 
 

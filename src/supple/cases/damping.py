@@ -16,7 +16,7 @@ from supple.body import (
     ModalDamping,
     NodalFixedFrame,
     RayleighDamping,
-    rayleigh_from_ratios,
+    rayleigh_at_modes,
 )
 from supple.cases.table import Key, table_of
 from supple.errors import SuppleWarning
@@ -42,9 +42,8 @@ class _RatioOfTwoModes(CheckedTable):
 
     def _fitted(self, body: FlexibleBody, frame: Frame) -> RayleighDamping:
         constraint = (NodalFixedFrame(self.held) if self.held else frame).constraint(body)
-        found = body.lowest_frequencies(max(self.modes), constraint)
-        first, second = (float(found[mode - 1]) for mode in self.modes)
-        return replace(rayleigh_from_ratios(self.ratio, first, second), held=self.held)
+        fitted = rayleigh_at_modes(body.stiffness, body.mass, constraint, self.ratio, self.modes)
+        return replace(fitted, held=self.held)
 
 
 class RayleighRatio(_RatioOfTwoModes):

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from supple.machine import GROUND, At, ForceElement, System
-from supple.methods.intrinsic import IntrinsicBody
 from supple.methods.intrinsic.joined_machine import seen_element, seen_end
 from supple.quantities import (
     AngularVelocitySensor,
@@ -71,4 +70,4 @@ def _elements(system: System) -> list[ForceElement]:
 
 
 def _is_line(system: System, body: str) -> bool:
-    return isinstance(system.placed(body).body, IntrinsicBody)
+    return system.placed(body).body.kind == "intrinsic"
