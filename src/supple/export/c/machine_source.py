@@ -179,7 +179,7 @@ def sensor_sizes(variables: Sequence[Variable], outputs: np.ndarray) -> np.ndarr
     for kind, value in zip(kinds, np.abs(outputs).max(axis=0, initial=0.0), strict=True):
         largest[kind] = max(largest.get(kind, 0.0), float(value))
     # What is zero but for rounding, such as the slide of a hinge, has no size of its own.
-    least = 1e-9 * max(largest.values(), default=0.0) or 1.0
+    least = 1e-6 * max(largest.values(), default=0.0) or 1.0
     return np.array([max(largest[kind], least) for kind in kinds])
 
 
