@@ -10,7 +10,7 @@ from supple.cases.shared_rules import joint_label
 from supple.errors import CaseError
 from supple.importers.toml import KeyPath, Raw, did_you_mean
 
-__all__ = ["parameter_path", "with_value"]
+__all__ = ["number_at", "parameter_path", "with_value"]
 
 _PART = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
 
@@ -43,6 +43,14 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
         else:
             raise CaseError(f"{text}: there is nothing below {'.'.join(map(str, place))} of the case file")
     return place
+
+
+def number_at(place: KeyPath, raw: Raw) -> float | None:
+    """The number at a place of a case; None where there is none."""
+    found: Any = raw
+    for key in place:
+        found = found.get(key) if isinstance(found, Mapping) else found[key]
+    return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None
 
 
 def with_value(raw: Any, place: KeyPath, value: Any) -> Any:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from pydantic import Field
 
-from supple.cases.parameter_path import parameter_path
+from supple.cases.parameter_path import number_at, parameter_path
 from supple.cases.shared_rules import usable_names
 from supple.errors import CaseError
-from supple.importers.toml import CheckedTable, KeyPath, Mistakes, Raw, tables
+from supple.importers.toml import CheckedTable, Mistakes, Raw, tables
 
-__all__ = ["RULES", "ParameterTable", "number_at"]
+__all__ = ["RULES", "ParameterTable"]
 
 
 class ParameterTable(CheckedTable):
@@ -20,16 +18,6 @@ class ParameterTable(CheckedTable):
     name: str = Field(description="of the variable in the FMU")
     path: str = Field(description="key that has the number, such as load[0].law.amplitude")
     unit: str = Field("", description="of the number, as the FMU states it")
-
-
-def number_at(path: KeyPath, raw: Raw) -> float | None:
-    """The number that stands at a place of a case; None where there is none."""
-    found: Any = raw
-    for key in path:
-        if isinstance(found, dict) and key not in found:
-            return None
-        found = found[key]
-    return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else None
 
 
 def _lead_to_numbers(raw: Raw) -> Mistakes:

@@ -11,8 +11,7 @@ import numpy as np
 from supple.cases import Case, read_case
 from supple.cases.case_family import case_family
 from supple.cases.outputs import check_not_an_input
-from supple.cases.parameter_path import parameter_path
-from supple.cases.parameters import number_at
+from supple.cases.parameter_path import number_at, parameter_path
 from supple.cases.result_machine import result_machine
 from supple.cases.static_case import starting_system
 from supple.errors import ArgumentError, CaseError, did_you_mean

@@ -11,7 +11,8 @@ from supple.errors import ConvergenceError
 
 __all__ = ["converged_reactions"]
 
-_MOST, _CONVERGED = 100, 1e-12
+MOST, CONVERGED = 100, 1e-12
+"""Iterations, and the change of the joint forces at which they end, of the largest."""
 
 S = TypeVar("S", bound=tuple[Any, ...])
 
@@ -24,12 +25,12 @@ def converged_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
 
     Raises ConvergenceError where friction raises the joints' forces that it comes from by more each time.
     """
-    for _ in range(_MOST):
+    for _ in range(MOST):
         before, found = found[1], answered(found[1])
         if not np.isfinite(found[1]).all():
             break
         # Of what grows without bound the largest entry, whose square would overflow.
-        if np.max(abs(found[1] - before)) <= _CONVERGED * np.max(abs(found[1])):
+        if np.max(abs(found[1] - before)) <= CONVERGED * np.max(abs(found[1])):
             return found
     raise ConvergenceError(
         "friction and the forces in the joints do not converge: each raises the other, as "

@@ -9,13 +9,12 @@ import jax.numpy as jnp
 
 from supple.equations.compiled_machine import forces_without_acceleration
 from supple.equations.configuration import Configuration, ControlState, ControlStep
+from supple.equations.converged_reactions import CONVERGED, MOST
 from supple.equations.inertia import mass_matrix
 from supple.equations.machine_model import Model
 from supple.equations.starting_machine import joint_terms
 
 __all__ = ["consistent_accelerations"]
-
-_MOST, _CONVERGED = 100, 1e-12
 
 
 def consistent_accelerations(
@@ -48,11 +47,11 @@ def consistent_accelerations(
 
     def differs(state: Any) -> Any:
         _, before, own = state
-        return jnp.max(abs(own[n:] - before)) > _CONVERGED * jnp.max(abs(own[n:]))
+        return jnp.max(abs(own[n:] - before)) > CONVERGED * jnp.max(abs(own[n:]))
 
     _, before, found = jax.lax.while_loop(
-        lambda state: differs(state) & (state[0] < _MOST),
+        lambda state: differs(state) & (state[0] < MOST),
         lambda state: (state[0] + 1, state[2][n:], solved(state[2][n:])),
         (0, jnp.zeros(m), found),
     )
-    return found[:n], found[n:], ~(jnp.max(abs(found[n:] - before)) <= _CONVERGED * jnp.max(abs(found[n:])))
+    return found[:n], found[n:], ~(jnp.max(abs(found[n:] - before)) <= CONVERGED * jnp.max(abs(found[n:])))

@@ -10,10 +10,9 @@ import jax.numpy as jnp
 
 from supple.equations.build_model import force_group_of
 from supple.equations.configuration import SystemMotion
-from supple.equations.ends import markers
 from supple.equations.machine_model import STATIC, ForceGroup
-from supple.equations.marker import Marker, pose
 from supple.machine import ForceElement, System
+from supple.stepping.one_of_group import one_of, pose_of
 
 __all__ = ["Contacts", "contacts_of"]
 
@@ -30,16 +29,16 @@ class Contacts:
         """(c,) whether each touches: its penalty stores energy."""
         no_law: Any = None
         flags = [
-            kind.energy(*_ends(group, motion), no_law, tuple(jnp.asarray(own)[0] for own in group.parameters))
+            kind.energy(
+                pose_of(group.first, motion),
+                pose_of(group.second, motion),
+                no_law,
+                one_of(group.parameters, 0),
+            )
             > 0
             for kind, group in zip(self.kinds, self.groups, strict=True)
         ]
         return jnp.stack(flags) if flags else jnp.zeros(0, dtype=bool)
-
-
-def _ends(group: ForceGroup, motion: SystemMotion) -> list[Any]:
-    ends = (markers(each, motion.configuration, motion.velocity) for each in (group.first, group.second))
-    return [pose(Marker(*(jnp.asarray(leaf)[0] for leaf in each))) for each in ends]
 
 
 def contacts_of(system: System) -> Contacts:

@@ -11,14 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from supple.equations.build_model import force_group_of, readers_of
-from supple.equations.configuration import Configuration, SystemMotion
-from supple.equations.ends import markers
+from supple.equations.configuration import SystemMotion
 from supple.equations.joint_linearization import affine_form, axial
-from supple.equations.machine_model import Ends, Model
-from supple.equations.marker import Marker, pose
+from supple.equations.machine_model import Model
 from supple.machine import GROUND, EndReading, JointFriction, JointReading, System
 from supple.machine.forces.relative_motion import axial_motion, wrapped
-from supple.machine.pose import Pose
 from supple.quantities import (
     AccelerationSensor,
     AngularVelocitySensor,
@@ -32,6 +29,7 @@ from supple.quantities import (
     SpringForceSensor,
     VelocitySensor,
 )
+from supple.stepping.one_of_group import one_of, pose_of
 from supple.stepping.seen_machine import SeenMachine
 from supple.stepping.variables import Variable
 from supple.units import UnitSystem
@@ -169,15 +167,6 @@ def _of_point(seen: SeenMachine, place: Place, chosen: Callable[..., Any]) -> Re
     return lambda model, motion, *_: chosen(point.at(model, motion), motion.time, model)
 
 
-def _marker(ends: Ends, configuration: Configuration, velocity: Any) -> Marker:
-    stacked = markers(ends, configuration, velocity)
-    return Marker(*(jnp.asarray(leaf)[0] for leaf in stacked))
-
-
-def _pose(ends: Ends, motion: SystemMotion) -> Pose:
-    return pose(_marker(ends, motion.configuration, motion.velocity))
-
-
 def _deflection(seen: SeenMachine, sensor: DeflectionSensor) -> Reads | None:
     base, place = sensor.base(seen.own), seen.place(sensor.place)
     if base is None or place is None:
@@ -191,7 +180,7 @@ def _deflection(seen: SeenMachine, sensor: DeflectionSensor) -> Reads | None:
     to_mesh = np.asarray(seen.system.placed(end.body).assembly.rotation)
 
     def read(model: Model, motion: SystemMotion, *_: Any) -> Any:
-        from_there = _pose(reader.first, motion)
+        from_there = pose_of(reader.first, motion)
         axes = from_there.axes @ to_mesh
         return axes.T @ (point.at(model, motion)[0] - from_there.point) - rest
 
@@ -202,14 +191,14 @@ def _angular_velocity(seen: SeenMachine, sensor: AngularVelocitySensor) -> Reads
     if sensor.at == GROUND:
         return lambda *_: jnp.zeros(3)
     (reader,) = readers_of(seen.system, {"end": EndReading(seen.end(sensor.at))})
-    return lambda _, motion, *__: _pose(reader.first, motion).angular_velocity
+    return lambda _, motion, *__: pose_of(reader.first, motion).angular_velocity
 
 
 def _joint_motion(seen: SeenMachine, sensor: JointMotionSensor) -> Reads:
     (reader,) = readers_of(seen.system, {"joint": JointReading(sensor.joint)})
 
     def read(_model: Model, motion: SystemMotion, before: Any, elapsed: Any) -> Any:
-        own = axial_motion(_pose(reader.first, motion), _pose(reader.second, motion))
+        own = axial_motion(pose_of(reader.first, motion), pose_of(reader.second, motion))
         # As the sensor counts: within half a turn of what the mean of the rates says.
         expected = before[0] + elapsed * (before[1] + own.rate) / 2
         angle = expected + wrapped(own.angle - expected)
@@ -229,18 +218,14 @@ def _joint_wrench(system: System, name: str) -> Callable[[Model, SystemMotion], 
         value = None
         if group.law is not None:
             number = group.rows.starts.index(rows.start)
-            value = jnp.asarray(_one(group.law, number)(motion.time))
+            value = jnp.asarray(one_of(group.law, number)(motion.time))
         coefficients = jnp.asarray(affine_form(type(joint).constraint, value)[0])
         every = jnp.zeros(model.n_equations).at[np.array(model.active, dtype=int)].set(motion.multipliers)
         weights = every[rows] @ coefficients
-        turn = _pose(reader.first, motion).axes.T @ _pose(reader.second, motion).axes
+        turn = pose_of(reader.first, motion).axes.T @ pose_of(reader.second, motion).axes
         return -jnp.concatenate([weights[:3], axial(weights[3:].reshape(3, 3) @ turn.T)])
 
     return read
-
-
-def _one(law: Any, number: int) -> Any:
-    return jax.tree.map(lambda leaf: jnp.asarray(leaf)[number], law)
 
 
 def _joint_force(seen: SeenMachine, sensor: JointForceSensor) -> Reads:
@@ -273,11 +258,11 @@ def _element(seen: SeenMachine, sensor: SpringForceSensor | ElementEnergySensor)
     kind, energy = type(element), isinstance(sensor, ElementEnergySensor)
 
     def read(group: Any, model: Model, motion: SystemMotion, *_: Any) -> Any:
-        first, second = _pose(group.first, motion), _pose(group.second, motion)
-        parameters = _one(group.parameters, 0)
+        first, second = pose_of(group.first, motion), pose_of(group.second, motion)
+        parameters = one_of(group.parameters, 0)
         value: Any = None if carried is None else carried(model, motion)[:2]
         if group.law is not None:
-            value = jnp.asarray(_one(group.law, 0)(motion.time))
+            value = jnp.asarray(one_of(group.law, 0)(motion.time))
         loads = kind.wrenches(first, second, value, parameters)
         if not energy:
             return jnp.concatenate([loads[1].force, loads[1].moment])

@@ -12,9 +12,8 @@ from weakref import WeakKeyDictionary
 
 from supple.arguments import checked_arguments
 from supple.cases.case_family import case_family
-from supple.cases.parameter_path import parameter_path
+from supple.cases.parameter_path import number_at, parameter_path
 from supple.errors import CaseError, did_you_mean
-from supple.importers.toml import KeyPath, Raw
 from supple.integrate import Run
 from supple.machine import System
 from supple.quantities import Quantity
@@ -124,24 +123,16 @@ def case_parameters(case: Path | str, paths: Sequence[str], *, allow_code: bool 
     values = {}
     for name in paths:
         place = parameter_path(name, family.raw)
-        value = _value_at(family.raw, place)
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        value = number_at(place, family.raw)
+        if value is None:
             raise CaseError(f"{name} is no number of {path}: give its value there, or another path")
         if not is_number_of_run(place, value, family.raw):
             raise CaseError(
                 f"{name} makes another body, run or program, whose outputs are not differentiated: sweep it, "
                 "and take differences"
             )
-        values[name] = float(value)
+        values[name] = value
     table = CaseTable({name: [value] for name, value in values.items()})
     plan = make_plan(path, table, SweepOutput.model_validate({}), allow_code=allow_code)
     with tempfile.TemporaryDirectory(prefix="supple-parameters-") as folder:
         return CaseParameters(values, swept_group(Path(folder), plan, 0))
-
-
-def _value_at(raw: Raw, place: KeyPath) -> Any:
-    """The value at a place; None where a key is left out."""
-    found: Any = raw
-    for key in place:
-        found = found.get(key) if isinstance(found, Mapping) else found[key]
-    return found

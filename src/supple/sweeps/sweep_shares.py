@@ -106,8 +106,6 @@ def _exceeding(folder: Path, shares: range) -> IntArray:
     for share in shares:
         with open_sealed(part_path(folder, share), verify=False) as file:
             ran = file["status"][()] == CaseStatus.RAN
-            exceeds = (
-                file["basis_error"][()] > file["allowed_error"][()] if "basis_error" in file else ran & False
-            )
+            exceeds = file["basis_error"][()] > file["allowed_error"][()]
             found.append(file["cases"][()][ran & exceeds])
     return np.unique(np.concatenate(found))

@@ -21,6 +21,12 @@ def _written(root: Element) -> str:
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
+def _root(fmi: str, title: str, **token: str) -> Element:
+    own = {"fmiVersion": fmi, "modelName": title} | token
+    by = {"generationTool": f"supple {version('supple')}", "variableNamingConvention": "flat"}
+    return Element("fmiModelDescription", own | by)
+
+
 def _units(root: Element, step: StepProgram) -> None:
     names = sorted({each.variable.unit for each in _referenced(step)} - {""})
     if names:
@@ -83,14 +89,7 @@ def _referenced(step: StepProgram) -> list[_Referenced]:
 
 def model_description_3(step: StepProgram, title: str, token: str) -> str:
     """`modelDescription.xml` of FMI 3.0."""
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=title,
-        instantiationToken=token,
-        generationTool=f"supple {version('supple')}",
-        variableNamingConvention="flat",
-    )
+    root = _root("3.0", title, instantiationToken=token)
     simulation = {
         "modelIdentifier": IDENTIFIER,
         "canHandleVariableCommunicationStepSize": "true",
@@ -128,14 +127,7 @@ def _output_references(step: StepProgram) -> list[int]:
 
 def model_description_2(step: StepProgram, title: str, token: str, sources: Sequence[str]) -> str:
     """`modelDescription.xml` of FMI 2.0."""
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=title,
-        guid=token,
-        generationTool=f"supple {version('supple')}",
-        variableNamingConvention="flat",
-    )
+    root = _root("2.0", title, guid=token)
     attributes = {
         "modelIdentifier": IDENTIFIER,
         "canHandleVariableCommunicationStepSize": "true",
