@@ -72,6 +72,7 @@ print(len(sys.modules), *[name for name in {NOT_OF_A_RUN} if name in sys.modules
 """
 
 
+@pytest.mark.slow
 def test_a_run_waits_for_no_module_of_other_commands():
     """Modules are counted, not seconds: 1930 when this was written, of which 788 are our own."""
     shown = subprocess.run([sys.executable, "-c", COUNTED], capture_output=True, text=True, check=True)

@@ -51,6 +51,7 @@ def test_steps_are_named(watched, capsys):
     assert "correcting: second round" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_notebook_shows_a_line_of_html_without_widgets(watched, monkeypatch):
     pytest.importorskip("IPython")
     shown = []

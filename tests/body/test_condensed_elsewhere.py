@@ -286,6 +286,7 @@ def test_a_model_that_was_held_at_its_boundary(beam, labels):
         matrices_of(beam, labels, *(m * np.outer(held, held) for m in (beam.stiffness, beam.mass)))
 
 
+@pytest.mark.slow
 def test_a_missing_qset_is_asked_for(tmp_path, beam, labels):
     files = files_of("op4", tmp_path, beam, labels)
     lines = [line for line in files["nodes"].read_text().split("\n") if "QSET" not in line]

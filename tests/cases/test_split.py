@@ -120,6 +120,7 @@ def test_an_interface_across_a_cut_is_refused(case_folder):
         read_case(path).system  # noqa: B018
 
 
+@pytest.mark.slow
 def test_what_is_read_at_a_split_body_is_read_at_its_part(case_folder):
     """Sensors and quantities of the error; a joint without a name is called by the ends that it was given."""
     read = (

@@ -106,6 +106,7 @@ def test_a_good_model_prints_its_table(folder):
     assert "lowest free frequencies" not in call("check", folder / "strip.bdf", "--modes", "0")
 
 
+@pytest.mark.slow
 def test_all_bodies_of_a_case_and_matrices_on_their_own(folder):
     output = call("check", folder / "strip.toml")
     assert "Check of body 'strip'" in output

@@ -86,6 +86,7 @@ def test_a_table_has_sensors_forces_places_and_energies(result, case_folder, tmp
     assert abs(table["deflection strip.TIP.z_[m]"]).max() > 1e-4
 
 
+@pytest.mark.slow
 def test_chosen_instants_and_other_tables(result, tmp_path):
     done = exported(result, "-o", tmp_path / "a.mat", "--times", "0.08:0.32:3")
     assert done.exit_code == 0, done.output

@@ -229,6 +229,7 @@ def test_modes_reach_their_accuracy_and_name_their_axes(strip_run):
     assert numbers["modes"][0]["frequency"] * 2 * np.pi == pytest.approx(7.3604 * UNIT, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_what_is_no_mode_is_listed_so_and_not_drawn(strip_run):
     """Vibrations of the free strip, which is held at its root."""
     reduction = 'reduction = { basis = "normal-modes", modes = 8, steady = false }'

@@ -80,6 +80,7 @@ def test_a_key_that_changed_is_named_with_both_values(cut, old, new, said):
         resumed(cut, old, new)
 
 
+@pytest.mark.slow
 def test_what_is_only_said_or_drawn_may_change(cut):
     whole = resumed(cut, "[output]", "# a remark\n[output]\ntrack = ['bar.pin']")
     case = read_case(cut / "bar.toml")

@@ -158,6 +158,7 @@ def test_a_free_full_body_moves_in_six_ways_and_bends():
     assert modes.frequencies[6] / UNIT == pytest.approx(22.3733, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_full_body_is_followed_over_speed(body):
     machine = spun(FullBody(body, NodalFixedFrame("root")))
     diagram = campbell_diagram(machine, [Spin(rate * UNIT, (0, 0, 1)) for rate in (0.0, 3.0, 6.0)], n_modes=3)

@@ -249,6 +249,7 @@ def test_floquet_finds_what_axes_that_stand_do(monkeypatch):
         )
 
 
+@pytest.mark.slow
 def test_multi_blade_coordinates_of_many_blades_have_the_derivatives_of_their_waves():
     """Of 90 blades waves of up to 44 around: more than 64 angles of a turn hold."""
     number, order = 90, 44

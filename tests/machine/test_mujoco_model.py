@@ -160,6 +160,7 @@ def test_kinds_of_joints(joints, kinds):
     assert [type(joint) for joint in system.joints] == kinds
 
 
+@pytest.mark.slow
 def test_limits_are_stops():
     """A slide that falls on its stop rests on it: depth = m g / k."""
     text = with_joints(

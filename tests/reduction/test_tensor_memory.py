@@ -55,6 +55,7 @@ def test_the_largest_fitting_size_fits_and_the_next_does_not():
         assert tensor_memory(r) <= size < tensor_memory(r + 1)
 
 
+@pytest.mark.slow
 def test_a_reduction_takes_no_more_than_estimated(strip_body):
     """And not so much less that it would be refused for nothing."""
     columns = reduction_basis(strip_body, MeanAxisFrame(), Rubin(n_columns=40), derivatives=NoDerivatives())

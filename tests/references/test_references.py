@@ -52,6 +52,7 @@ def test_an_end_torque_twists_the_beam():
     np.testing.assert_allclose(R[-1], [[1, 0, 0], [0, c, -s], [0, s, c]], atol=1e-5)
 
 
+@pytest.mark.slow
 def test_the_bend_of_45_degrees():
     """Bathe and Bolourchi (1979); the published tip is one of eight straight elements, within 1 %."""
     n, radius, E = N_ELEMENTS, 100.0, 1e7

@@ -136,6 +136,7 @@ def test_errors_at_places_are_those_of_the_full_machine(spun):
     assert place_errors(replace(found, full=None), places) == {}
 
 
+@pytest.mark.slow
 def test_a_place_that_no_joint_holds_has_no_error_of_position(spun):
     found, _ = spun
     (error,) = place_errors(replace(found, is_held=False), {"end": Place("bar", "tip")}).values()

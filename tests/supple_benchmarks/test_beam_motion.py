@@ -83,6 +83,7 @@ def rotating_beam(speed, n_elements=12, step=0.01):
     return spin_up_beam(ROTATING_BEAM, SpinUp(speed), duration=20.0, step=step, n_elements=n_elements)
 
 
+@pytest.mark.slow
 def test_root_follows_the_law():
     motion = rotating_beam(6.0)
     law = np.array(

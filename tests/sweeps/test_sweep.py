@@ -173,6 +173,7 @@ def test_a_case_that_fails_is_recorded_and_the_others_go_on(pendulum, tmp_path):
     assert np.isfinite(read.statistics.values[[0, 2]]).all()
 
 
+@pytest.mark.slow
 def test_a_run_that_breaks_off_is_recorded_with_its_time_and_residual(pendulum, tmp_path):
     """A torque that turns the bob by more than digits hold: Newton's method does not converge, here alone."""
     text = pendulum.read_text() + (

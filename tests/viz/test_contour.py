@@ -73,6 +73,7 @@ def test_values_inside_a_solid_are_not_its_largest(tmp_path):
     assert one.read_bytes() == two.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_mark_on_the_far_side_says_so(tmp_path, monkeypatch):
     mesh = block(2.0, 1.0, 0.5, 4, 2, 2, CellType.HEXA8)
     camera = Camera.three_quarter(mesh.nodes)

@@ -104,6 +104,7 @@ def test_places_that_move_far_share_their_axes(figure, tmp_path):
     assert [len(axes.get_lines()) for axes in figure.axes] == [2, 2, 2]
 
 
+@pytest.mark.slow
 def test_deflections_stand_beside_the_places_that_they_are_of(figure, tmp_path):
     bent, rigid = place(0.01 * T, deflection=1e-3 * T), place(60.0 + 0.02 * T)
     draw_tracked(tmp_path / "a.png", {"tip": bent, "hub": rigid}, T, SI)

@@ -55,6 +55,7 @@ def heard(system, run=RUN):
     return [str(each.message) for each in found if issubclass(each.category, ValidityWarning)]
 
 
+@pytest.mark.slow
 def test_stress_beyond_the_yield_stress_is_said_with_its_place():
     (said,) = heard(System([spinning(yield_stress=0.8 * STRESS)]))
     stress = float(re.search(r"von Mises stress of (\S+) at node (\d+)", said).group(1))

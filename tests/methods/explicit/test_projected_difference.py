@@ -88,6 +88,7 @@ def _clamped():
     return box, modes, moments(mass_fields(body, box.points, modes.vectors))
 
 
+@pytest.mark.slow
 def test_modes_clamped_at_an_end_have_a_shorter_limit_that_is_exact():
     box, modes, sums = _clamped()
     K = np.diag(modes.values)

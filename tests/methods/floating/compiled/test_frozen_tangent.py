@@ -176,6 +176,7 @@ def test_a_resumed_run_meets_the_whole_one_in_every_bit(rod):
     assert 0 < whole.statistics.factorizations < whole.statistics.iterations
 
 
+@pytest.mark.slow
 def test_a_recorded_part_without_a_tangent_is_continued(rod):
     system = turning(rod)
     whole, part = (simulate(system, Run(end, 0.01, step=FixedStep(STEP))) for end in (0.08, 0.03))

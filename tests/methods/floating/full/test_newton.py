@@ -94,6 +94,7 @@ def full():
     return FullBody(beam(), MeanAxisFrame(), DAMPING)
 
 
+@pytest.mark.slow
 def test_it_is_newtons_motion_with_a_tenth_of_the_factors(full):
     modified, exact = both(pendulum(full), options())
     assert_same_motion(modified, exact, 1e-7)
