@@ -21,8 +21,9 @@ from supple_benchmarks.printed import print_files, print_tables
 __all__ = ["perform"]
 
 
-def perform(problem: EigenvalueErrors, json: Path | None, folder: Path) -> None:
+def perform(quick: bool, json: Path | None, folder: Path) -> None:
     """Run the benchmark; the report is rewritten after every body, so that a stop loses none."""
+    problem = EigenvalueErrors.quick() if quick else EigenvalueErrors()
     target = json or folder / "eigenvalue-error.json"
     target.parent.mkdir(parents=True, exist_ok=True)
     results = []

@@ -15,8 +15,9 @@ from supple_benchmarks.rotating_beam.run import BeamRun, run_rotating_beam
 __all__ = ["perform"]
 
 
-def perform(problem: RotatingBeam, json: Path | None, folder: Path) -> None:
+def perform(quick: bool, json: Path | None, folder: Path) -> None:
     """Run the benchmark; the report is rewritten after every simulation, so that a stop loses none."""
+    problem = RotatingBeam.quick() if quick else RotatingBeam()
     target = json or folder / "rotating-beam.json"
     target.parent.mkdir(parents=True, exist_ok=True)
     run: BeamRun | None = None
