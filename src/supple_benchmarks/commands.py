@@ -67,18 +67,18 @@ explicit = _command(
 )
 intrinsic = _command(
     "intrinsic",
-    "Slender bodies at any rotation: beside closed forms, [Wang2015] and the other methods.",
+    "Slender bodies at any rotation, against closed forms, [Wang2015] and the other methods.",
     quick="Small meshes, short motions: some minutes.",
 )
 invariance = _command(
     "invariance",
-    "Locking, ties, damping, curvature, buckling, vibration and splitting beside independent references.",
+    "Locking, ties, damping, curvature, buckling, vibration, splitting: against independent references.",
     quick="Small meshes, short motions: a minute.",
     output="Folder of report and figures.",
 )
 rotating_beam = _command(
     "rotating-beam",
-    "Spin up the beam of [Wu2019] section 6.1, full and reduced, beside the paper's numbers.",
+    "Spin up the beam of [Wu2019] section 6.1, full and reduced, and compare with the paper's numbers.",
     quick="One speed, coarse mesh: under a minute.",
     output="Folder of report, figures and motions.",
 )
@@ -89,12 +89,12 @@ sweep = _command(
 )
 trust = _command(
     "trust",
-    "Estimated errors of runs that correct themselves, beside full runs made afterwards.",
+    "Estimated errors of self-correcting runs, against full runs made afterwards.",
     quick="Two cases: one and a half minutes.",
     output="Folder of full runs and finished cases, which are read again.",
 )
 validation = _command(
     "validation",
-    "Machines, beams, rotors and impacts beside closed forms and published numbers.",
+    "Machines, beams, rotors and impacts, against closed forms and published numbers.",
     quick="Leave out the longest cases: 90 s.",
 )
