@@ -90,6 +90,19 @@ def test_programs_are_given_back_where_they_fill_two_thirds_of_the_memory_maps(l
     assert given_back
 
 
+@pytest.mark.parametrize(
+    ("held", "left", "released"), [(1000, 1e6, True), (999, 1e6, False), (1000, 1e15, False)]
+)
+def test_a_thousand_programs_are_released_where_memory_runs_out(look, monkeypatch, held, left, released):
+    """The process of the tests holds more than a megabyte, and less than a petabyte."""
+    calls = []
+    monkeypatch.setattr(jax_settings, "give_programs_back", lambda: calls.append(1))
+    monkeypatch.setattr(jax_settings, "available_memory", lambda: left)
+    monkeypatch.setattr(jax_settings._Process, "held", held)
+    assert look(1_000_000_000) is released
+    assert bool(calls) is released
+
+
 @pytest.mark.slow  # and all tests after it compile anew
 def test_programs_that_were_given_back_run_as_before(look):
     built = [jax.jit(lambda x, n=n: jnp.sin(x) * n) for n in range(4)]

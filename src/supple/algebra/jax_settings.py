@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import hashlib
 import os
@@ -27,6 +28,7 @@ from pathlib import Path
 
 import jax
 
+from supple.algebra.available_memory import available_memory
 from supple.errors import ForkedProcessError
 
 __all__ = [
@@ -89,6 +91,8 @@ class _Process:
     forked_after_computing = False
     compiled_since_looked = 0
     """Programs built since the memory maps were last counted."""
+    held = 0
+    """Programs built since all were last released."""
 
 
 def _remember_fork() -> None:
@@ -107,34 +111,52 @@ def check_not_forked() -> None:
 
 _MAPS = Path("/proc/self/maps")
 _MOST_MAPS = Path("/proc/sys/vm/max_map_count")
+_PAGES = Path("/proc/self/statm")
 _LOOK_EVERY = 64
 """Programs between two counts: a count takes milliseconds, and no program takes a hundred maps."""
 
+_WORTH_RELEASING = 1000
+"""Programs of 1 to 2 MB each: fewer are not what fills a memory, and take a minute to compile again."""
+
 
 def bound_programs() -> bool:
-    """Give all compiled programs back where they fill two thirds of the memory maps of a Linux process.
+    """Release all compiled programs of a Linux process that have become too many; returns whether it did.
 
-    A run afterwards takes them from the folder of kept programs, or compiles them anew. Returns whether it
-    was so; elsewhere than on Linux there is no such limit.
+    Too many use two thirds of the memory maps that the system allows a process; or they are a thousand, and
+    the process holds more memory than is still available. A later run takes them from the cache folder, or
+    compiles them again.
     """
     if _Process.compiled_since_looked < _LOOK_EVERY or not _MAPS.exists():
         return False
     _Process.compiled_since_looked = 0
-    with _MAPS.open("rb") as listing:
-        count = sum(1 for _ in listing)
-    if 3 * count < 2 * int(_MOST_MAPS.read_text()):
+    if not (_maps_run_out() or (_Process.held >= _WORTH_RELEASING and _memory_runs_out())):
         return False
     give_programs_back()
     return True
 
 
+def _maps_run_out() -> bool:
+    with _MAPS.open("rb") as listing:
+        count = sum(1 for _ in listing)
+    return 3 * count >= 2 * int(_MOST_MAPS.read_text())
+
+
+def _memory_runs_out() -> bool:
+    available = available_memory()
+    resident = int(_PAGES.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    return available is not None and resident > available
+
+
 def give_programs_back() -> None:
-    """Let go of all compiled programs, and look at the memory maps again after as many new ones as ever."""
-    _Process.compiled_since_looked = 0
+    """Release all compiled programs, and return their memory to the system; the counts start again."""
+    _Process.compiled_since_looked = _Process.held = 0
     jax.clear_caches()
     for forget in _FORGET:
         forget()
     gc.collect()
+    # The C library of Linux keeps what is freed: a gigabyte after a thousand programs.
+    if _MAPS.exists() and (trim := getattr(ctypes.CDLL(None), "malloc_trim", None)):
+        trim(0)
 
 
 _FORGET: list[Callable[[], None]] = []
@@ -154,6 +176,7 @@ def before_compiled_code() -> None:
 def count_program() -> None:
     """Note that the process holds a program more."""
     _Process.compiled_since_looked += 1
+    _Process.held += 1
 
 
 def _listen(event: str, duration_secs: float, **kwargs: object) -> None:  # noqa: ARG001
