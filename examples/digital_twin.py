@@ -98,7 +98,7 @@ def measured() -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What the twin knows: `mean` (2 r + 2,) of coordinates, rates, force, its rate; and their covariance."""
+    """State estimate: `mean` (2 r + 2,) of coordinates, rates, force, its rate; and their covariance."""
 
     mean: Array
     covariance: Array
@@ -149,7 +149,7 @@ class Twin:
         self.estimate = Estimate(ahead, spread)
 
     def correct(self, strains: Array) -> None:
-        """Extended Kalman filter: what the gauges read beside what they should read by the coordinates."""
+        """Extended Kalman filter: compares measured strains with those computed from the coordinates."""
         r, gamma = self.body.r, self.estimate.mean[: self.body.r]
         small = 1e-3 * np.eye(r)  # strains are quadratic in the coordinates: central differences are exact
         by_gamma = (self._read(gamma + small) - self._read(gamma - small)) / 2e-3

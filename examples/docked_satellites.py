@@ -68,7 +68,7 @@ class Bulk:
         return self.on_bus[place]
 
     def element(self, name: str, words: str) -> None:
-        """An element by all that stands behind its number."""
+        """An element with all properties that its number refers to."""
         self.elements.append(f"{name},{{}},{words}")
 
     def text(self) -> str:

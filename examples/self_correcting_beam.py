@@ -59,7 +59,7 @@ def spun_up(body) -> System:
 
 
 def solve() -> SelfCorrected:
-    """The reduced beam that meets the error asked for."""
+    """The reduced beam whose estimated error is below the allowed error."""
     return self_correct(
         spun_up(FullBody(beam, MeanAxisFrame())),
         RUN,

@@ -150,7 +150,7 @@ class Blade:
         return nodes[np.argsort(self.mesh.nodes[nodes, 2])]
 
     def steady_load(self, body: FlexibleBody, case: BladeCase) -> Array:
-        """What the blade carries on average, (n_nodal,): mean wind load; and its centrifugal load, beside.
+        """Mean loads of the blade, (n_nodal,): the mean wind load and, separately, the centrifugal load.
 
         Returns
         -------

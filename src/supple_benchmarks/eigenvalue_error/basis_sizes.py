@@ -32,7 +32,7 @@ from supple.reduction.bases.interface_columns import motion_rows, require_interf
 
 @dataclass(frozen=True)
 class BasisSize:
-    """The smallest basis of a kind that meets a tolerance.
+    """The smallest basis of a kind with an error within a tolerance.
 
     basis : its name
     interfaces : "free", "held" or "loaded": whose eigenvalues are compared, see `basis_sizes`

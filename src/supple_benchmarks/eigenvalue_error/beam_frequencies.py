@@ -1,4 +1,4 @@
-"""Frequencies of the free cylinder by solid elements beside those of beam theory."""
+"""Frequencies of the free cylinder by solid elements compared with those of beam theory."""
 
 from __future__ import annotations
 

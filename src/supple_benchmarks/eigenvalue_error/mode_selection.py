@@ -25,13 +25,13 @@ from supple.reduction.bases.interface_columns import motion_rows, require_interf
 from supple.reduction.bases.mode_selection import best_first
 from supple.viz import plot_error_over_parameter
 
-# Part of a vibration's kinetic energy, as far as it shows at the interfaces, below which it does not.
+# A vibration with a smaller fraction of its kinetic energy at the interfaces counts as not visible there.
 VISIBLE = 1e-6
 
 
 @dataclass(frozen=True)
 class SelectionQuality:
-    """How well a Craig-Bampton body with some of its modes stands for the full one at its interfaces.
+    """Accuracy at the interfaces of a Craig-Bampton body with some of its modes, compared with the full body.
 
     selection : name of the rule
     size : modes and residual modes kept, besides the constraint modes

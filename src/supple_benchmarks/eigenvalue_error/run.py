@@ -57,7 +57,7 @@ class ToleranceResult:
     """One body at one tolerance.
 
     modes : kept, by the sharper bound and the proof
-    estimated_modes : {estimator: modes} that each asks for, unproven; "exact" what exact errors need
+    estimated_modes : {estimator: modes required}, not verified; "exact" is the number by exact errors
     exact, proven : (N,)            exact errors, and the bounds proven for them
     estimates : {estimator: (N,)}   at `modes`
     counts : inertia counts made, each proving its eigenvalues by itself; counted: whether all did

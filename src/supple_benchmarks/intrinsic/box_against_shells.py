@@ -1,4 +1,4 @@
-"""Large vibrations of the box beam on stations beside those of all its shells, as in table 2 of [Wang2015].
+"""Large vibrations of the box beam on stations, against its full shell model: table 2 of [Wang2015].
 
 Both start with the velocity of the same modes. The shells move in one floating frame at the clamp, undamped
 but for a spectral radius of 0.9; their walls are free to warp and to buckle, as the paper's were not.

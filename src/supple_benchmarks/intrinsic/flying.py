@@ -37,7 +37,7 @@ def _load(time: Any) -> Any:
 
 
 def flying_u(quick: bool) -> dict[str, Any]:
-    """Error of the centre of mass by the number of stations; truncated beside residual modes; snapshots.
+    """Error of the centre of mass by the number of stations; truncated and residual modes; snapshots.
 
     Besides: stiffness and eigenvalues beside those of the solid and of beam elements.
     """
@@ -97,7 +97,7 @@ def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
     times, (rotations, places) = flight
     masses = body.line.station_masses
     assert masses is not None
-    # Stations carry their mass beside them: M = [[m, -m c~], [m c~, ..]].
+    # The mass of a station is offset from it: M = [[m, -m c~], [m c~, ..]].
     offsets = np.stack([masses[:, 2, 4], masses[:, 0, 5], masses[:, 1, 3]], axis=1) * [-1, -1, -1]
     weighted = masses[:, 0, 0] @ places + np.einsum("tnij,nj->ti", rotations, offsets)
     centre = weighted / body.mass

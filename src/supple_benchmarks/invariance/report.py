@@ -14,7 +14,7 @@ __all__ = ["tables"]
 _TITLES = {
     "locking": "At rest on a basis of fixed size, against the full body in the same frame",
     "tie": "A box whose rigid root turns",
-    "damping": "A damped box in two frames, apart over its deflection",
+    "damping": "A damped box in two frames: difference relative to its deflection",
     "curvature": "A clamped strip against the elastica, frame on the root",
     "turned_element": "The same strip in frames turned against its root",
     "split": "A clamped strip against the elastica, split into k bodies",

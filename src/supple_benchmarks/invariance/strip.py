@@ -125,7 +125,7 @@ class HeldStrip:
         return self._resting(load, np.zeros((self.mesh.n_nodes, 6)), steps)
 
     def seen_from(self, turn: ArrayLike, load: Array, motion: Array) -> Array:
-        """The same rest in a frame against which all stands turned, back in the axes of the root."""
+        """The same equilibrium in a frame rotated against all bodies, expressed in the axes of the root."""
         around = Rotation.from_rotvec(turn)
         turned_load = around.apply(load.reshape(-1, 3)).reshape(-1, 6)
         found = self._resting(turned_load, turned_rigidly(self.mesh, motion, around), 1)

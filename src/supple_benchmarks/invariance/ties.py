@@ -23,7 +23,7 @@ DEFLECTION = 0.09
 
 
 def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:
-    """Energy of the unloaded box, its root turned, all else free; and how far the frames are apart loaded.
+    """Energy of the unloaded box with rotated root; difference between the frames under load.
 
     `mean_axis_against_nodal_fixed` is the difference of the tips over the deflection, of the same box.
     """

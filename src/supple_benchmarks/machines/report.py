@@ -56,7 +56,7 @@ def report(study: Study) -> dict[str, Any]:
         "unreduced": _kept(reference) | _cost(reference) | {"largest": _largest(reference.point)},
         "compared_until": study.compared_until,
         "chaos": {
-            "criterion": f"node A of two runs of one body further apart than {APART * machine.size:g} m",
+            "criterion": f"node A of two runs of one body with a distance above {APART * machine.size:g} m",
             "takes_over_at": min((s.time for s in study.separations if s.time is not None), default=None),
             "separations": [_separation(each) for each in study.separations],
         },
@@ -222,5 +222,5 @@ def tables(study: Study) -> list[Table]:
     ]
     return [
         (title, heads, rows),
-        ("Two runs of one body part by 1 % of its length", ["one", "other", "at, s"], apart),
+        ("Time at which two runs of one body differ by 1 % of its length", ["one", "other", "at, s"], apart),
     ]

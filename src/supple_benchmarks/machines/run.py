@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 class Variant(Enum):
-    """What stands for the flexible body, in words."""
+    """Description of the model of the flexible body."""
 
     UNREDUCED = "unreduced"
     EXACT_MODES = "exact modes"

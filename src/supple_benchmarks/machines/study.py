@@ -49,12 +49,12 @@ ADAPTIVE = AdaptiveStep(first=1e-6, largest=1e-2, tolerance=1e-6)
 NEWTON = Tolerances(residual=1e-12)
 """Far below what bodies differ by: with 1e-8 the whole bases stop at 7e-9 m, whatever their size."""
 APART = 0.01
-"""Two runs are apart when node A differs by this part of the machine's size."""
+"""Two runs have diverged when node A differs by this fraction of the machine's size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Separation:
-    """How two runs of one body with other steps part: distance of node A over time, and when they are apart.
+    """Divergence of two runs with different steps: distance of node A over time, and time of divergence.
 
     coarse, fine : the steps, in words     time : s, from which on the distance is above 1 % of the machine's
         size, or None     statistics : of both
@@ -203,7 +203,7 @@ class _Runner:
         return digest.hexdigest()[:8]
 
     def separation(self, run: MachineRun, coarse: StepControl, fine: StepControl) -> Separation:
-        """How the run's body moves with two kinds of steps, and when the two motions are apart."""
+        """Motion of the run's body with two kinds of steps, and the time at which the two motions diverge."""
         label = _words(run.variant, run.tolerance)
         solutions = [
             run.solution

@@ -1,4 +1,4 @@
-"""The rotating beam's numbers: the JSON report, the tables beside the paper's."""
+"""The rotating beam's numbers: the JSON report, the tables with the paper's values."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PUBLISHED_RMS = {"nodal-fixed": 1.5e-4, "mean-axis": 2e-5}
 
 
 def _frame_of_record(run: BeamRun, omega: float) -> FullRun:
-    """The full run that stands for the motion: nodal-fixed, as in the literature, Green-Lagrange."""
+    """The full run used as reference: nodal-fixed, as in the literature, Green-Lagrange."""
     candidates = [full for full in run.full if full.omega == omega]
     return max(
         candidates, key=lambda full: (full.kinematics == "green-lagrange", full.frame == "nodal-fixed")

@@ -1,4 +1,4 @@
-"""The motion of the tip seen from the root, and how far two of them are apart over a whole run."""
+"""The motion of the tip relative to the root, and the largest difference of two such motions."""
 
 from __future__ import annotations
 

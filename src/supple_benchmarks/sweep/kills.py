@@ -79,7 +79,7 @@ def killed_sweep(case: Path, table: CaseTable, folder: Path, certified: Path) ->
 
 
 def _sweep_file(case: Path, table: CaseTable, folder: Path) -> Path:
-    """The file of the sweep of a table, beside that."""
+    """The sweep file of a table, in the same folder."""
     folder.mkdir(parents=True)
     rows = [",".join(table.columns), *(_line(table.row(number).values()) for number in range(len(table)))]
     (folder / "cases.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")

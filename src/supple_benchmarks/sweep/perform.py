@@ -15,7 +15,7 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark, its report in the folder unless a file is named; details beside, `details.json`."""
+    """Run the benchmark; write its report to the folder or a named file, and details to `details.json`."""
     details: dict[str, Any] = {}
 
     def contract(started: StudyBar) -> Iterator[dict[str, Any]]:

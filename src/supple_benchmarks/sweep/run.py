@@ -52,7 +52,7 @@ CONTRACT = (
     "allowed",
     "run_again",
 )
-"""Keys of the report; what is measured besides is among its details."""
+"""Keys of the report; further measurements are in its details."""
 QUICK_CASES = 64
 _EXPONENT = 4.0
 _OUTPUT = {"keep": [0], "fatigue": {"exponents": [_EXPONENT]}, "cases_per_share": 16}
