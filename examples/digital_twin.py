@@ -78,7 +78,7 @@ def turning(body: FullBody | ReducedBody, force) -> sp.System:
 
 
 def gust(times) -> Array:
-    """The force that the twin does not know, N: a gust in a wind that changes."""
+    """The force unknown to the twin, N: a gust in varying wind."""
     rise = np.clip((np.asarray(times) - 1.5) / 1.0, 0.0, 1.0)
     return 12.0 * np.sin(np.pi * rise) ** 2 + 6.0 * np.sin(2 * np.pi * 0.4 * np.asarray(times))
 
@@ -122,7 +122,7 @@ class Twin:
         self.estimate = Estimate(np.zeros(n), np.diag(np.r_[np.full(2 * r, 1e-8), 1.0, 100.0]))
 
     def _marched(self, mean, now, until):
-        """The mean at the next sample, twice: its derivatives are asked for as well; and the blade there."""
+        """The mean at the next sample, twice (value and output of the derivative); and the blade."""
         r = self.body.r
         force = mean[-2] + 0.5 * STEP * mean[-1]  # its mean over the step
         given = now._replace(input=jnp.stack([0.0, 0.0, force]), state=self._with(mean, now.state))
@@ -142,7 +142,7 @@ class Twin:
         )
 
     def predict(self, until: float) -> None:
-        """March to the next sample; the covariance goes along the derivatives of the march."""
+        """March to the next sample; the covariance is propagated by the derivatives of the march."""
         transition, (ahead, self.now) = jax.device_get(self._ahead(self.estimate.mean, self.now, until))
         assert not self.now.state.failed
         spread = transition @ self.estimate.covariance @ transition.T + STEP * self._drift
@@ -177,7 +177,7 @@ class Twin:
 
 
 def main(picture: Path = Path("digital_twin.png")) -> float:
-    """Largest error of the tip, of its largest deflection."""
+    """Largest error of the tip relative to its largest deflection."""
     times, strains, tip = measured()
     body = sp.reduce(blade(), FRAME, CraigBampton(n_modes=2), derivatives=sp.NoDerivatives())
     twin = Twin(body, NOISE * abs(strains).max(axis=0))

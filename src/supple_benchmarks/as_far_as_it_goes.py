@@ -1,4 +1,4 @@
-"""Simulate although the model may break down: a basis without the derivatives it needs does, as a result."""
+"""Simulate a model that may fail to converge, such as a basis without the necessary derivatives."""
 
 from __future__ import annotations
 

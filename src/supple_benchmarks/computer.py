@@ -1,4 +1,4 @@
-"""What a measurement ran on."""
+"""The computer of a measurement."""
 
 from __future__ import annotations
 

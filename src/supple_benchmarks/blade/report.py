@@ -1,4 +1,4 @@
-"""The blade's numbers: the JSON report, and tables with those of [Wu2019] Table 3 beside ours."""
+"""The blade's numbers: the JSON report, and tables with those of [Wu2019] Table 3."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PUBLISHED = {
 
 
 def report(run: BladeRun) -> dict[str, Any]:
-    """Everything measured, ready for JSON; its first six keys are a contract."""
+    """All measurements, ready for JSON; the first six keys must not change."""
     mesh, body = run.benchmark.blade.mesh, run.body
     along_x = body.rigid_modes[:, 0]
     return {

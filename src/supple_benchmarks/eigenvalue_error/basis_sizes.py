@@ -117,7 +117,7 @@ def _lowest(body: FlexibleBody, constraint: np.ndarray, n_modes: int) -> RitzMod
 
 
 class _Family(NamedTuple):
-    """A kind of basis: its model for each number of modes, and the coordinates that join those."""
+    """A kind of basis: its model for each number of modes, and the number of added coordinates."""
 
     name: str
     model: Callable[[int], ComponentModel]

@@ -31,7 +31,7 @@ class BeamFrequency:
 
     @property
     def stiffness_error(self) -> float:
-        """How much too stiff, as a share of the frequency."""
+        """Excess of the frequency, relative to the beam's."""
         return self.computed / self.theory - 1.0
 
 

@@ -125,7 +125,7 @@ class _InterfaceModes(NamedTuple):
         return (self.motion * weights[:, None, :]) @ self.motion.T
 
     def visible(self) -> np.ndarray:
-        """Eigenvalues of the elastic vibrations that show at the interfaces, ascending."""
+        """Eigenvalues of the elastic vibrations visible at the interfaces, ascending."""
         elastic = slice(6, None)
         return self.values[elastic][np.sum(self.motion[:, elastic] ** 2, axis=0) > VISIBLE]
 
@@ -158,7 +158,7 @@ def _interface_modes(model: RitzComponent, component: FixedInterfaceComponent) -
 
 
 def _visible_values(body: FlexibleBody, component: FixedInterfaceComponent, n_values: int) -> np.ndarray:
-    """Exact eigenvalues of the free body whose vibrations show at the interfaces."""
+    """Exact eigenvalues of the vibrations of the free body that are visible at the interfaces."""
     free = GrowingModes(body.constrained(MeanAxisFrame().constraint(body)), body.mass)
     triangle, B = np.linalg.cholesky(component.interface_mass).T, motion_rows(body.interfaces)
     n_modes = min(2 * n_values, free.available)

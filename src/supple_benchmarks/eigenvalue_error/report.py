@@ -31,7 +31,7 @@ def report(
     beams: Sequence[BeamFrequency],
     selections: Sequence[SelectionStudy] = (),
 ) -> dict[str, Any]:
-    """Everything measured, ready for JSON; `bodies` and the keys within are a contract.
+    """All measurements, ready for JSON; `bodies` and the keys within must not change.
 
     The entry of the first body stands at the top as well, for readers that expect one body a file.
     """

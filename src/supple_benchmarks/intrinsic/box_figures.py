@@ -64,7 +64,7 @@ def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_vibration(report: Mapping[str, Any], path: Path) -> Path:
-    """The tip above, and below it the amplitudes of the modes that reach highest."""
+    """The tip above, and below it the largest modal amplitudes."""
     figure = new_figure(4.6)
     upper, lower = figure.subplots(2, 1, sharex=True)
     times, tip = np.array(report["tip"]["t"]), np.array(report["tip"]["u"])

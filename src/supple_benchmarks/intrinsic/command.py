@@ -23,7 +23,7 @@ def intrinsic(
     ),
     debug: Debug = False,
 ) -> None:
-    """Slender bodies at any rotation, against closed forms, [Wang2015] and the other methods."""
+    """Slender bodies at any rotation: beside closed forms, [Wang2015] and the other methods."""
     # Imported here: the solvers take seconds to load, which the help need not wait for.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple_benchmarks.intrinsic.perform import perform

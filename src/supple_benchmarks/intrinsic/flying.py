@@ -1,4 +1,4 @@
-"""A flexible U that flies: its centre of mass, truncated and residual modes, snapshots.
+"""A flexible U in free flight: its centre of mass, truncated and residual modes, snapshots.
 
 The load history of [Wang2015] 5.2 is lost in our text. Chosen: on one tip a dead force of 60 along z
 and 30 along x, a triangle over 4 s, in consistent units.
@@ -87,7 +87,7 @@ def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
 
 
 def _longest_step(body: IntrinsicBody, kept: int | None = None) -> float:
-    """That is stable, undamped, with the lowest modes of some number."""
+    """Longest stable step, without damping, with a given number of lowest modes."""
     omega = body.modes.omega[:kept]
     return largest_stable_step(omega, 0 * omega, 0 * omega)
 
@@ -155,7 +155,7 @@ def _rms(difference: np.ndarray) -> float:
 
 
 def energy_drift(quick: bool) -> float:
-    """Largest relative change of the energy of a U that vibrates and turns without a load, by Runge-Kutta."""
+    """Largest relative change of the energy of an unloaded, vibrating and rotating U, by Runge-Kutta."""
     body = on_stations(solid_u(6), 7, 24)
     rates = np.zeros(body.n_coordinates)
     rates[:4] = 20.0

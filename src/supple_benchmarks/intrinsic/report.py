@@ -11,7 +11,7 @@ __all__ = ["tables"]
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """A table a study."""
+    """One table per study."""
     flying = report["u_beam"]
     numbers = {
         "Phi_1": report["orthonormality"]["phi1"],

@@ -21,7 +21,7 @@ def invariance(
     ),
     debug: Debug = False,
 ) -> None:
-    """Locking, ties, damping, curvature, buckling, vibration, splitting: against independent references."""
+    """Locking, ties, damping, curvature, buckling, vibration and splitting beside independent references."""
     # Imported here: the solvers take seconds to load, which the help need not wait for.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple_benchmarks.invariance.perform import perform

@@ -22,7 +22,7 @@ _TITLES = {
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """A table a study."""
+    """One table per study."""
     found = [_rows(title, report[key]) for key, title in _TITLES.items() if key in report]
     found.append(_rows("Lateral buckling, load over theory", [report["lateral_buckling"]]))
     found.append(_rows("A box that swings, against a geometrically exact beam", [report["box_vibration"]]))

@@ -1,4 +1,4 @@
-"""A body whose rigid root turns against its frame: what the tie stores although nothing strains the body."""
+"""A body whose rigid root rotates relative to its frame: spurious energy of the tie without strain."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def linearly_tied(body: FlexibleBody) -> FlexibleBody:
 
 
 def turned_energy(body: FlexibleBody, turn: np.ndarray) -> float:
-    """Energy (J) of the unloaded body whose first interface is turned by a rotation vector."""
+    """Energy (J) of the unloaded body whose first interface is rotated by a rotation vector."""
     root = body.interfaces[0]
     arms = body.nodes - root.position
     exact = np.zeros((len(body.nodes), body.dofs_per_node))

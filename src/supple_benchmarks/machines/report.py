@@ -38,7 +38,7 @@ SHORT = {
 
 
 def report(study: Study) -> dict[str, Any]:
-    """Everything measured, ready for JSON."""
+    """All measurements, ready for JSON."""
     machine, reference = study.machine, study.reference
     mesh = machine.model.mesh
     exact = study.of(Variant.EXACT_MODES)
@@ -111,7 +111,7 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
 
 
 def errors(study: Study, run: MachineRun, against: MachineRun) -> dict[str, dict[str, float]]:
-    """Largest and RMS distance of every quantity of node A, up to the time chaos takes over.
+    """Largest and RMS distance of every quantity of node A, until the motion becomes chaotic.
 
     Against the unreduced body also that of the deformation as a whole, in the energy norm.
     """

@@ -70,7 +70,7 @@ class Separation:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All that is known so far."""
+    """The results so far."""
 
     machine: FlexibleMachine
     reference: MachineRun
@@ -79,7 +79,7 @@ class Study:
 
     @property
     def compared_until(self) -> float:
-        """The time up to which motions are compared: when chaos takes over, or the end."""
+        """The time up to which motions are compared: the start of chaotic motion, or the end."""
         apart = [each.time for each in self.separations if each.time is not None]
         return min(apart, default=float(self.reference.point.times[-1]))
 
@@ -91,7 +91,7 @@ class Study:
 def run_study(
     machine: FlexibleMachine, folder: Path, announce: Announce, tolerances: tuple[float, ...]
 ) -> Iterator[Study]:
-    """Run the machine in every variant; yields all that is known after each run.
+    """Run the machine in every variant; yields the results so far after each run.
 
     Every motion is kept in `folder`; a study that was cut off goes on from there.
     """
@@ -120,7 +120,7 @@ def run_study(
 def _recipes(
     machine: FlexibleMachine, tolerances: tuple[float, ...]
 ) -> Iterator[tuple[Variant, float | None, LinearBasisRecipe]]:
-    """The bases known beforehand; that of a whole basis is as large as its tolerance turned out to need."""
+    """The bases known beforehand; that of a whole basis has the size required by its tolerance."""
     yield Variant.EXACT_MODES, None, NormalModes(machine.n_modes)
     for tolerance in tolerances:
         modal = ErrorControlled(tolerance, machine.n_modes)
@@ -162,7 +162,7 @@ class _Runner:
         body: FullBody | ReducedBody,
         offline_seconds: float = 0.0,
     ) -> MachineRun:
-        """The machine with its body in a given variant, and all that is compared of the motion."""
+        """The machine with its body in a given variant, and the quantities compared."""
         system = self.machine.system(body)
         solution = self.simulate(system, body, _words(variant, tolerance), FixedStep(self.machine.step))
         shape = deformation(body, solution)
@@ -182,14 +182,14 @@ class _Runner:
     def simulate(
         self, system: System, body: FullBody | ReducedBody, label: str, step: StepControl
     ) -> Solution:
-        """The motion with given steps, from disk where it is there."""
+        """The motion with given steps, read from disk if present."""
         run = Run(self.machine.duration, self.machine.output_step, step=step, tolerances=NEWTON)
         name = self.file_name(f"{label} {_step_words(step)}")
         case = f"{name}, {body.n_coordinates} coordinates, {step}, {NEWTON}"
         return simulate_recorded(system, run, self.folder / name, case=case, progress=self.announce(label))
 
     def file_name(self, label: str) -> str:
-        """Of what belongs to the machine's body as it is: its matrices are part of the name."""
+        """Name of a file for the machine's current body: its matrices determine part of the name."""
         name = f"{self.machine.label}_{self.fingerprint}_{label}"
         return "".join(c if c.isalnum() or c in "-_." else "_" for c in name) + ".h5"
 

@@ -21,7 +21,7 @@ def rotating_beam(
     ),
     debug: Debug = False,
 ) -> None:
-    """Spin up the beam of [Wu2019] section 6.1, full and reduced, and compare with the paper's numbers."""
+    """Spin up the beam of [Wu2019] section 6.1, full and reduced, and set our numbers beside the paper's."""
     # Imported here: the solvers take seconds to load, which the help need not wait for.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple_benchmarks.rotating_beam.perform import perform

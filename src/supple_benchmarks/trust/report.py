@@ -12,7 +12,7 @@ __all__ = ["tables"]
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """Cases, and what they come to."""
+    """Tables of the cases and their totals."""
     heads = (
         *("body", "freedoms", "coordinates", "estimated / true", "sum", "true", "allowed"),
         *PARTS,

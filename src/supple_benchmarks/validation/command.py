@@ -21,7 +21,7 @@ def validation(
     ),
     debug: Debug = False,
 ) -> None:
-    """Machines, beams, rotors and impacts, against closed forms and published numbers."""
+    """Machines, beams, rotors and impacts beside closed forms and published numbers."""
     # Imported here: the solvers take seconds to load, which the help need not wait for.
     from supple.algebra.jax_settings import keep_compiled_programs
     from supple_benchmarks.validation.perform import perform
