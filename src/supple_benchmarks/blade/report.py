@@ -220,7 +220,7 @@ def _error_table(run: BladeRun) -> Table:
                 "-" if missing else f"{numbers['speedup_online']:.0f}",
             ]
         )
-    heads = ["model", "columns", "RMS, m", "of tip", "s", "faster"]
+    heads = ["model", "columns", "RMS, m", "of tip", "s", "speed-up"]
     return "Bases of fixed size: largest RMS error against the full model in the same frame", heads, rows
 
 

@@ -165,5 +165,5 @@ def _beams(beams: Sequence[BeamFrequency]) -> Table:
         ]
         for row in beams
     ]
-    heads = ["element", "cells", "motion", "Hz", "theory, Hz", "off, %"]
+    heads = ["element", "cells", "motion", "Hz", "theory, Hz", "error, %"]
     return ("The free cylinder against beam theory (Timoshenko; torsion of a rod)", heads, rows)

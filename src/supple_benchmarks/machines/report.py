@@ -214,7 +214,7 @@ def tables(study: Study) -> list[Table]:
     rows.append([*full, f"{_cost(study.reference)['us_per_step']:.0f}"])
     title = (
         f"Largest errors until {study.compared_until:.4g} s: of the deformation u in the energy norm, and of "
-        "node A; last row: what they reach"
+        "node A; last row: largest values"
     )
     apart = [
         [each.coarse, each.fine, "never" if each.time is None else f"{each.time:.3f}"]

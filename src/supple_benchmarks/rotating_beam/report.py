@@ -180,7 +180,7 @@ def tables(run: BeamRun) -> list[Table]:
         ),
         (
             "Largest RMS error against the full model in the same frame" + note,
-            ["rad/s", "model", "columns", "RMS, m", "paper", "s", "faster"],
+            ["rad/s", "model", "columns", "RMS, m", "paper", "s", "speed-up"],
             errors,
         ),
     ]

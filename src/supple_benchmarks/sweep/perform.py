@@ -29,7 +29,7 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
 
 def _tables(report: Mapping[str, Any]) -> Iterator[Table]:
     rows = [[name, _cell(value)] for name, value in _flat(report) if name != "machine"]
-    yield "Sweep of a flexible arm", ["what", "value"], rows
+    yield "Sweep of a flexible arm", ["quantity", "value"], rows
 
 
 def _flat(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
