@@ -5,7 +5,7 @@ panels (`PCOMP`), a frame of bars, a tank and a box (`CONM2`) on `RBE2` and `RBE
 hinges, a docking ring (`RBE2`). Both bodies of the machine come from that one deck; their rings are joined.
 
 Expected: no external force acts, so momentum and angular momentum stay zero (1e-6 of the motor's). The mean
-rotation of the first satellite is that of a rigid body with the deck's inertia (0.1 %).
+rotation of the first satellite is that in a machine of two rigid bodies with the deck's inertia (0.1 %).
 Run it: `python examples/docked_satellites.py` writes satellite.bdf and draws docked_satellites.png.
 """
 
