@@ -5,7 +5,7 @@ angle was measured 50 times a second for 6 s, with a noise of 0.02 rad. Unknown 
 of mass from the pivot and the damping of its bearing.
 
 Expected: 0.35 m and 0.06 N m s, the values of the measurement, within three standard deviations, which are
-below 1 % of either; the residuals are the noise. The moment of inertia cannot be identified as well: the
+below 1 % of either; the residuals are the noise. The moment of inertia cannot be identified in addition: the
 motion depends on `m g s / J` and `c / J` only.
 Run it: `python examples/calibrate_pendulum.py` draws measurement and fit to calibrate_pendulum.png.
 """
@@ -32,7 +32,7 @@ ANGLE = JointMotionSensor("angle", "pivot")
 
 
 def pendulum(parameters: Mapping[str, float]) -> sp.System:
-    """The rod on its pivot, level, for a place of its centre and a damping of the bearing."""
+    """The horizontal rod on its pivot, for a given position of its centre and damping of the bearing."""
     centre = parameters["centre"]
     about_centre = INERTIA - MASS * centre**2
     inertia = np.diag([0.01, about_centre, about_centre])
@@ -45,7 +45,7 @@ def pendulum(parameters: Mapping[str, float]) -> sp.System:
 
 
 def measurement() -> tuple[np.ndarray, np.ndarray]:
-    """Times and angles, as an instrument with noise would give them."""
+    """Simulated measurement: times and angles with noise."""
     system = pendulum(TRUE)
     solution = sp.simulate(system, RUN)
     angle = ANGLE.values(system, solution)[:, 0]

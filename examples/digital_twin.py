@@ -78,7 +78,7 @@ def turning(body: FullBody | ReducedBody, force) -> sp.System:
 
 
 def gust(times) -> Array:
-    """The force that the twin does not know, N: a gust in a wind that changes."""
+    """The force unknown to the twin, N: a gust in varying wind."""
     rise = np.clip((np.asarray(times) - 1.5) / 1.0, 0.0, 1.0)
     return 12.0 * np.sin(np.pi * rise) ** 2 + 6.0 * np.sin(2 * np.pi * 0.4 * np.asarray(times))
 
@@ -98,7 +98,7 @@ def measured() -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class Estimate:
-    """What the twin knows: `mean` (2 r + 2,) of coordinates, rates, force, its rate; and their covariance."""
+    """State estimate: `mean` (2 r + 2,) of coordinates, rates, force, its rate; and their covariance."""
 
     mean: Array
     covariance: Array
@@ -122,7 +122,7 @@ class Twin:
         self.estimate = Estimate(np.zeros(n), np.diag(np.r_[np.full(2 * r, 1e-8), 1.0, 100.0]))
 
     def _marched(self, mean, now, until):
-        """The mean at the next sample, twice: its derivatives are asked for as well; and the blade there."""
+        """The mean at the next sample, twice (value and output of the derivative); and the blade."""
         r = self.body.r
         force = mean[-2] + 0.5 * STEP * mean[-1]  # its mean over the step
         given = now._replace(input=jnp.stack([0.0, 0.0, force]), state=self._with(mean, now.state))
@@ -142,14 +142,14 @@ class Twin:
         )
 
     def predict(self, until: float) -> None:
-        """March to the next sample; the covariance goes along the derivatives of the march."""
+        """March to the next sample; the covariance is propagated by the derivatives of the march."""
         transition, (ahead, self.now) = jax.device_get(self._ahead(self.estimate.mean, self.now, until))
         assert not self.now.state.failed
         spread = transition @ self.estimate.covariance @ transition.T + STEP * self._drift
         self.estimate = Estimate(ahead, spread)
 
     def correct(self, strains: Array) -> None:
-        """Extended Kalman filter: what the gauges read beside what they should read by the coordinates."""
+        """Extended Kalman filter: compares measured strains with those computed from the coordinates."""
         r, gamma = self.body.r, self.estimate.mean[: self.body.r]
         small = 1e-3 * np.eye(r)  # strains are quadratic in the coordinates: central differences are exact
         by_gamma = (self._read(gamma + small) - self._read(gamma - small)) / 2e-3
@@ -177,7 +177,7 @@ class Twin:
 
 
 def main(picture: Path = Path("digital_twin.png")) -> float:
-    """Largest error of the tip, of its largest deflection."""
+    """Largest error of the tip relative to its largest deflection."""
     times, strains, tip = measured()
     body = sp.reduce(blade(), FRAME, CraigBampton(n_modes=2), derivatives=sp.NoDerivatives())
     twin = Twin(body, NOISE * abs(strains).max(axis=0))

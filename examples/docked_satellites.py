@@ -5,7 +5,7 @@ panels (`PCOMP`), a frame of bars, a tank and a box (`CONM2`) on `RBE2` and `RBE
 hinges, a docking ring (`RBE2`). Both bodies of the machine come from that one deck; their rings are joined.
 
 Expected: no external force acts, so momentum and angular momentum stay zero (1e-6 of the motor's). The mean
-rotation of the first satellite is that of one of two rigid bodies with the deck's inertia (0.1 %).
+rotation of the first satellite is that in a machine of two rigid bodies with the deck's inertia (0.1 %).
 Run it: `python examples/docked_satellites.py` writes satellite.bdf and draws docked_satellites.png.
 """
 
@@ -48,7 +48,7 @@ TURN, CALM, TIME = 0.3, 20.0, 40.0
 
 
 class Bulk:
-    """Cards of a deck in the making; elements are numbered at the end."""
+    """Cards of a deck under construction; elements are numbered at the end."""
 
     def __init__(self) -> None:
         self.cards: list[str] = []
@@ -61,14 +61,14 @@ class Bulk:
         return number
 
     def of_bus(self, *place: int) -> int:
-        """The grid of the bus in a row of each direction."""
+        """The grid of the bus with given row numbers in the three directions."""
         if place not in self.on_bus:
             number = len(self.on_bus) + 1
             self.on_bus[place] = self.grid(number, SIZE * (np.array(place) / CELLS - [0.5, 0.5, 0.0]))
         return self.on_bus[place]
 
     def element(self, name: str, words: str) -> None:
-        """An element by all that stands behind its number."""
+        """An element with all properties that its number refers to."""
         self.elements.append(f"{name},{{}},{words}")
 
     def text(self) -> str:
@@ -118,7 +118,7 @@ def _edges(bulk: Bulk, along: int) -> None:
 
 
 def _wing(bulk: Bulk) -> None:
-    """The wing on two hinges: each a short arm from the bus, and a spring where the wing begins."""
+    """The wing on two hinges: each a short arm from the bus, and a spring at the root of the wing."""
     length, width, along, across = WING
     root = np.array([SIZE[0] / 2 + 0.1, 0.0, SIZE[2] / 2])
     sheet = 6001 + np.arange((along + 1) * (across + 1)).reshape(along + 1, across + 1)
@@ -135,7 +135,7 @@ def _wing(bulk: Bulk) -> None:
 
 
 def _list(nodes: list[int], written: int) -> str:
-    """Grids of a card that has so many fields already, eight fields a line."""
+    """Grids of a card after a given number of fields, eight fields per line."""
     words = [str(node) for node in nodes]
     room = 8 - written
     lines = [words[:room]] + [words[i : i + 8] for i in range(room, len(words), 8)]
@@ -143,7 +143,7 @@ def _list(nodes: list[int], written: int) -> str:
 
 
 def machine(deck: Deck, *, rigid: bool) -> sp.System:
-    """Two of the deck's bodies ring to ring, the second turned about the ring's axis by a quarter."""
+    """Two bodies of the deck, ring to ring, the second rotated about the ring's axis by a quarter turn."""
     flexible = deck_body("first", deck, [sp.RigidInterface("ring", RING_TIE)]).linearized()
     interface = flexible.interface("ring")
     has = rigid_mass_properties(flexible.nodal_mass, flexible.nodes, flexible.dofs_per_node)
@@ -176,7 +176,7 @@ def machine(deck: Deck, *, rigid: bool) -> sp.System:
 
 
 def main(picture: Path = Path("docked_satellites.png")) -> float:
-    """The angle by which the first satellite has turned, rad."""
+    """Rotation angle of the first satellite, rad."""
     file = picture.with_name("satellite.bdf")
     file.write_text(bulk_data())
     deck = read_deck(file)

@@ -3,7 +3,7 @@
 The program writes a file of CQUAD4 shells, as another program would, and reads it. Properties and the
 clamped nodes (SPC1) are those of the file.
 
-Expected, for a narrow plate as for a beam: the free edge deflects by `rho g A L^4 / (8 E I)`, and the lowest
+Expected for a narrow plate, by beam theory: the free edge deflects by `rho g A L^4 / (8 E I)`, and the lowest
 frequency is `3.516 sqrt(E I / (rho A L^4)) / (2 pi)`, both within 1.5 %.
 Run it: `python examples/nastran_plate.py` draws the plate in its equilibrium to nastran_plate.png.
 """

@@ -45,7 +45,7 @@ def at_rest(pairs: list[tuple[float, float]]) -> float:
 
 
 def tip_deflection(table: SectionTable, gravity: np.ndarray, steps: int = 2000) -> np.ndarray:
-    """By hand: the weight beyond each section, its strains, and what they move the tip by."""
+    """Tip deflection by hand: the weight beyond each section gives strains, which are integrated."""
     s = (np.arange(steps) + 0.5) * table.lengths[-1] / steps
     ds = table.lengths[-1] / steps
     places, axes, stiffness, inertia = table.at(s)
@@ -66,14 +66,14 @@ def tip_deflection(table: SectionTable, gravity: np.ndarray, steps: int = 2000) 
 
 
 def bent(blade: IntrinsicBody, gravity: np.ndarray) -> np.ndarray:
-    """Places of the stations of the blade at rest (n, 3), m."""
+    """Positions of the stations of the blade in equilibrium (n, 3), m."""
     root = m.Fixed(first="ground", second="blade.root", name="root")
     rest = sp.equilibrium(sp.System([blade], [root], gravity=gravity)).solution.bodies["blade"]
     return blade.places(rest)[1][0]
 
 
 def main(picture: Path = Path("reference_blade.png")) -> None:
-    """Compare the blade with what is published of it, and draw it bent."""
+    """Compare the blade with published numbers, and draw it bent."""
     table = read_section_table(TABLE)
     blade = intrinsic_body(section_line("blade", table, 41), CLAMPED)
     print(

@@ -1,8 +1,8 @@
 """A slider-crank with a flexible connecting rod: how many modes does its stress need?
 
 A crank of 30 mm, driven by a torque that rises to 1 Nm in 0.1 s, moves a slider of 0.5 kg through an
-aluminium rod of 140 mm. The rod is reduced until its ten lowest free eigenvalues are within 1 %, proven; the
-program finds that this takes 19 fixed-interface modes, 25 coordinates with the constraint modes. The same
+aluminium rod of 140 mm. The rod is reduced until its ten lowest free eigenvalues are within 1 %, which is
+verified; this requires 19 fixed-interface modes, 25 coordinates with the constraint modes. The same
 number of coordinates is then used in three ways: this whole basis; the 25 lowest vibrations; 13 vibrations
 with 12 attachment modes, the static responses to forces at the bores.
 
@@ -63,7 +63,7 @@ def stress(rod: ReducedBody, solution: Solution) -> np.ndarray:
 
 
 def slider_error(solution: Solution) -> float:
-    """Largest distance of the slider from where a rigid rod would put it, m."""
+    """Largest distance of the slider from its position with a rigid rod, m."""
     axes = solution.bodies["crank"].rotation
     angle = np.arctan2(axes[:, 1, 0], axes[:, 0, 0])
     return float(np.abs(solution.bodies["slider"].position[:, 0] - slider_position(angle)).max())
@@ -73,7 +73,7 @@ if __name__ == "__main__":
     certificate = reduced(ErrorControlled(0.01, n_modes=10)).report.certificate
     print(certificate)
     whole = reduced(CraigBampton(n_modes=certificate.n_fixed_interface_modes))
-    # As many coordinates in each, and so one compiled program for all.
+    # Equal numbers of coordinates, so that one compiled program serves all.
     n = whole.n_coordinates
     bodies = {
         "vibrations alone": reduced(ErrorControlled(0.01, n_modes=n)),

@@ -1,4 +1,4 @@
-"""Simulate although the model may break down: a basis without the derivatives it needs does, as a result."""
+"""Simulate a model that may fail to converge, such as a basis without the necessary derivatives."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from supple_benchmarks.progress import Progress
 
 
 def as_far_as_it_goes(system: System, run: Run, *, progress: Progress) -> tuple[Solution, float | None]:
-    """The motion, and the time at which it broke off, or None."""
+    """The motion, and the time of an early end, or None."""
     solution = simulate(system, run, progress=progress, check=False)
     progress(1.0)
     return solution, None if solution.stopped is None else float(solution.times[-1])

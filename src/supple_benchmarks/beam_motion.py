@@ -45,7 +45,7 @@ class BeamMotion:
         return self.configuration[:, 0, 2]
 
     def displacement_in_root_frame(self) -> Array:
-        """Axial and transverse displacement (t, N, 2) of the nodes, seen in axes that turn with the root.
+        """Axial and transverse displacement (t, N, 2) of the nodes, in axes that rotate with the root.
 
         u + i v = (r - r_root) exp(-i theta_root) - s, as in [Wu2019] (51): along the root's axis, and normal
         to it in the direction in which a positive rotation moves the beam.
@@ -90,7 +90,7 @@ def spin_up_beam(
     rho_inf: float = 0.8,
     tolerance: float = 1e-9,
 ) -> BeamMotion:
-    """Turn the beam's root by a prescribed angle about a fixed point and follow the beam.
+    """Motion of the beam whose root rotates by a prescribed angle about a fixed point.
 
     The root section is clamped to a hub at the origin that turns by theta(t); the rest starts straight and in
     rigid rotation with it. No floating frame appears: an independent reference for the methods that use one.
@@ -127,7 +127,7 @@ def fly_beam(
     rho_inf: float = 0.8,
     tolerance: float = 1e-9,
 ) -> BeamMotion:
-    """Let go of the beam in a given configuration and velocity, each (N, 3), and follow its free flight.
+    """Free flight of the beam from a given configuration and velocity, each (N, 3).
 
     Energy and momentum are then conserved, which is how the integration is tested. Options and errors as for
     spin_up_beam; ModelError also where the start is not of shape (N, 3).

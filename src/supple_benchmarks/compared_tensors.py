@@ -1,4 +1,4 @@
-"""Reductions that a benchmark compares: by the tensors of today, or by those of published work."""
+"""Reductions for comparison: with the default tensors, or with those of published work."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def reduce_to_compare(
     tensors: str,
     damping: RayleighDamping | None = None,
 ) -> ReducedBody:
-    """Reduce with tensors named in TENSORS; how far they lock is what is compared, so that nothing warns."""
+    """Reduce with tensors named in TENSORS; their locking is compared, so that warnings are suppressed."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LockingWarning)
         quartic = TENSORS[tensors]

@@ -1,4 +1,4 @@
-"""What a measurement ran on."""
+"""The computer of a measurement."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _PACKAGES = ("supple", "numpy", "scipy", "jax", "jaxlib", "rslab")
 
 
 def describe_computer() -> dict[str, Any]:
-    """Processor, cores, thread limits, versions and date, to stand beside every number."""
+    """Processor, cores, thread limits, versions and date, stored with every result."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),

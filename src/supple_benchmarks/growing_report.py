@@ -24,7 +24,7 @@ def keep_report(
     tables: Callable[[Any], Iterable[Table]],
     draw: Callable[[Any], Sequence[Path]] = lambda _: [],
 ) -> Report:
-    """Write each report that the studies give, longer every time, so that a stop loses one study at most.
+    """Write the report after each study, so that an interruption loses one study at most.
 
     target : of the report;   tables, draw : of the last one, which is whole and returned
     """

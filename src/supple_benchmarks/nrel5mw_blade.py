@@ -1,4 +1,4 @@
-"""The 61.5 m blade of [Wu2019] section 6.2, as we define it in the open: body, wind loads, machine.
+"""The 61.5 m blade of [Wu2019] section 6.2, with a public definition: body, wind loads, machine.
 
 Wu2019 fixes the size of the mesh, the damping, the step and the tolerance; its thickness, material and wind
 stand in a figure that cannot be read. Here the blade is the NREL 5 MW one of a constant thickness that meets
@@ -105,7 +105,7 @@ _MEAN_OVER = 100.0
 
 @dataclass(frozen=True)
 class BladeCase:
-    """A rotor speed, rad/s. The loads are the same in both cases, whatever the speed of the structure.
+    """A rotor speed, rad/s. The loads are the same in both cases, for any speed of the structure.
 
     At 8 rad/s the tip would fly at Mach 1.5, where no blade-element theory holds: that case tests stiffening.
     """
@@ -150,7 +150,7 @@ class Blade:
         return nodes[np.argsort(self.mesh.nodes[nodes, 2])]
 
     def steady_load(self, body: FlexibleBody, case: BladeCase) -> Array:
-        """What the blade carries on average, (n_nodal,): mean wind load; and its centrifugal load, beside.
+        """Mean loads of the blade, (n_nodal,): the mean wind load and, separately, the centrifugal load.
 
         Returns
         -------
@@ -166,7 +166,7 @@ class Blade:
         return np.column_stack([wind.ravel(), centrifugal])
 
     def loads(self, case: BladeCase, duration: float, *, seed: int | None = None) -> NodalForces:
-        """Loads on the leading edge, N, in the root's axes; a seed draws other phases of the turbulence.
+        """Loads on the leading edge, N, in the root's axes; the seed determines the phases of the turbulence.
 
         Longitudinal Kaimal turbulence as 50 harmonics of 0.01 Hz, sigma = 1.2 m/s, L = 340.2 m.
         """
@@ -210,7 +210,7 @@ def blade_damping(frequencies: Array) -> RayleighDamping:
 
 @dataclass(frozen=True)
 class TipMotion:
-    """Mean displacement of the tip section seen from axes that turn with the root: m, (t,) each."""
+    """Mean displacement of the tip section in axes that rotate with the root: m, (t,) each."""
 
     times: Array
     flap: Array
@@ -219,12 +219,12 @@ class TipMotion:
 
     @property
     def amplitude(self) -> float:
-        """Largest distance of the tip from its place on the undeformed blade."""
+        """Largest distance of the tip from its position on the undeformed blade."""
         return float(np.sqrt(self.flap**2 + self.edge**2 + self.span**2).max())
 
 
 def tip_motion(blade: Blade, case: BladeCase, body: FullBody | ReducedBody, solution: Solution) -> TipMotion:
-    """How the tip moves against the root."""
+    """Motion of the tip relative to the root."""
     tip = blade.mesh.nodes_of("tip")
     positions = node_positions(body, solution.bodies[BODY], tip).mean(axis=1)
     rest = body.nodes[tip].mean(axis=0) + np.array([0.0, 0.0, HUB_RADIUS])

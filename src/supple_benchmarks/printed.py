@@ -1,4 +1,4 @@
-"""What every benchmark prints in the end: its tables, and where its files lie."""
+"""Final output of every benchmark: its tables, and the paths of its files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a benchmark tells how far it has come."""
+"""Progress messages of benchmarks."""
 
 from __future__ import annotations
 

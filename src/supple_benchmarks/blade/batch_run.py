@@ -24,7 +24,7 @@ LARGEST_DIFFERENCE = 1e-10
 
 @dataclass(frozen=True)
 class BatchRun:
-    """What a batch cost.
+    """Cost of a batch.
 
     seconds : after compilation; single_seconds : of one case alone
     difference : largest difference of the coordinates between a case in the batch and alone, over the largest
@@ -55,7 +55,7 @@ def run_batch(
     duration: float,
     progress: Progress,
 ) -> BatchRun:
-    """Simulate one case per seed through one compiled call, and some of them alone to compare.
+    """Simulate one case per seed through one compiled call, and some of them separately for comparison.
 
     Raises
     ------

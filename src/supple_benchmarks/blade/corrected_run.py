@@ -1,4 +1,4 @@
-"""Self-correction on the blade, from 5 modes and 5 derivatives to an error, and what the full run says."""
+"""Self-correction of the blade, from 5 modes and 5 derivatives to an allowed error, against the full run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["CorrectedRun", "correct_blade"]
 
 @dataclass(frozen=True, eq=False)
 class CorrectedRun:
-    """The rounds of a self-correction beside the truth.
+    """The rounds of a self-correction, with true errors.
 
     allowed : float                 the error to reach, m
     reached : bool
@@ -46,7 +46,7 @@ def correct_blade(
     full: FullRun | None,
     progress: Progress,
 ) -> CorrectedRun:
-    """Reduce the blade as far as the error allows, without a look at the full run; then look."""
+    """Reduce the blade to the allowed error without the full run, then compare with it."""
     wind = AmplitudeProduct(StaticLoad(blade.steady_load(body, case)[:, 0]))
     loads = blade.loads(case, duration)
     found: list[Round] = []

@@ -118,7 +118,7 @@ def _full_tips(full: Sequence[FullRun]) -> list[tuple[str, TipMotion]]:
 
 
 def _plot_tips(path: Path, curves: Sequence[tuple[str, TipMotion]], end: float = np.inf) -> Path:
-    """Displacement of the tip against the root; the first curve is what the others are to meet."""
+    """Displacement of the tip relative to the root; the first curve is the reference."""
 
     def panel(quantity: str, values: Callable[[TipMotion], np.ndarray]) -> Panel:
         return Panel(

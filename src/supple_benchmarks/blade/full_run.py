@@ -1,4 +1,4 @@
-"""Full-order simulations of the blade: long, kept on disk as they run, continued where they were cut off."""
+"""Full-order simulations of the blade: long, written to disk during the run, and resumable."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ OUTPUT_STEP = 0.1
 
 @dataclass(frozen=True)
 class FullCase:
-    """What is to be simulated in full.
+    """A case of the full model.
 
     frame, kinematics : names from FRAMES and KINEMATICS
     linear : bool       internal force K q: what the blade does without its geometric stiffening
@@ -59,7 +59,7 @@ def run_full(
     folder: Path,
     progress: Progress,
 ) -> FullRun:
-    """The run, read from the folder if it is there, continued if it is there in part.
+    """The run, read from the folder if complete, resumed if incomplete.
 
     body : of the kinematics wanted, nonlinear
     """

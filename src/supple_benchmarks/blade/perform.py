@@ -15,7 +15,7 @@ __all__ = ["perform"]
 
 
 def perform(benchmark: BladeBenchmark, json: Path | None, folder: Path) -> None:
-    """Run the benchmark; the report is rewritten after every simulation, so that a stop loses none."""
+    """Run the benchmark; the report is rewritten after every simulation."""
     target = json or folder / "blade.json"
     target.parent.mkdir(parents=True, exist_ok=True)
     run: BladeRun | None = None

@@ -1,4 +1,4 @@
-"""Reduced simulations of the blade with bases of fixed size: those of [Wu2019] Table 2, and a few beyond."""
+"""Reduced simulations of the blade with bases of fixed size: those of [Wu2019] Table 2, and a few others."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def bases_of(
 def reduce_blade(
     body: FlexibleBody, basis: FixedBasis, damping: RayleighDamping
 ) -> tuple[ReducedBody, float]:
-    """The reduced blade and the seconds it took."""
+    """The reduced blade and the time of the reduction in seconds."""
     began = perf_counter()
     reduced = reduce_to_compare(
         body,
@@ -125,7 +125,7 @@ def run_reduced(
     duration: float,
     progress: Progress,
 ) -> ReducedRun:
-    """Simulate the whole duration, and measure the error where the full run has gone."""
+    """Simulate the whole duration, and measure the error over the time of the full run."""
     body, offline_seconds = reduced
     solution, failed_at = as_far_as_it_goes(
         blade.system(body, case, blade.loads(case, duration)),

@@ -1,4 +1,4 @@
-"""The blade's numbers: the JSON report, and tables with those of [Wu2019] Table 3 beside ours."""
+"""The blade's numbers: the JSON report, and tables with those of [Wu2019] Table 3."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PUBLISHED = {
 
 
 def report(run: BladeRun) -> dict[str, Any]:
-    """Everything measured, ready for JSON; its first six keys are a contract."""
+    """All measurements, ready for JSON; the first six keys must not change."""
     mesh, body = run.benchmark.blade.mesh, run.body
     along_x = body.rigid_modes[:, 0]
     return {
@@ -220,7 +220,7 @@ def _error_table(run: BladeRun) -> Table:
                 "-" if missing else f"{numbers['speedup_online']:.0f}",
             ]
         )
-    heads = ["model", "columns", "RMS, m", "of tip", "s", "faster"]
+    heads = ["model", "columns", "RMS, m", "of tip", "s", "speed-up"]
     return "Bases of fixed size: largest RMS error against the full model in the same frame", heads, rows
 
 

@@ -63,7 +63,7 @@ class BladeBenchmark:
 
     @classmethod
     def quick(cls) -> BladeBenchmark:
-        """A coarse blade that runs up in 1.5 s and is stopped after 2 s, against a milder error.
+        """A coarse blade that runs up in 1.5 s and is stopped after 2 s, with a larger allowed error.
 
         As many linear columns as the others have: bases of one size share one compiled program.
         """
@@ -74,7 +74,7 @@ class BladeBenchmark:
 
 @dataclass(frozen=True, eq=False)
 class BladeRun:
-    """All that is known so far."""
+    """The results so far."""
 
     benchmark: BladeBenchmark
     body: FlexibleBody
@@ -105,7 +105,7 @@ class BladeRun:
 
 
 def run_blade(benchmark: BladeBenchmark, folder: Path, announce: Announce) -> Iterator[BladeRun]:
-    """Run the benchmark; yields everything known after each step.
+    """Run the benchmark; yields the results so far after each step.
 
     Full runs are kept in the folder as they go, and continued from there by the next call. They come last
     but one in the tables and first in time: errors are measured against them.
@@ -141,7 +141,7 @@ def _reduced_runs(run: BladeRun, frame: str, case: BladeCase, announce: Announce
 
 
 def _corrected_run(run: BladeRun, frame: str, case: BladeCase, announce: Announce) -> Iterator[BladeRun]:
-    """Self-correction over the time of the full run, so that estimate and truth speak of the same motion."""
+    """Self-correction over the time of the full run, so that both errors are of the same motion."""
     benchmark = run.benchmark
     full = run.full_of(case, frame)
     duration = benchmark.duration if full is None else min(full.case.duration, benchmark.duration)

@@ -1,1 +1,1 @@
-"""Whole decks of other programs, read and set beside what these programs say of them."""
+"""Complete decks of other programs, compared with the results of these programs."""

@@ -19,7 +19,7 @@ def decks(
     seconds: Annotated[float, typer.Option(min=1.0, help="Time that one deck may take.")] = 60.0,
     debug: Debug = False,
 ) -> None:
-    """Read every deck of a folder; mass, centre and frequencies beside those of its expected.json."""
+    """Read every deck of a folder; compare mass, centre and frequencies with its expected.json."""
     from supple_benchmarks.decks.perform import perform
 
     with reported_errors(debug=debug), reported_warnings():

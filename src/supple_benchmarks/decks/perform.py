@@ -1,4 +1,4 @@
-"""Every deck of a folder: read or why not, and how far its numbers are from those expected.
+"""Every deck of a folder: whether it is read, and the errors of its numbers.
 
 `expected.json` is `{deck: {"mass", "cg", "frequencies_hz", ..}}`, each where it is known; frequencies are at
 the deck's own supports, with motions that these leave free. A deck that fails, or takes longer than it may,
@@ -51,7 +51,7 @@ def perform(folder: Path, report: Path, seconds: float) -> None:
 
 
 def compared(found: Mapping[str, Any], expected: Mapping[str, Any]) -> dict[str, Any]:
-    """Errors of mass (relative), centre (of the size) and frequencies (relative); what is not known is left.
+    """Errors of mass (relative), centre (of the size) and frequencies (relative); unknown values are omitted.
 
     found : of a deck, as `supple info --json` writes it, and its "size"
     """
@@ -70,7 +70,7 @@ def compared(found: Mapping[str, Any], expected: Mapping[str, Any]) -> dict[str,
 
 
 def totals(found: Mapping[str, Mapping[str, Any]]) -> dict[str, int]:
-    """How many decks were read, whole, and are as close as wanted where nothing is left out."""
+    """Number of decks read, read completely, and within the allowed errors if complete."""
     read = [own for own in found.values() if own["read"]]
     whole = [own for own in read if not own["left_out"]]
 
@@ -89,7 +89,7 @@ def totals(found: Mapping[str, Mapping[str, Any]]) -> dict[str, int]:
 
 
 def _elastic(frequencies: list[float] | None) -> list[float]:
-    """Without those of motions that nothing holds."""
+    """Frequencies without those of free rigid motions."""
     given = np.array(frequencies or [], dtype=float)
     return given[given > STILL * given.max(initial=0.0)].tolist()
 
@@ -108,7 +108,7 @@ def _expected(path: Path) -> dict[str, dict[str, Any]]:
 def _one_by_one(
     folder: Path, expected: Mapping[str, Mapping[str, Any]], seconds: float
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """What is found of each deck, by a process of its own that is given up where it takes too long."""
+    """Results of each deck, from a separate process with a time limit."""
     context = multiprocessing.get_context("spawn")
     worker: Any = None
     ours: Any = None
@@ -135,7 +135,7 @@ def _one_by_one(
 
 
 def _serve(requests: Connection) -> None:
-    """Report on one deck after the other until the pipe closes."""
+    """Send the results of one deck after the other until the pipe closes."""
     warnings.simplefilter("ignore")
     from supple.cli.deck_report import deck_report
     from supple.importers import read_deck

@@ -32,7 +32,7 @@ from supple.reduction.bases.interface_columns import motion_rows, require_interf
 
 @dataclass(frozen=True)
 class BasisSize:
-    """The smallest basis of a kind that meets a tolerance.
+    """The smallest basis of a kind with an error within a tolerance.
 
     basis : its name
     interfaces : "free", "held" or "loaded": whose eigenvalues are compared, see `basis_sizes`
@@ -117,7 +117,7 @@ def _lowest(body: FlexibleBody, constraint: np.ndarray, n_modes: int) -> RitzMod
 
 
 class _Family(NamedTuple):
-    """A kind of basis: its model for each number of modes, and the coordinates that join those."""
+    """A kind of basis: its model for each number of modes, and the number of added coordinates."""
 
     name: str
     model: Callable[[int], ComponentModel]

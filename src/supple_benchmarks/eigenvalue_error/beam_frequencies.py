@@ -1,4 +1,4 @@
-"""Frequencies of the free cylinder by solid elements beside those of beam theory."""
+"""Frequencies of the free cylinder by solid elements compared with those of beam theory."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class BeamFrequency:
 
     @property
     def stiffness_error(self) -> float:
-        """How much too stiff, as a share of the frequency."""
+        """Excess of the frequency, relative to the beam's."""
         return self.computed / self.theory - 1.0
 
 

@@ -1,4 +1,4 @@
-"""Frequencies of a free uniform beam by beam theory: what a solid model of one must come close to."""
+"""Frequencies of a free uniform beam by beam theory, as reference for solid models."""
 
 from __future__ import annotations
 

@@ -25,13 +25,13 @@ from supple.reduction.bases.interface_columns import motion_rows, require_interf
 from supple.reduction.bases.mode_selection import best_first
 from supple.viz import plot_error_over_parameter
 
-# Part of a vibration's kinetic energy, as far as it shows at the interfaces, below which it does not.
+# A vibration with a smaller fraction of its kinetic energy at the interfaces counts as not visible there.
 VISIBLE = 1e-6
 
 
 @dataclass(frozen=True)
 class SelectionQuality:
-    """How well a Craig-Bampton body with some of its modes stands for the full one at its interfaces.
+    """Accuracy at the interfaces of a Craig-Bampton body with some of its modes, compared with the full body.
 
     selection : name of the rule
     size : modes and residual modes kept, besides the constraint modes
@@ -125,7 +125,7 @@ class _InterfaceModes(NamedTuple):
         return (self.motion * weights[:, None, :]) @ self.motion.T
 
     def visible(self) -> np.ndarray:
-        """Eigenvalues of the elastic vibrations that show at the interfaces, ascending."""
+        """Eigenvalues of the elastic vibrations visible at the interfaces, ascending."""
         elastic = slice(6, None)
         return self.values[elastic][np.sum(self.motion[:, elastic] ** 2, axis=0) > VISIBLE]
 
@@ -158,7 +158,7 @@ def _interface_modes(model: RitzComponent, component: FixedInterfaceComponent) -
 
 
 def _visible_values(body: FlexibleBody, component: FixedInterfaceComponent, n_values: int) -> np.ndarray:
-    """Exact eigenvalues of the free body whose vibrations show at the interfaces."""
+    """Exact eigenvalues of the vibrations of the free body that are visible at the interfaces."""
     free = GrowingModes(body.constrained(MeanAxisFrame().constraint(body)), body.mass)
     triangle, B = np.linalg.cholesky(component.interface_mass).T, motion_rows(body.interfaces)
     n_modes = min(2 * n_values, free.available)

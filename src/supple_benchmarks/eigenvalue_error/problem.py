@@ -1,4 +1,4 @@
-"""Error-controlled reduction of the bodies of [Han2020]: how many modes, how good the estimates, how sure.
+"""Error-controlled reduction of the bodies of [Han2020]: modes, accuracy of estimates, verification.
 
 The paper's cylinder (section 5.1) and connecting rod (5.2) on meshes of our own, with four- and ten-node
 tetrahedra. For each tolerance: the fixed-interface modes that every estimator asks for and that the exact

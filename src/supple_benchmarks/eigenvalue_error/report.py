@@ -18,8 +18,8 @@ __all__ = ["WHY_OTHER_COUNTS", "report", "tables"]
 
 WHY_OTHER_COUNTS = {
     "modes": "kept by our sharper bound, then proven; the paper's bound takes kappa_n for all modes left out "
-    "where kappa of the first mode left out suffices, so it asks for more",
-    "modes_paper": "what the paper's bound asks for on our mesh, with n counted over the elastic modes",
+    "where kappa of the first omitted mode suffices, so it requires more modes",
+    "modes_paper": "number required by the paper's bound on our mesh, with n counted over the elastic modes",
     "modes_published": "the paper's, on its own mesh: other tetrahedra, an interface whose kind and place "
     "differ (averaging on the cylinder; the rod's drawings are not in its text), and estimates unproven. "
     "At 10 % every estimate may fall below the truth; we add modes until the bounds agree",
@@ -31,7 +31,7 @@ def report(
     beams: Sequence[BeamFrequency],
     selections: Sequence[SelectionStudy] = (),
 ) -> dict[str, Any]:
-    """Everything measured, ready for JSON; `bodies` and the keys within are a contract.
+    """All measurements, ready for JSON; `bodies` and the keys within must not change.
 
     The entry of the first body stands at the top as well, for readers that expect one body a file.
     """
@@ -116,7 +116,7 @@ def _modes(results: Sequence[BodyResult]) -> Table:
         )
     heads = ["body", "e, %", "kept", "exact", "lower", "2-term", "sharp", "paper's", "published"]
     return (
-        "Fixed-interface modes kept (proven), and asked for by exact errors and by each estimate",
+        "Fixed-interface modes kept (verified), and required by exact errors and by each estimate",
         [*heads, "cpu s", "1 by 1", "plain"],
         rows,
     )
@@ -165,5 +165,5 @@ def _beams(beams: Sequence[BeamFrequency]) -> Table:
         ]
         for row in beams
     ]
-    heads = ["element", "cells", "motion", "Hz", "theory, Hz", "off, %"]
+    heads = ["element", "cells", "motion", "Hz", "theory, Hz", "error, %"]
     return ("The free cylinder against beam theory (Timoshenko; torsion of a rod)", heads, rows)

@@ -1,4 +1,4 @@
-"""The bodies of [Han2020] reduced to each tolerance: modes kept, estimates over exact errors, proof, cost."""
+"""The bodies of [Han2020] reduced to each tolerance: modes, estimates over exact errors, proof, cost."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ ESTIMATORS: Mapping[str, EigenvalueErrorEstimator] = {
 
 
 class Seconds(NamedTuple):
-    """What a step took on the clock and of the processor; other work on the machine makes them differ."""
+    """Wall and processor time of a step; they differ under other load."""
 
     wall: float
     cpu: float
@@ -57,7 +57,7 @@ class ToleranceResult:
     """One body at one tolerance.
 
     modes : kept, by the sharper bound and the proof
-    estimated_modes : {estimator: modes} that each asks for, unproven; "exact" what exact errors need
+    estimated_modes : {estimator: modes required}, not verified; "exact" is the number by exact errors
     exact, proven : (N,)            exact errors, and the bounds proven for them
     estimates : {estimator: (N,)}   at `modes`
     counts : inertia counts made, each proving its eigenvalues by itself; counted: whether all did
@@ -106,7 +106,7 @@ class BodyResult:
 
 
 def run_eigenvalue_errors(problem: EigenvalueErrors, progress: Announce) -> Iterator[BodyResult]:
-    """The results of each body, as they come."""
+    """The results of each body, one after the other."""
     for case in problem.cases():
         yield _run_case(case, problem, progress(f"{case.name} {case.element}"))
 

@@ -1,4 +1,4 @@
-"""A bar whose nose crushes on a wall while the rest only vibrates: all in elements, and the rest in modes."""
+"""A bar whose nose is crushed on a wall while the rest vibrates: all in elements, or the rest in modes."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _size(engine: ExplicitEngine) -> float:
 
 
 def _seconds(engines: Sequence[ExplicitEngine], span: Run) -> list[float]:
-    """Processor seconds of each, once compiled: the least of several turns, one after the other."""
+    """Processor seconds of each, after compilation: the minimum of several alternating runs."""
     turns = []
     for _ in range(_TURNS):
         turns.append([])

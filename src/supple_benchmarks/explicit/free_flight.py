@@ -1,4 +1,4 @@
-"""A box in free flight on a four-point frame: what is kept, in which order, up to which step."""
+"""A box in free flight on a four-point frame: conservation, order, and step limit."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _start(
 
 
 def free_flight(_quick: bool) -> dict[str, float]:
-    """Errors over 20 turns, order of the attitude, brake of the published scheme over its theory."""
+    """Errors over 20 revolutions, order of the attitude, deceleration by the published scheme over theory."""
     box, scheme = _box(12), ProjectedDifference()
     model = box.compiled()
     spin = 0.02 * box.frequencies[0] * np.array([0.3, 0.5, 1.0]) / np.linalg.norm([0.3, 0.5, 1.0])
@@ -93,7 +93,7 @@ def _order(box: ModalSubdomain, scheme: Any) -> float:
 
 
 def _brake() -> float:
-    """Momentum that the published scheme takes from a rigid box in a turn, over 2 pi Omega h."""
+    """Momentum lost by a rigid box per revolution with the published scheme, over 2 pi Omega h."""
     own = _box(12)
     box = ModalSubdomain(own.body, np.zeros((own.body.n, 0)), np.zeros(0))
     model, scheme, turn = box.compiled(), PublishedScheme(), TURN / 4
@@ -105,7 +105,7 @@ def _brake() -> float:
 
 
 def step_limit(_quick: bool) -> dict[str, float]:
-    """The largest tried fraction of the limit that stayed, the smallest that blew up, clamped ratio."""
+    """Largest stable and smallest unstable fraction of the limit; ratio for clamped modes."""
     box, scheme = _box(12), ProjectedDifference()
     model = box.compiled()
     stays, grows = 0.0, np.inf

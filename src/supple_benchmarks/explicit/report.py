@@ -20,7 +20,7 @@ _TITLES = {
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """A table a study."""
+    """One table per study."""
     found = []
     for key, title in _TITLES.items():
         if key in report:

@@ -1,1 +1,1 @@
-"""The intrinsic modal reduction beside its paper, closed forms and the other methods."""
+"""The intrinsic modal reduction, compared with its paper, closed forms and the other methods."""

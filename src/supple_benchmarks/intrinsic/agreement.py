@@ -1,4 +1,4 @@
-"""One slender strip through four methods, at rest under a dead tip force that turns its tip far."""
+"""One slender strip by four methods, in equilibrium under a dead tip force, at large tip rotation."""
 
 from __future__ import annotations
 

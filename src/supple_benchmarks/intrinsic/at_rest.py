@@ -1,4 +1,4 @@
-"""Beams at rest far from where they were: the elastica and the bend of 45 degrees."""
+"""Equilibria of beams in large bending: the elastica and the 45-degree bend."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The 61.5 m blade at rest under its mean wind load and up to three times that, through seven methods.
+"""The 61.5 m blade in equilibrium under one to three times its mean wind load, by seven methods.
 
 The load is dead, on the nodes of the leading edge; the root is clamped. Errors are distances of the tip from
 where the full model in mean axes has it, as shares of its deflection: at the rated load CalculiX, which knows
@@ -80,7 +80,7 @@ class Held(NamedTuple):
 
 
 def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
-    """A row a method and load; error None where a method, or the full model, finds no equilibrium."""
+    """One row per method and load; error None if a method, or the full model, finds no equilibrium."""
     blade = Blade(COARSE_GRID) if quick else Blade()
     n_stations, n_modes = (13, 60) if quick else (31, 80)
     model = shell_model(blade.mesh, SECTION, kinematics=GREEN_LAGRANGE)
@@ -125,7 +125,7 @@ def blade_rows(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def _turn(rest: Array, moved: Array) -> float:
-    """Angle by which the nodes of a section have turned, rad."""
+    """Rotation angle of the nodes of a section, rad."""
     found = Rotation.align_vectors(moved - moved.mean(axis=0), rest - rest.mean(axis=0))[0]
     return float(found.magnitude())
 
@@ -150,7 +150,7 @@ def _reduced(body: FlexibleBody, nodal: Array, frame: Frame) -> ReducedBody:
 
 
 def _rested(held: Held, form: Any) -> Array:
-    """The tip where the body rests; the load in steps."""
+    """The tip of the body in equilibrium; the load is increased in steps."""
     placed = Placed(form)
     for share in _shares(held):
         (placed,) = equilibrium(held.system(placed, share), search=SEARCH, fulls=()).system.bodies
@@ -180,7 +180,7 @@ def _split(held: Held, form: Callable[[FlexibleBody, Array, Frame], Any]) -> Arr
 
 
 def _shares(held: Held) -> Array:
-    """Of the load, one after the other: steps of the mean wind's at most."""
+    """Successive shares of the load, in steps of at most the mean wind load."""
     n = int(np.ceil(held.factor))
     return np.arange(1, n + 1) / n
 

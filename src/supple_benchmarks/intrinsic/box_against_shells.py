@@ -1,4 +1,4 @@
-"""Large vibrations of the box beam on stations beside those of all its shells, as in table 2 of [Wang2015].
+"""Large vibrations of the box beam on stations, against its full shell model: table 2 of [Wang2015].
 
 Both start with the velocity of the same modes. The shells move in one floating frame at the clamp, undamped
 but for a spectral radius of 0.9; their walls are free to warp and to buckle, as the paper's were not.
@@ -40,7 +40,7 @@ def parabolic_velocity(body: IntrinsicBody, speed: float) -> np.ndarray:
 
 
 def box_against_shells(shells: FlexibleBody, tip: np.ndarray, quick: bool) -> Iterator[dict[str, Any]]:
-    """Largest distance of the tip, over its largest displacement, by speed; None where the shells stop."""
+    """Largest distance of the tip, over its largest displacement, by speed; None if the shells end early."""
     body = condense(shells, LoadPath("root", "tip", N_STATIONS), n_modes=N_MODES)
     duration = 0.5 if quick else 2.0
     for speed in SPEEDS[: 1 if quick else None]:

@@ -39,7 +39,7 @@ SPEED = 3.0
 N_AMPLITUDES = 6
 N_OUTPUTS = 100
 NEAR = 8
-"""Frequencies looked at about the axial one, which lies among those of the walls."""
+"""Number of frequencies searched around the axial one, which lies among those of the walls."""
 
 
 def box_beam(quick: bool) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def box_beam(quick: bool) -> dict[str, Any]:
 
 
 def meshed(n_along: int, n_high: int) -> tuple[FlexibleBody, np.ndarray]:
-    """The box of shells, and the nodes of its tip."""
+    """The shell model of the box, and the nodes of its tip."""
     mesh = box_mesh(LENGTH, WIDTH, HEIGHT, n_along, 4, n_high)
     model = shell_model(mesh, HomogeneousSection(Isotropic(E, NU, DENSITY), WALL))
     ends = [RigidInterface("root", "root"), AveragingInterface("tip", "tip")]
@@ -90,7 +90,7 @@ def box_on_stations(shells: FlexibleBody, quick: bool) -> IntrinsicBody:
 
 
 def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
-    """Displacement of the tip over time, and the amplitudes q_2 of the modes that reach highest."""
+    """Displacement of the tip over time, and the amplitudes q_2 of the modes with the largest amplitudes."""
     vibration = _vibration(body, SPEED, 0.5 if quick else 2.5)
     q2 = body.forces_of(vibration.coordinates)
     highest = np.sort(np.argsort(-np.abs(q2).max(axis=0))[:N_AMPLITUDES])
@@ -101,7 +101,7 @@ def large_vibration(body: IntrinsicBody, quick: bool) -> dict[str, Any]:
 
 
 def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
-    """The first axial frequency on stations and of the shells: of those nearby the one that moves the tip."""
+    """First axial frequency, on stations and of shells: the one nearby with the largest axial tip motion."""
     held = shells.interface("root").motion.tocsr().indices  # the six freedoms of the tie
     free = np.setdiff1d(np.arange(shells.n), held)
     K, M = (matrix.tocsc()[free][:, free] for matrix in (shells.stiffness, shells.mass))
@@ -111,7 +111,7 @@ def _axial(shells: FlexibleBody, stations: float) -> tuple[str, float, float]:
 
 
 def _from_linear(body: IntrinsicBody, duration: float) -> float:
-    """How far a vibration of a thousandth of the velocity is from the linear one, of its largest."""
+    """Difference of a vibration with 1e-3 of the velocity from the linear one, relative to its maximum."""
     speed = 1e-3 * SPEED
     vibration, omega = _vibration(body, speed, duration), body.modes.omega
     amplitudes = parabolic_velocity(body, speed) / omega * np.sin(np.outer(vibration.times, omega))

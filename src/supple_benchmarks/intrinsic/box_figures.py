@@ -37,7 +37,7 @@ def draw_box(report: Mapping[str, Any], folder: Path) -> list[Path]:
 
 
 def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
-    """A row a kind; velocity, moment and curvature beside each other, the slender beam's dashed."""
+    """One row per kind of mode: velocity, moment and curvature; those of the slender beam dashed."""
     figure = new_figure(4.3)
     grid = figure.subplots(2, 3, sharex=True)
     stations = np.array(study["s"])
@@ -64,7 +64,7 @@ def _draw_modes(study: Mapping[str, Any], path: Path) -> Path:
 
 
 def _draw_vibration(report: Mapping[str, Any], path: Path) -> Path:
-    """The tip above, and below it the amplitudes of the modes that reach highest."""
+    """The tip above, and below it the largest modal amplitudes."""
     figure = new_figure(4.6)
     upper, lower = figure.subplots(2, 1, sharex=True)
     times, tip = np.array(report["tip"]["t"]), np.array(report["tip"]["u"])

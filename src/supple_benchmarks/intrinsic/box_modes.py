@@ -17,7 +17,7 @@ DIGITS = 6
 
 
 def kinds_of(body: IntrinsicBody) -> list[str]:
-    """What each mode moves most at the tip."""
+    """Kind of each mode by its largest motion at the tip."""
     return [KINDS[int(np.argmax(column))] for column in np.abs(body.modes.velocities[-1, :4]).T]
 
 

@@ -1,4 +1,4 @@
-"""A flexible U that flies: its centre of mass, truncated and residual modes, snapshots.
+"""A flexible U in free flight: its centre of mass, truncated and residual modes, snapshots.
 
 The load history of [Wang2015] 5.2 is lost in our text. Chosen: on one tip a dead force of 60 along z
 and 30 along x, a triangle over 4 s, in consistent units.
@@ -37,7 +37,7 @@ def _load(time: Any) -> Any:
 
 
 def flying_u(quick: bool) -> dict[str, Any]:
-    """Error of the centre of mass by the number of stations; truncated beside residual modes; snapshots.
+    """Error of the centre of mass by the number of stations; truncated and residual modes; snapshots.
 
     Besides: stiffness and eigenvalues beside those of the solid and of beam elements.
     """
@@ -87,7 +87,7 @@ def _stable_steps(body: IntrinsicBody) -> list[dict[str, float]]:
 
 
 def _longest_step(body: IntrinsicBody, kept: int | None = None) -> float:
-    """That is stable, undamped, with the lowest modes of some number."""
+    """Longest stable step, without damping, with a given number of lowest modes."""
     omega = body.modes.omega[:kept]
     return largest_stable_step(omega, 0 * omega, 0 * omega)
 
@@ -97,7 +97,7 @@ def _centre_error(body: IntrinsicBody, flight: tuple[np.ndarray, Any]) -> float:
     times, (rotations, places) = flight
     masses = body.line.station_masses
     assert masses is not None
-    # Stations carry their mass beside them: M = [[m, -m c~], [m c~, ..]].
+    # The mass of a station is offset from it: M = [[m, -m c~], [m c~, ..]].
     offsets = np.stack([masses[:, 2, 4], masses[:, 0, 5], masses[:, 1, 3]], axis=1) * [-1, -1, -1]
     weighted = masses[:, 0, 0] @ places + np.einsum("tnij,nj->ti", rotations, offsets)
     centre = weighted / body.mass
@@ -155,7 +155,7 @@ def _rms(difference: np.ndarray) -> float:
 
 
 def energy_drift(quick: bool) -> float:
-    """Largest relative change of the energy of a U that vibrates and turns without a load, by Runge-Kutta."""
+    """Largest relative change of the energy of an unloaded, vibrating and rotating U, by Runge-Kutta."""
     body = on_stations(solid_u(6), 7, 24)
     rates = np.zeros(body.n_coordinates)
     rates[:4] = 20.0

@@ -11,7 +11,7 @@ __all__ = ["tables"]
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """A table a study."""
+    """One table per study."""
     flying = report["u_beam"]
     numbers = {
         "Phi_1": report["orthonormality"]["phi1"],
@@ -26,7 +26,7 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
         _rows("The elastica, P L^2 / E I = 10: error of the tip over the length", report["elastica"]),
         _rows("The bend of 45 degrees", [dict(zip("xyz", report["simo45"]["tip"], strict=True))]),
         _rows("The box beam's frequencies, rad/s", report["box_beam"]["frequencies"]),
-        _rows("The box on stations beside its shells", report["box_beam"]["against_shells"]),
+        _rows("The box on stations compared with its shell model", report["box_beam"]["against_shells"]),
         _rows("The U's centre of mass, by stations", [flying["com_error"]]),
         _rows("Truncated and residual modes of the U", flying["residualised"]),
         _rows("A strip through four methods, against the elastica", report["agreement"]),

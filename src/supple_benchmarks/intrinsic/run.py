@@ -32,7 +32,7 @@ _STUDIES: Mapping[str, tuple[str, Callable[[bool], Any]]] = {
 
 
 def run_intrinsic(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every study; its keys are a contract."""
+    """The report, ready for JSON, after every study; its keys must not change."""
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in _STUDIES.items():
         told = announce(label)

@@ -1,4 +1,4 @@
-"""Cost of a Runge-Kutta step: factorised equations beside dense tensors."""
+"""Cost of a Runge-Kutta step: factorised equations compared with dense tensors."""
 
 from __future__ import annotations
 

@@ -70,9 +70,9 @@ def _draw_eigenvalues(differences: Mapping[str, Any], path: Path) -> Path:
     for rank, (n, values) in enumerate(differences["stations"].items()):
         _draw_differences(left, values, rank, f"{n} stations")
     finest = list(differences["stations"])[-1]
-    _draw_differences(right, differences["beside_beam_elements"], 0, f"{finest} stations beside beams")
-    _draw_differences(right, differences["beam_elements"], 1, "beams beside the solid")
-    left.set_title("beside the solid")
+    _draw_differences(right, differences["beside_beam_elements"], 0, f"{finest} stations compared with beams")
+    _draw_differences(right, differences["beam_elements"], 1, "beams compared with the solid")
+    left.set_title("compared with the solid")
     right.set_title("with beam elements")
     left.set_ylabel("difference of the eigenvalue")
     for axes in (left, right):
@@ -87,7 +87,7 @@ def _draw_differences(axes: Axes, values: list[float], rank: int, label: str) ->
 
 
 def _draw_errors(report: Mapping[str, Any], path: Path) -> Path:
-    """Centre of mass over stations; truncated beside residual modes; the longest stable step."""
+    """Centre of mass over stations; truncated and residual modes; the longest stable step."""
     figure = new_figure(2.7)
     first, second, third = figure.subplots(1, 3)
     errors = report["com_error"]

@@ -1,1 +1,1 @@
-"""How much a body's answer depends on its frame, its ties and its basis, beside references that do not."""
+"""Dependence of a body's response on its frame, ties and basis, compared with independent references."""

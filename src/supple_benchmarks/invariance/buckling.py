@@ -1,4 +1,4 @@
-"""Lateral buckling of a narrow cantilever: the load at which its bent state loses its stiffness sideways."""
+"""Lateral buckling of a narrow cantilever: the load at which the bent state has no lateral stiffness."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["lateral_buckling"]
 
 
 def lateral_buckling(quick: bool) -> dict[str, float]:
-    """Critical load over theory: shells, warping held (Vlasov); beams, which know none (Timoshenko)."""
+    """Critical load over theory: shells, warping fixed (Vlasov); beams, without warping (Timoshenko)."""
     beams = beam_model(10 if quick else 40)
     held = warped_buckling_load(BENDING, TORSION, WARPING, LENGTH)
     free = lateral_buckling_load(BENDING, 400 * BENDING, TORSION, LENGTH)

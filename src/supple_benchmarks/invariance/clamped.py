@@ -1,4 +1,4 @@
-"""Clamped bodies at rest under a dead force across their tip: full and reduced, in any frame."""
+"""Clamped bodies in equilibrium under a dead force across their tip: full and reduced, in any frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Large bending in a frame on the root, and the same bend seen from turned frames."""
+"""Large bending in a frame on the root, and the same bending in rotated frames."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def bent_strips(quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def turned_strips(quick: bool) -> Iterator[dict[str, Any]]:
-    """Energy of the bent or twisted strip in a frame turned about an axis, over that in its own.
+    """Energy of the bent or twisted strip in a frame rotated about an axis, over that in its own frame.
 
     `tip_moved` is how far the same load moves the tip elsewhere, as a share of the deflection.
     """

@@ -1,4 +1,4 @@
-"""The same damped box in two frames: damping that follows the rate of strain does not know the frame."""
+"""A damped box in two frames: strain-rate damping is independent of the frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bodies at rest on a basis of fixed size: what they withhold, and what the indicator says of it."""
+"""Bodies in equilibrium with a basis of fixed size: error by locking, and the locking indicator."""
 
 from __future__ import annotations
 

@@ -12,20 +12,20 @@ from supple_benchmarks.table import Table
 __all__ = ["tables"]
 
 _TITLES = {
-    "locking": "At rest on a basis of fixed size, against the full body in the same frame",
-    "tie": "A box whose rigid root turns",
-    "damping": "A damped box in two frames, apart over its deflection",
+    "locking": "Equilibria with a basis of fixed size, against the full body in the same frame",
+    "tie": "A box with a rotated rigid root",
+    "damping": "A damped box in two frames: difference relative to its deflection",
     "curvature": "A clamped strip against the elastica, frame on the root",
-    "turned_element": "The same strip in frames turned against its root",
+    "turned_element": "The same strip in frames rotated against its root",
     "split": "A clamped strip against the elastica, split into k bodies",
 }
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """A table a study."""
+    """One table per study."""
     found = [_rows(title, report[key]) for key, title in _TITLES.items() if key in report]
     found.append(_rows("Lateral buckling, load over theory", [report["lateral_buckling"]]))
-    found.append(_rows("A box that swings, against a geometrically exact beam", [report["box_vibration"]]))
+    found.append(_rows("A swinging box, against a geometrically exact beam", [report["box_vibration"]]))
     blade = report["blade_static"]
     fixed, mean = (np.array(blade[frame]) for frame in ("nodal-fixed", "mean-axis"))
     apart = float(np.linalg.norm(mean - fixed) / np.linalg.norm(fixed))

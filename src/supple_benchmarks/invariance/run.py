@@ -34,7 +34,7 @@ _NUMBERS: Mapping[str, tuple[str, Callable[[bool], dict[str, Any]]]] = {
 
 
 def run_invariance(quick: bool, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every study; its keys are a contract."""
+    """The report, ready for JSON, after every study; its keys must not change."""
     report: dict[str, Any] = {"quick": quick, "machine": describe_computer()}
     for key, (label, study) in _ROWS.items():
         told = announce(label)

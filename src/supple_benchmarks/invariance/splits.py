@@ -1,4 +1,4 @@
-"""A strip bent far, as one body and split into several with a frame each."""
+"""A strip in large bending, as one body and split into several with a frame each."""
 
 from __future__ import annotations
 

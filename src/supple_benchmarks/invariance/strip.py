@@ -75,7 +75,7 @@ def beam_model(n_length: int) -> FiniteElementModel:
 
 
 def force_that_turns(bending: float, length: float, rotation: float) -> tuple[float, Array]:
-    """Dead tip force that turns an elastica's tip by so much, N; where the tip then is, along and across."""
+    """Dead tip force for a given tip rotation of an elastica, N; position of the tip, along and across."""
 
     def missing(force: float) -> float:
         _, _, turned = elastica(bending, length, force)
@@ -94,7 +94,7 @@ def turned_rigidly(mesh: Mesh, motion: Array, around: Rotation) -> Array:
 
 
 class HeldStrip:
-    """The strip with its root prescribed exactly, so that it can stand turned against the frame."""
+    """The strip with an exactly prescribed root, which may be rotated relative to the frame."""
 
     def __init__(self, n_length: int = 20, wall: ShellSection = WALL) -> None:
         self.mesh = strip_mesh(n_length)
@@ -125,14 +125,14 @@ class HeldStrip:
         return self._resting(load, np.zeros((self.mesh.n_nodes, 6)), steps)
 
     def seen_from(self, turn: ArrayLike, load: Array, motion: Array) -> Array:
-        """The same rest in a frame against which all stands turned, back in the axes of the root."""
+        """The same equilibrium in a frame rotated against all bodies, expressed in the axes of the root."""
         around = Rotation.from_rotvec(turn)
         turned_load = around.apply(load.reshape(-1, 3)).reshape(-1, 6)
         found = self._resting(turned_load, turned_rigidly(self.mesh, motion, around), 1)
         return turned_rigidly(self.mesh, found, around.inv())
 
     def energy(self, turn: Array, motion: Array) -> float:
-        """Strain energy of a motion followed by a turn, J."""
+        """Strain energy of a motion followed by a rotation, J."""
         turned = turned_rigidly(self.mesh, motion, Rotation.from_rotvec(turn))
         return float(self.assembly.energy(turned.ravel()))
 

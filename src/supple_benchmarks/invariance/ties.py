@@ -1,4 +1,4 @@
-"""A body whose rigid root turns against its frame: what the tie stores although nothing strains the body."""
+"""A body whose rigid root rotates relative to its frame: spurious energy of the tie without strain."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DEFLECTION = 0.09
 
 
 def tied_boxes(quick: bool) -> Iterator[dict[str, Any]]:
-    """Energy of the unloaded box, its root turned, all else free; and how far the frames are apart loaded.
+    """Energy of the unloaded box with rotated root; difference between the frames under load.
 
     `mean_axis_against_nodal_fixed` is the difference of the tips over the deflection, of the same box.
     """
@@ -47,7 +47,7 @@ def linearly_tied(body: FlexibleBody) -> FlexibleBody:
 
 
 def turned_energy(body: FlexibleBody, turn: np.ndarray) -> float:
-    """Energy (J) of the unloaded body whose first interface is turned by a rotation vector."""
+    """Energy (J) of the unloaded body whose first interface is rotated by a rotation vector."""
     root = body.interfaces[0]
     arms = body.nodes - root.position
     exact = np.zeros((len(body.nodes), body.dofs_per_node))

@@ -1,4 +1,4 @@
-"""A slender box of beams that swings freely by a quarter of its length, beside a geometrically exact beam."""
+"""A slender box of beams, swinging freely by a quarter of its length, against a geometrically exact beam."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def quadruple_pendulum(
     ),
     debug: Debug = False,
 ) -> None:
-    """Let the pendulum of [Han2020] section 5.1 fall, its last link reduced to three tolerances."""
+    """Release the pendulum of [Han2020] section 5.1, its last link reduced to three tolerances."""
     # Imported here: the solvers take seconds to load, which the help need not wait for.
     from supple_benchmarks.machines.quadruple_pendulum import QuadruplePendulum
 

@@ -32,7 +32,7 @@ _MOST_FRAMES = 60
 
 
 def draw_figures(study: Study, folder: Path) -> list[Path]:
-    """Responses of node A with their errors, errors of the deformation, contours, the parting of two runs."""
+    """Responses of node A with their errors, errors of the deformation, contours, divergence of two runs."""
     folder.mkdir(parents=True, exist_ok=True)
     pictures = [_draw_machine(study, folder / "machine.png")]
     for quantity in _VECTORS:
@@ -87,7 +87,7 @@ def _draw_responses(study: Study, rows: list[Response], path: Path) -> Path:
 
 
 def _draw_deformation_errors(study: Study, path: Path) -> Path:
-    """Errors of the deformation in the energy norm, in which a larger space is the better one."""
+    """Errors of the deformation in the energy norm, in which a larger space has the smaller error."""
     truth = study.reference
     rows = slice(1, None)  # undeformed at the start
     models = [
@@ -107,7 +107,7 @@ def _draw_deformation_errors(study: Study, path: Path) -> Path:
 
 
 def _draw_contours(study: Study, runs: list[MachineRun], folder: Path) -> list[Path]:
-    """Errors of stress and strain all over the body, when node A's stress is largest before chaos."""
+    """Errors of stress and strain over the whole body, at the largest stress of node A before chaos."""
     machine, reference = study.machine, study.reference
     compared = reference.point.times <= study.compared_until
     i = int(np.argmax(np.where(compared, reference.point.stress, 0.0)))

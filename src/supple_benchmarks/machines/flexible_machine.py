@@ -1,4 +1,4 @@
-"""A machine with one flexible body, to be run with that body unreduced or reduced in one way or another."""
+"""A machine with one flexible body, to be run with that body unreduced or reduced in several ways."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["FlexibleMachine"]
 
 @dataclass(frozen=True, eq=False)
 class FlexibleMachine:
-    """What the study of tolerances needs of a machine.
+    """Interface of a machine to the study of tolerances.
 
     name : str                     of the benchmark, "quadruple-pendulum"
     body : FlexibleBody            linear: displacements against its frame stay small

@@ -16,7 +16,7 @@ __all__ = ["perform"]
 
 
 def perform(machine: FlexibleMachine, tolerances: tuple[float, ...], json: Path | None, folder: Path) -> None:
-    """Run every variant of the machine; each run rewrites the report, motions are kept and reused."""
+    """Run every variant of the machine; each run rewrites the report; motions are stored and reused."""
     target = json or folder / f"{machine.name}.json"
     target.parent.mkdir(parents=True, exist_ok=True)
     study: Study | None = None

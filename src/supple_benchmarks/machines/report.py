@@ -38,7 +38,7 @@ SHORT = {
 
 
 def report(study: Study) -> dict[str, Any]:
-    """Everything measured, ready for JSON."""
+    """All measurements, ready for JSON."""
     machine, reference = study.machine, study.reference
     mesh = machine.model.mesh
     exact = study.of(Variant.EXACT_MODES)
@@ -56,7 +56,7 @@ def report(study: Study) -> dict[str, Any]:
         "unreduced": _kept(reference) | _cost(reference) | {"largest": _largest(reference.point)},
         "compared_until": study.compared_until,
         "chaos": {
-            "criterion": f"node A of two runs of one body further apart than {APART * machine.size:g} m",
+            "criterion": f"node A of two runs of one body with a distance above {APART * machine.size:g} m",
             "takes_over_at": min((s.time for s in study.separations if s.time is not None), default=None),
             "separations": [_separation(each) for each in study.separations],
         },
@@ -111,7 +111,7 @@ def _row(study: Study, run: MachineRun) -> dict[str, Any]:
 
 
 def errors(study: Study, run: MachineRun, against: MachineRun) -> dict[str, dict[str, float]]:
-    """Largest and RMS distance of every quantity of node A, up to the time chaos takes over.
+    """Largest and RMS distance of every quantity of node A, until the motion becomes chaotic.
 
     Against the unreduced body also that of the deformation as a whole, in the energy norm.
     """
@@ -214,7 +214,7 @@ def tables(study: Study) -> list[Table]:
     rows.append([*full, f"{_cost(study.reference)['us_per_step']:.0f}"])
     title = (
         f"Largest errors until {study.compared_until:.4g} s: of the deformation u in the energy norm, and of "
-        "node A; last row: what they reach"
+        "node A; last row: largest values"
     )
     apart = [
         [each.coarse, each.fine, "never" if each.time is None else f"{each.time:.3f}"]
@@ -222,5 +222,5 @@ def tables(study: Study) -> list[Table]:
     ]
     return [
         (title, heads, rows),
-        ("Two runs of one body part by 1 % of its length", ["one", "other", "at, s"], apart),
+        ("Time at which two runs of one body differ by 1 % of its length", ["one", "other", "at, s"], apart),
     ]

@@ -1,4 +1,4 @@
-"""A machine run with one variant of its flexible body, and what is measured of the motion."""
+"""A machine run with one variant of its flexible body, and the measurements of its motion."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 class Variant(Enum):
-    """What stands for the flexible body, in words."""
+    """Description of the model of the flexible body."""
 
     UNREDUCED = "unreduced"
     EXACT_MODES = "exact modes"
@@ -45,7 +45,7 @@ class Variant(Enum):
 
 @dataclass(frozen=True, eq=False)
 class PointHistory:
-    """What node A does: position, velocity, acceleration (t, 3), von Mises stress and strain (t,)."""
+    """Motion of node A: position, velocity, acceleration (t, 3), von Mises stress and strain (t,)."""
 
     times: Array
     position: Array
@@ -56,7 +56,7 @@ class PointHistory:
 
 
 class Drift(NamedTuple):
-    """What a run should have kept, and did not."""
+    """Drift of quantities that a run should conserve."""
 
     energy: float
     """Largest change of the energy not put in from outside, over the largest kinetic energy."""
@@ -66,7 +66,7 @@ class Drift(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MachineRun:
-    """One simulation, and what is compared of it.
+    """One simulation, and the quantities compared.
 
     tolerance : of the eigenvalues; None where none was asked for      modes : fixed-interface modes, N_d
     deformation_error : (t,), J^1/2     energy norm of its deformation minus that of the unreduced body, whose
@@ -86,7 +86,7 @@ class MachineRun:
 
 
 def drift(machine: FlexibleMachine, system: System, solution: Solution) -> Drift:
-    """How much energy and joints drift: by time integration, not by reduction."""
+    """Drift of energy and joints, due to time integration and not to reduction."""
     energies = balances(system, solution)
     excess = energies.total - machine.work(solution)
     return Drift(

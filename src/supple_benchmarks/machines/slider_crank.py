@@ -110,7 +110,7 @@ class SliderCrank:
 
 
 def slider_position(angle: np.ndarray) -> np.ndarray:
-    """Where a rigid rod puts the slider's pin for crank angles from the slider's path, m."""
+    """Position of the slider's pin with a rigid rod, for crank angles from the slider's path, m."""
     return CRANK_RADIUS * np.cos(angle) + np.sqrt(ROD.length**2 - (CRANK_RADIUS * np.sin(angle)) ** 2)
 
 

@@ -49,12 +49,12 @@ ADAPTIVE = AdaptiveStep(first=1e-6, largest=1e-2, tolerance=1e-6)
 NEWTON = Tolerances(residual=1e-12)
 """Far below what bodies differ by: with 1e-8 the whole bases stop at 7e-9 m, whatever their size."""
 APART = 0.01
-"""Two runs are apart when node A differs by this part of the machine's size."""
+"""Two runs have diverged when node A differs by this fraction of the machine's size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Separation:
-    """How two runs of one body with other steps part: distance of node A over time, and when they are apart.
+    """Divergence of two runs with different steps: distance of node A over time, and time of divergence.
 
     coarse, fine : the steps, in words     time : s, from which on the distance is above 1 % of the machine's
         size, or None     statistics : of both
@@ -70,7 +70,7 @@ class Separation:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All that is known so far."""
+    """The results so far."""
 
     machine: FlexibleMachine
     reference: MachineRun
@@ -79,7 +79,7 @@ class Study:
 
     @property
     def compared_until(self) -> float:
-        """The time up to which motions are compared: when chaos takes over, or the end."""
+        """The time up to which motions are compared: the start of chaotic motion, or the end."""
         apart = [each.time for each in self.separations if each.time is not None]
         return min(apart, default=float(self.reference.point.times[-1]))
 
@@ -91,7 +91,7 @@ class Study:
 def run_study(
     machine: FlexibleMachine, folder: Path, announce: Announce, tolerances: tuple[float, ...]
 ) -> Iterator[Study]:
-    """Run the machine in every variant; yields all that is known after each run.
+    """Run the machine in every variant; yields the results so far after each run.
 
     Every motion is kept in `folder`; a study that was cut off goes on from there.
     """
@@ -120,7 +120,7 @@ def run_study(
 def _recipes(
     machine: FlexibleMachine, tolerances: tuple[float, ...]
 ) -> Iterator[tuple[Variant, float | None, LinearBasisRecipe]]:
-    """The bases known beforehand; that of a whole basis is as large as its tolerance turned out to need."""
+    """The bases known beforehand; that of a whole basis has the size required by its tolerance."""
     yield Variant.EXACT_MODES, None, NormalModes(machine.n_modes)
     for tolerance in tolerances:
         modal = ErrorControlled(tolerance, machine.n_modes)
@@ -162,7 +162,7 @@ class _Runner:
         body: FullBody | ReducedBody,
         offline_seconds: float = 0.0,
     ) -> MachineRun:
-        """The machine with its body in a given variant, and all that is compared of the motion."""
+        """The machine with its body in a given variant, and the quantities compared."""
         system = self.machine.system(body)
         solution = self.simulate(system, body, _words(variant, tolerance), FixedStep(self.machine.step))
         shape = deformation(body, solution)
@@ -182,14 +182,14 @@ class _Runner:
     def simulate(
         self, system: System, body: FullBody | ReducedBody, label: str, step: StepControl
     ) -> Solution:
-        """The motion with given steps, from disk where it is there."""
+        """The motion with given steps, read from disk if present."""
         run = Run(self.machine.duration, self.machine.output_step, step=step, tolerances=NEWTON)
         name = self.file_name(f"{label} {_step_words(step)}")
         case = f"{name}, {body.n_coordinates} coordinates, {step}, {NEWTON}"
         return simulate_recorded(system, run, self.folder / name, case=case, progress=self.announce(label))
 
     def file_name(self, label: str) -> str:
-        """Of what belongs to the machine's body as it is: its matrices are part of the name."""
+        """Name of a file for the machine's current body: its matrices determine part of the name."""
         name = f"{self.machine.label}_{self.fingerprint}_{label}"
         return "".join(c if c.isalnum() or c in "-_." else "_" for c in name) + ".h5"
 
@@ -203,7 +203,7 @@ class _Runner:
         return digest.hexdigest()[:8]
 
     def separation(self, run: MachineRun, coarse: StepControl, fine: StepControl) -> Separation:
-        """How the run's body moves with two kinds of steps, and when the two motions are apart."""
+        """Motion of the run's body with two kinds of steps, and the time at which the two motions diverge."""
         label = _words(run.variant, run.tolerance)
         solutions = [
             run.solution

@@ -22,7 +22,7 @@ def lateral_buckling_load(weak_bending, strong_bending, torsion, length):
 
 
 def warped_buckling_load(weak_bending, torsion, warping, length):
-    """Critical tip force where the root holds the section's warping.
+    """Critical tip force if warping is prevented at the root.
 
     E Gamma phi'''' = G J phi'' + P^2 / B (L - x)^2 phi,  phi = phi' = 0 at the root, no moments at the tip.
     Source: V. Z. Vlasov, Thin-walled elastic beams (1961).

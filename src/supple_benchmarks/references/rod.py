@@ -57,7 +57,7 @@ class Rod:
         return -place, turn
 
     def tip_followed(self, force: ArrayLike) -> tuple[Array, Array]:
-        """Place and rotation of the tip under a force that turns with it, which needs no shooting."""
+        """Place and rotation of the tip under a follower force, which needs no shooting."""
         place, turn = self._shot(np.eye(3), np.asarray(force, dtype=float))
         return -turn.T @ place, turn.T
 

@@ -63,7 +63,7 @@ def clamped_frequencies(beam: Beam, steps: ArrayLike, grid: ArrayLike) -> Array:
 
 
 def bent_tip(stiffness: Array, length: float, force: ArrayLike) -> Array:
-    """Displacement and rotation vector (6,) of the tip of a straight uniform beam along z, bent by any angle.
+    """Displacement and rotation vector (6,) of the tip of a straight uniform beam along z, for any bending.
 
     The rotation of the tip under a dead force F there is shot for, from the tip to the clamp:
 

@@ -63,7 +63,7 @@ class Beam:
 
     @property
     def free(self):
-        """Which nodes move (N,)."""
+        """Whether each node is free (N,)."""
         return np.arange(len(self.positions)) > 0
 
     @property
@@ -176,7 +176,7 @@ def energies(beam, x, R, v):
 
 
 def turning(c):
-    """What increments of displacements and Rodrigues vectors c move, and turn in section axes: (N, 6, 6)."""
+    """Map of increments of displacements and Rodrigues vectors c to motions in section axes: (N, 6, 6)."""
     T = (jnp.eye(3) - jnp.cross(jnp.eye(3), c[:, None]) / 2) / (1 + (c * c).sum(-1) / 4)[:, None, None]
     return jnp.tile(jnp.eye(6), (len(c), 1, 1)).at[:, 3:, 3:].set(T)
 

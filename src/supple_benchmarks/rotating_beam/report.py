@@ -1,4 +1,4 @@
-"""The rotating beam's numbers: the JSON report, the tables beside the paper's."""
+"""The rotating beam's numbers: the JSON report, the tables with the paper's values."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PUBLISHED_RMS = {"nodal-fixed": 1.5e-4, "mean-axis": 2e-5}
 
 
 def _frame_of_record(run: BeamRun, omega: float) -> FullRun:
-    """The full run that stands for the motion: nodal-fixed, as in the literature, Green-Lagrange."""
+    """The full run used as reference: nodal-fixed, as in the literature, Green-Lagrange."""
     candidates = [full for full in run.full if full.omega == omega]
     return max(
         candidates, key=lambda full: (full.kinematics == "green-lagrange", full.frame == "nodal-fixed")
@@ -34,7 +34,7 @@ def _frame_of_record(run: BeamRun, omega: float) -> FullRun:
 
 
 def _parting(tip: TipMotion, exact: ExactTip) -> dict[str, Any]:
-    """How far a tip leaves the exact beam's over the whole run, and when it passes 1 % of the peak.
+    """Largest distance of a tip from the exact beam's, and the time at which it exceeds 1 % of the peak.
 
     The keys at the same step compare with the exact beam at the model's own step, which has the same error in
     time: what remains is of the model.
@@ -68,7 +68,7 @@ def _tip_numbers(tip: TipMotion, steady_from: float) -> dict[str, float]:
 
 
 def report(run: BeamRun) -> dict[str, Any]:
-    """Everything measured, ready for JSON; the keys `tip`, `roms`, `full` and `machine` are a contract."""
+    """All measurements, ready for JSON; the keys `tip`, `roms`, `full` and `machine` must not change."""
     steady = run.problem.steady_from
     speeds = [omega for omega in run.problem.speeds if any(full.omega == omega for full in run.full)]
     return {
@@ -180,7 +180,7 @@ def tables(run: BeamRun) -> list[Table]:
         ),
         (
             "Largest RMS error against the full model in the same frame" + note,
-            ["rad/s", "model", "columns", "RMS, m", "paper", "s", "faster"],
+            ["rad/s", "model", "columns", "RMS, m", "paper", "s", "speed-up"],
             errors,
         ),
     ]

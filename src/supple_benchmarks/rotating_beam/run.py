@@ -62,7 +62,7 @@ class FullRun:
 
 @dataclass(frozen=True)
 class ReducedRun:
-    """One reduced simulation beside its full one; `failed_at` is the time at which it broke off, or None."""
+    """One reduced simulation and its full one; `failed_at` is the time of an early end, or None."""
 
     full: FullRun
     basis: str
@@ -98,7 +98,7 @@ class BeamRun:
 
 
 def run_rotating_beam(problem: RotatingBeam, announce: Announce) -> Iterator[BeamRun]:
-    """Run the benchmark; yields everything known after each simulation, so that nothing computed is lost."""
+    """Run the benchmark; yields the results so far after each simulation."""
     exact: dict[float, ExactTip] = {}
     full: list[FullRun] = []
     reduced: list[ReducedRun] = []

@@ -1,4 +1,4 @@
-"""The motion of the tip seen from the root, and how far two of them are apart over a whole run."""
+"""The motion of the tip relative to the root, and the largest difference of two such motions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TipMotion:
-    """Tip displacement seen from axes that turn with the root, (51): axial `u`, transverse `v`, (t,) each."""
+    """Tip displacement in axes that rotate with the root, (51): axial `u`, transverse `v`, (t,) each."""
 
     times: Array
     u: Array
@@ -35,6 +35,6 @@ class TipMotion:
 
 
 def apart(one: TipMotion, other: TipMotion) -> Array:
-    """Distance (t,) between two tips at every instant that both have reached."""
+    """Distance (t,) between two tips at every time that both runs cover."""
     n = min(len(one.times), len(other.times))
     return np.hypot(one.u[:n] - other.u[:n], one.v[:n] - other.v[:n])

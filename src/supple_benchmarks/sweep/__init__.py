@@ -1,1 +1,1 @@
-"""The benchmark of sweeps: throughput a core, digits against single runs, memory, time to read a column."""
+"""Benchmark of sweeps: throughput per core, agreement with single runs, memory, time to read a column."""

@@ -1,4 +1,4 @@
-"""The reduced bodies and the certificate of a sweep, made once for all folders that run the same cases."""
+"""The reduced bodies and the certificate of a sweep, computed once for all folders with the same cases."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _KEPT = ("bodies", "certificates")
 
 
 def make_certificate(plan: SweepPlan, folder: Path) -> float:
-    """Reduce the bodies of a sweep of one group and certify them, in a process of their own: seconds."""
+    """Reduce the bodies of a sweep of one group and certify them, in a separate process: seconds."""
     shutil.rmtree(folder, ignore_errors=True)
     plan_sweep(plan, folder)
     began = perf_counter()
@@ -30,7 +30,7 @@ def _certify(folder: str) -> None:
 
 
 def plan_with_certificate(plan: SweepPlan, folder: Path, certified: Path) -> None:
-    """Plan a sweep in an empty folder, with what `make_certificate` left in another."""
+    """Plan a sweep in an empty folder, with the results of `make_certificate` in another folder."""
     plan_sweep(plan, folder)
     for name in _KEPT:
         shutil.copytree(certified / name, folder / name)

@@ -1,4 +1,4 @@
-"""Derivatives of a case of a sweep, carried along its run, against differences of runs."""
+"""Derivatives of a case of a sweep, propagated along its run, against differences of runs."""
 
 from __future__ import annotations
 

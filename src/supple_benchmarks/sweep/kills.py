@@ -1,4 +1,4 @@
-"""Kills of a running sweep: of a worker, of the command, and a part that is cut off; what they cost."""
+"""Kills of a running sweep: of a worker, of the command, and a truncated part; number of repeated cases."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Stamp = tuple[int, int]
 
 
 def killed_sweep(case: Path, table: CaseTable, folder: Path, certified: Path) -> dict[str, int | list[str]]:
-    """Run a sweep by its command, kill it in three ways, and count the cases that this costs.
+    """Run a sweep by its command, kill it in three ways, and count the repeated cases.
 
     The worker is killed within its first share, and the command goes on. The command is killed with all its
     processes once two shares are done, one of which is then cut off. The same command does the rest.
@@ -79,7 +79,7 @@ def killed_sweep(case: Path, table: CaseTable, folder: Path, certified: Path) ->
 
 
 def _sweep_file(case: Path, table: CaseTable, folder: Path) -> Path:
-    """The file of the sweep of a table, beside that."""
+    """The sweep file of a table, in the same folder."""
     folder.mkdir(parents=True)
     rows = [",".join(table.columns), *(_line(table.row(number).values()) for number in range(len(table)))]
     (folder / "cases.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
@@ -96,7 +96,7 @@ def _line(values: Iterable[object]) -> str:
 
 
 def _started(file: Path, results: Path) -> subprocess.Popen[bytes]:
-    """The command, with all its processes in a group of their own."""
+    """The command, with its processes in one process group."""
     words = ("-m", "supple", "sweep", str(file), "-o", str(results), "--workers", "1")
     return subprocess.Popen(
         python_command(*words),
@@ -108,13 +108,13 @@ def _started(file: Path, results: Path) -> subprocess.Popen[bytes]:
 
 
 def _worker_of(results: Path) -> int | None:
-    """The process that is at a share, by the mark of its attempt."""
+    """The process that computes a share, by the mark of its attempt."""
     marks = sorted((results / "attempts").glob("*.json"))
     return int(marks[0].stem.split("-")[-2]) if marks else None
 
 
 def _awaited(command: subprocess.Popen[bytes], found: Callable[[], _Found | None]) -> _Found:
-    """What is found before the command ends."""
+    """The first result of a search while the command runs."""
     until = time.monotonic() + _MOST_SECONDS
     while not (own := found()):
         if command.poll() is not None or time.monotonic() > until:
@@ -124,7 +124,7 @@ def _awaited(command: subprocess.Popen[bytes], found: Callable[[], _Found | None
 
 
 def _stamps(results: Path) -> dict[int, Stamp]:
-    """Of the whole parts, by share."""
+    """Time stamps of the complete parts, by share."""
     plan = read_plan(results)
     paths = {share: part_path(results, share) for share in range(plan.n_shares)}
     whole = {share: path.stat() for share, path in paths.items() if is_whole(path)}

@@ -15,7 +15,7 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark, its report in the folder unless a file is named; details beside, `details.json`."""
+    """Run the benchmark; write its report to the folder or a named file, and details to `details.json`."""
     details: dict[str, Any] = {}
 
     def contract(started: StudyBar) -> Iterator[dict[str, Any]]:
@@ -29,7 +29,7 @@ def perform(quick: bool, json: Path | None, folder: Path) -> None:
 
 def _tables(report: Mapping[str, Any]) -> Iterator[Table]:
     rows = [[name, _cell(value)] for name, value in _flat(report) if name != "machine"]
-    yield "Sweep of a flexible arm", ["what", "value"], rows
+    yield "Sweep of a flexible arm", ["quantity", "value"], rows
 
 
 def _flat(report: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

@@ -52,7 +52,7 @@ CONTRACT = (
     "allowed",
     "run_again",
 )
-"""Keys of the report; what is measured besides is among its details."""
+"""Keys of the report; further measurements are in its details."""
 QUICK_CASES = 64
 _EXPONENT = 4.0
 _OUTPUT = {"keep": [0], "fatigue": {"exponents": [_EXPONENT]}, "cases_per_share": 16}
@@ -61,7 +61,7 @@ _OUTPUT = {"keep": [0], "fatigue": {"exponents": [_EXPONENT]}, "cases_per_share"
 def run_benchmark(
     quick: bool, folder: Path, announce: Announce
 ) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
-    """The report of the contract and details, ready for JSON, after every measurement."""
+    """The report and its details, ready for JSON, after every measurement."""
     n, duration = (QUICK_CASES, 0.15) if quick else (1880, 10.0)
     case, table, cores = arm_case(folder, duration), arm_table(n), available_cores()
     plan = make_plan(case, table, SweepOutput.model_validate(_OUTPUT))
@@ -112,7 +112,7 @@ def run_benchmark(
 
 
 def _estimates(folder: Path, status: SweepStatus) -> dict[str, Any]:
-    """Largest estimated error and the smallest that a case is allowed, m; cases that ran again."""
+    """Largest estimated error and smallest allowed error of a case, m; number of repeated cases."""
     allowed = SweepColumns(folder).of_cases("allowed_error")
     return {
         "largest_estimate": status.errors.largest,

@@ -77,7 +77,7 @@ def arm_case(folder: Path, duration: float) -> Path:
 
 
 def arm_table(n: int) -> CaseTable:
-    """So many cases of speed, rad/s, and of load, N."""
+    """A given number of cases of speed, rad/s, and load, N."""
     return CaseTable(
         {
             "joint.shaft.law.speed": np.linspace(1.0, 6.0, n).tolist(),

@@ -1,1 +1,1 @@
-"""Is the stated error the true error? Runs that correct themselves, beside full runs they have never seen."""
+"""Estimated against true errors: self-correcting runs, compared with full runs that they do not use."""

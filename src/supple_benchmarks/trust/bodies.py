@@ -40,7 +40,7 @@ FACES = (RigidInterface("root", "x_min"), RigidInterface("tip", "x_max"))
 def framed(
     body: FlexibleBody, *, mean_axes: bool = False, damping: RayleighDamping | ModalDamping | None = None
 ) -> FullBody:
-    """In full, seen from its root or from its mean axes."""
+    """A full body, in a frame on its root or in mean axes."""
     return FullBody(body, MeanAxisFrame() if mean_axes else NodalFixedFrame("root"), damping)
 
 
@@ -52,14 +52,14 @@ def shell_strip(length: float = 1.0, n_length: int = 6, name: str = "body") -> F
 
 
 def plate() -> FlexibleBody:
-    """1 m by 0.8 m, 2 cm thick, held along an edge."""
+    """1 m by 0.8 m, 2 cm thick, clamped along an edge."""
     return flexible_body(
         "body", shell_model(strip(1.0, 0.8, 5, 4), HomogeneousSection(RUBBER, 0.02)), ENDS[:1]
     )
 
 
 def laminate() -> FlexibleBody:
-    """A strip of two unlike layers: it bends where it is stretched, and twists where it bends."""
+    """A strip of two different layers, with coupling of extension and bending, and of bending and torsion."""
     stiff, soft, thickness = 3e9, 5e8, 0.005
     A = np.diag([stiff + soft, soft, soft / 2]) * thickness
     B = np.diag([soft - stiff, 0.0, 0.0]) * thickness**2 / 2
@@ -78,7 +78,7 @@ def solid_bar() -> FlexibleBody:
 
 
 def beam(length: float = 1.0, n: int = 10, name: str = "body", side: float = 0.02) -> FlexibleBody:
-    """Of line elements, a square of a side."""
+    """Beam elements with a square section of given side."""
     nodes = np.linspace(0.0, length, n + 1)[:, None] * np.eye(3)[0]
     cells = np.column_stack([np.arange(n), np.arange(1, n + 1)])
     mesh = Mesh(nodes, {CellType.LINE2: cells}, {"root": np.array([0]), "tip": np.array([n])})
@@ -90,11 +90,11 @@ def beam(length: float = 1.0, n: int = 10, name: str = "body", side: float = 0.0
 
 
 def rod(length: float, name: str, n: int = 5) -> FlexibleBody:
-    """Of line elements, a link of a machine."""
+    """Beam elements of a link of a machine."""
     return beam(length, n, name, side=0.03)
 
 
 def tube() -> FlexibleBody:
-    """A thin cylinder, its ends held round."""
+    """A thin cylinder, its ends kept circular."""
     mesh = cylinder_shell(0.05, 1.0, 5, 6)
     return flexible_body("body", shell_model(mesh, HomogeneousSection(RUBBER, 0.002)), FACES)

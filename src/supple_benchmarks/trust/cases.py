@@ -61,14 +61,14 @@ def _slowly(size: float, rise: float) -> Callable[[Any], Any]:
 
 
 def _hinged(mean_axes: bool = False, damping: Any = None) -> System:
-    """A strip let go on a hinge, level."""
+    """A strip on a hinge, released from the horizontal."""
     body = framed(shell_strip(), mean_axes=mean_axes, damping=damping)
     hinge = Revolute(name="hinge", first=GROUND, second=At("body", "root"), axis=(0, 1, 0))
     return System((Placed(body),), (hinge,), gravity=np.array([0.0, 0.0, -9.81]))
 
 
 def _caught() -> System:
-    """A strip on a hinge whose tip hangs on a spring."""
+    """A strip on a hinge, its tip suspended by a spring."""
     hinged = _hinged()
     spring = SpringDamper(
         first=GROUND,
@@ -81,7 +81,7 @@ def _caught() -> System:
 
 
 def _slider_crank() -> System:
-    """A flexible crank turned up to 6 rad/s, a flexible rod, and its end on a rail."""
+    """A flexible crank driven up to 6 rad/s, a flexible rod, and its end on a rail."""
     crank, link = framed(rod(0.3, "crank")), framed(rod(0.8, "rod", 6))
     joints = (
         PrescribedRotation(
@@ -101,7 +101,7 @@ def _slider_crank() -> System:
 
 
 def _two_links(free: bool = False) -> System:
-    """An arm of two strips: the shoulder is turned, the elbow swings."""
+    """An arm of two strips: the shoulder is driven, the elbow is free."""
     upper, lower = framed(shell_strip(0.5, 4, "upper")), framed(shell_strip(0.4, 4, "lower"))
     shoulder = (
         Revolute(name="shoulder", first=GROUND, second=At("upper", "root"), axis=(0, 1, 0))
@@ -122,7 +122,7 @@ def _two_links(free: bool = False) -> System:
 
 
 def _four_bar() -> System:
-    """A closed loop: a crank turned to 4 rad/s, a coupler and a rocker."""
+    """A closed loop: a crank driven to 4 rad/s, a coupler and a rocker."""
     crank, coupler = framed(rod(0.3, "crank", 4)), framed(rod(0.9, "coupler", 6))
     rocker = framed(rod(0.6, "rocker", 5))
     # Crank along x; coupler from (0.3, 0) to B, rocker from (1, 0) to B, in the x-z plane.
@@ -157,7 +157,7 @@ def _meeting(first: np.ndarray, one: float, second: np.ndarray, other: float) ->
 
 
 def _tumbling(angular_velocity: list[float], mean_axes: bool = True) -> System:
-    """A beam that flies and turns, pushed at its end: turning alone it would ring along its axis only."""
+    """A flying, rotating beam, pushed at its end: pure rotation would excite only axial vibrations."""
     placed = Placed(framed(beam(), mean_axes=mean_axes), angular_velocity=np.array(angular_velocity))
     return System((placed,), loads=(pushed(blow(2.0, 0.05, 0.1)),))
 
@@ -165,7 +165,7 @@ def _tumbling(angular_velocity: list[float], mean_axes: bool = True) -> System:
 def _of(
     body: Callable[[], Any], *loads: Any, damping: Any = None, mean_axes: bool = False
 ) -> Callable[[], System]:
-    """Makes the machine of one clamped body when it is asked for."""
+    """Function that creates the machine of one clamped body."""
     return lambda: alone(framed(body(), damping=damping, mean_axes=mean_axes), *loads)
 
 

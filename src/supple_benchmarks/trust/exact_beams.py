@@ -1,4 +1,4 @@
-"""The sum of all parts, that of the model among them, beside beams that know neither frames nor small turns.
+"""The sum of all error parts, including the model's, against beams without frames or small rotations.
 
 A full run of the same elements in the same frame cannot show what the kinematics of the model cost. A
 geometrically exact beam of another formulation can: strips that are slender and have Poisson's ratio zero are
@@ -53,12 +53,12 @@ class ExactBeamCase:
 
     @property
     def file_name(self) -> str:
-        """Of its record."""
+        """Name of the file of its record."""
         return re.sub(r"\W+", "-", self.name)
 
 
 def judge_by_exact_beam(case: ExactBeamCase, told: Progress) -> dict[str, Any]:
-    """What is stated of the tip of a body of a fixed size, and how far it is from the exact beam's."""
+    """Estimated error of the tip of a body of fixed size, and its distance from the exact beam's tip."""
     full, system_of, derivatives, run, tip = case.made()
     body: ReducedBody = reduce(
         full.body, full.frame, CraigBampton(n_modes=10), derivatives=derivatives, loads=NoLoads
@@ -94,7 +94,7 @@ STEP, HALF, FINER = 0.01, 2, 4
 
 
 def _bent(force: float, push: float, frame: str) -> ExactBeamCase:
-    """A cantilever pushed far by a force that comes and goes."""
+    """A cantilever strongly bent by a transient force."""
 
     def forces(step: float) -> tuple[Array, Array]:
         times: Array = step * np.arange(round(1.2 * push / step) + 1, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""One case judged: its rounds against full runs with the same steps, its sum against one with h/8.
+"""Assessment of one case: its rounds against full runs with the same steps, its sum against a run with h/8.
 
 All of them are solved to a hundredth of the run's tolerance.
 """
@@ -40,7 +40,7 @@ TIGHT = 1e-2
 
 
 def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[str, Any]:
-    """The record of a case; its full runs are kept in the folder and read where they are there."""
+    """The record of a case; its full runs are stored in the folder, and read if present."""
     system, rounds = case.system(), []
     began = perf_counter()
     start = ReductionStart(case.target, case.basis, case.derivatives)
@@ -83,7 +83,7 @@ def judge(case: TrustCase, folder: Path, told: Callable[[float], None]) -> dict[
 
 
 def _cost(system: System, corrected: CorrectedSystem, run: Run) -> dict[str, Any]:
-    """Processor time of the accepted run and of the estimate of what its bases cost, compiled before both.
+    """Processor time of the accepted run and of its basis error estimate, without compilation.
 
     Of the estimate a part goes into factorisations of the system in full: as many are timed by themselves.
     """
@@ -111,7 +111,7 @@ def _fulls(system: System) -> dict[str, Any]:
 
 
 def _worst(reduced: System, solution: Solution, system: System, exact: Solution) -> dict[str, Any]:
-    """Of the body that is worst against what it is allowed: its parts, and its error with all of them."""
+    """Error parts and total error of the body with the largest ratio to its allowed error."""
 
     def true(name: str) -> float:
         return quantity_distance(WholeBody(name), reduced, solution, system, exact)
@@ -146,7 +146,7 @@ def _round_record(each: Round, system: System, full_runs: _FullRuns) -> dict[str
 
 
 class _FullRuns:
-    """Full runs of a case, kept on disk by their steps and tolerances."""
+    """Full runs of a case, stored on disk by their steps and tolerances."""
 
     def __init__(self, case: TrustCase, system: System, folder: Path) -> None:
         self.case = case
@@ -155,7 +155,7 @@ class _FullRuns:
         self._known: dict[str, Solution] = {}
 
     def at(self, run: Run) -> Solution:
-        """The full run, read or made."""
+        """The full run, read from disk or computed."""
         step = run.step_control
         key = f"{step.first!r}-{run.tolerances.residual!r}"
         if key not in self._known:

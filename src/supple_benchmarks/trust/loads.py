@@ -1,4 +1,4 @@
-"""Loads and drives over time: impulses, blows, chirps, loads that move, loads in step with the outputs."""
+"""Loads and drives over time: impulses, chirps, moving loads, loads synchronous with the outputs."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 def clamped(body: str = "body") -> Joint:
-    """The root held by the ground."""
+    """The root fixed to the ground."""
     return Fixed(name="wall", first=GROUND, second=At(body, "root"))
 
 
 def driven(angle: Over, axis: tuple[float, float, float] = (0, -1, 0), body: str = "body") -> Joint:
-    """The root turned by an angle over time."""
+    """The root rotated by an angle over time."""
     return PrescribedRotation(name="hinge", first=GROUND, second=At(body, "root"), axis=axis, angle=angle)
 
 
@@ -47,7 +47,7 @@ def spin(speed: float, rise: float) -> Over:
 
 
 def blow(size: float, at: float, length: float) -> Over:
-    """A sine squared that lasts a moment."""
+    """A short pulse of sine-squared shape."""
 
     def value(t: Any) -> Any:
         s = (t - at) / length
@@ -63,7 +63,7 @@ def chirp(size: float, low: float, high: float, duration: float) -> Over:
 
 
 def every(size: float, period: float, length: float) -> Over:
-    """A short blow in the middle of every period."""
+    """A short pulse in the middle of every period."""
 
     def value(t: Any) -> Any:
         s = (jnp.mod(t, period) - (period - length) / 2) / length
@@ -73,22 +73,22 @@ def every(size: float, period: float, length: float) -> Over:
 
 
 def pushed(over: Over, direction: np.ndarray = UP) -> DeadForce:
-    """The tip, by a force that keeps its direction."""
+    """A force of constant direction at the tip."""
     return DeadForce(body="body", at="tip", force=lambda t: over(t) * direction)
 
 
 def struck(node: int, over: Over, direction: np.ndarray = UP) -> DeadForce:
-    """One node, by a force that keeps its direction."""
+    """A force of constant direction at one node."""
     return DeadForce(body="body", at=[node], force=lambda t: over(t) * direction)
 
 
 def following(over: Over, direction: np.ndarray = UP) -> FollowerForce:
-    """The tip, by a force that turns with it."""
+    """A follower force at the tip."""
     return FollowerForce(first=At("body", "tip"), force=lambda t: over(t) * direction)
 
 
 def moving_force(nodes: list[int], places: np.ndarray, size: float, speed: float) -> DeadForce:
-    """A force that travels over nodes along a line, shared by those it is between."""
+    """A force that travels over nodes along a line, shared by the two adjacent nodes."""
     width = float(np.diff(places).max())
 
     def force(t: Any) -> Any:
@@ -99,6 +99,6 @@ def moving_force(nodes: list[int], places: np.ndarray, size: float, speed: float
 
 
 def alone(body: Any, *loads: Any, joints: tuple[Joint, ...] | None = None, **start: Any) -> System:
-    """One body, clamped unless said otherwise."""
+    """A machine of one body, clamped by default."""
     held = (clamped(),) if joints is None else joints
     return System((Placed(body, **start),), held, loads=tuple(loads))

@@ -12,6 +12,6 @@ __all__ = ["perform"]
 
 
 def perform(quick: bool, json: Path | None, folder: Path) -> None:
-    """Run the benchmark; finished cases are kept in the folder and read again."""
+    """Run the benchmark; finished cases are stored in the folder and read again."""
     target = json or folder / "report.json"
     keep_report(target, lambda started: run_trust(quick, folder, started), tables)

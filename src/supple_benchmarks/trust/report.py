@@ -12,7 +12,7 @@ __all__ = ["tables"]
 
 
 def tables(report: Mapping[str, Any]) -> list[Table]:
-    """Cases, and what they come to."""
+    """Tables of the cases and their totals."""
     heads = (
         *("body", "freedoms", "coordinates", "estimated / true", "sum", "true", "allowed"),
         *PARTS,
@@ -48,9 +48,9 @@ def tables(report: Mapping[str, Any]) -> list[Table]:
         for each in report["exact_beams"]
     ]
     return [
-        ("Runs that correct themselves, against full runs", list(heads), rows),
-        ("Beside exact beams", ["beam", "coordinates", *PARTS, "sum", "true"], beams),
-        ("What they come to", ["motion", "value"], shares),
+        ("Self-correcting runs against full runs", list(heads), rows),
+        ("Fixed bases against exact beams", ["beam", "coordinates", *PARTS, "sum", "true"], beams),
+        ("Totals", ["quantity", "value"], shares),
     ]
 
 

@@ -1,4 +1,4 @@
-"""The trust benchmark, case by case, and what its rounds and acceptances come to."""
+"""The trust benchmark, case by case, and statistics of its rounds and acceptances."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OVER = 1.1
 
 
 def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[str, Any]]:
-    """The report, ready for JSON, after every case; its keys are a contract.
+    """The report, ready for JSON, after every case; its keys must not change.
 
     folder : full runs and finished cases are kept there, and read by the next run
     """
@@ -43,7 +43,7 @@ def run_trust(quick: bool, folder: Path, announce: Announce) -> Iterator[dict[st
 
 
 def _kept_or(path: Path, told: Progress, judged: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """A record that is there already, or made and kept."""
+    """A record read from disk, or computed and stored."""
     told(0.0)
     if path.exists():
         record = json.loads(path.read_text(encoding="utf-8"))

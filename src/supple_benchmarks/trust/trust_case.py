@@ -1,4 +1,4 @@
-"""One case of the trust benchmark: a machine of full bodies, its run, and the error that is asked for."""
+"""One case of the trust benchmark: a machine of full bodies, its run, and the allowed error."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["TrustCase"]
 
 @dataclass(frozen=True, eq=False)
 class TrustCase:
-    """A machine that corrects itself.
+    """A machine reduced by self-correction.
 
     name : str              in the report
     system : function       makes the machine, all bodies to be reduced in full
@@ -41,16 +41,16 @@ class TrustCase:
 
     @property
     def file_name(self) -> str:
-        """Of its record and its full runs."""
+        """Name of the files of its record and its full runs."""
         return re.sub(r"\W+", "-", self.name)
 
     @property
     def run(self) -> Run:
-        """The run that is asked for; its step is cut where that is too long."""
+        """The requested run; its step is reduced if too long."""
         output_step = self.duration / self.n_outputs
         return Run(self.duration, output_step, step=self.step or FixedStep(output_step))
 
     @property
     def target(self) -> SelfCorrection:
-        """The error to reach, of the sum of all parts."""
+        """The allowed error of the sum of all parts."""
         return SelfCorrection(relative=self.accuracy, max_rounds=10)

@@ -1,4 +1,4 @@
-"""Damping asked of the modes of a strip that is held at its root, in mean axes: resonance and decay.
+"""Damping ratios of the modes of a strip clamped at its root, in mean axes: resonance and decay.
 
 A mode of ratio zeta that is shaken at its frequency moves by 1 / (2 zeta) times as much as by a slow force of
 the same shape.
@@ -91,7 +91,7 @@ def _resonance() -> list[Comparison]:
     still = state_space(undamped, inputs=[port], outputs=[port])
     near = first * (1 + np.linspace(-0.01, 0.01, 201))
     largest = float(abs(frequency_response(space, near).transfer[:, 0, 0]).max())
-    # Its own share of the response: residue of the undamped pole, 1 / (w1^2 - w^2) beside the others.
+    # Contribution of the mode itself: residue of the undamped pole, 1 / (w1^2 - w^2) beside the others.
     close = first * (1 - 1e-4)
     residue = float(frequency_response(still, [close]).transfer[0, 0, 0].real) * (first**2 - close**2)
     expected = residue / first**2 / (2 * RATIO * np.sqrt(1 - RATIO**2))

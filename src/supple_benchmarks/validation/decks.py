@@ -1,4 +1,4 @@
-"""Bodies of decks: masses, springs and ties within them, beside closed forms."""
+"""Bodies of decks: masses, springs and ties within them, against closed forms."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def _spring_at_the_tip() -> tuple[Comparison, ...]:
 
 
 def _turned(body: FlexibleBody, nodes: NDArray[np.float64], tied: NDArray[np.int64], phi: float) -> float:
-    """Strain energy of a rotation of all by phi about x, the tie where the elements beside it want it."""
+    """Strain energy under a rotation by phi about x, with the tie in equilibrium with its elements."""
     turn = Rotation.from_rotvec([phi, 0.0, 0.0]).as_matrix() - np.eye(3)
     free = np.setdiff1d(np.arange(len(nodes)), tied)
     place = turn @ nodes[tied[-1]]

@@ -189,7 +189,7 @@ def bus_and_panels() -> Sequence[Comparison]:
 
 
 def slider_crank() -> Sequence[Comparison]:
-    """The crank stands upright; a motor turns it, and no velocity is given."""
+    """The crank is upright; a motor drives it, and no initial velocity is given."""
     radius = 0.2
     pins = {"hub": np.zeros(3), "pin": radius * UP}
     crank = RigidBody("crank", 1.0, radius / 2 * UP, 0.1 * np.eye(3), pins)

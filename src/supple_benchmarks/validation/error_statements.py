@@ -1,4 +1,4 @@
-"""Stated errors beside true ones: small reduced runs with what is said of their error, against full runs.
+"""Estimated and true errors: small reduced runs and their estimates, compared with full runs.
 
 The reference is the distance to a run of all coordinates, by another engine (sparse Newton of the whole
 system), with the same steps: exact for the part of the basis. Of the step it is a closed form.
@@ -27,7 +27,7 @@ from supple_benchmarks.validation.validation_case import Comparison, ValidationC
 __all__ = ["CASES"]
 
 BAND = 0.4
-"""A stated error may be so much off the true one: what tells a user the right order is good."""
+"""Allowed deviation of an estimated error from the true one: the order of magnitude must be right."""
 FULL_RUN = "run of all coordinates with the same steps"
 
 _MODEL = shell_model(strip(1.0, 0.1, 4, 2), HomogeneousSection(Isotropic(1e9, 0.3, 1000.0), 0.01))
@@ -48,7 +48,7 @@ def _pushed(body: FullBody, force: tuple[float, float, float], rise: float) -> S
 def _corrected(
     system: System, run: Run, start: ReductionStart, quantities: tuple[QuantityOfInterest, ...]
 ) -> list[Comparison]:
-    """Basis parts of an accepted run beside the distances to the full run."""
+    """Basis errors of an accepted run and the differences from the full run."""
     study = ErrorStudy(integration=False, model=False, quantities=quantities)
     corrected = self_correct(system, run, start, study=study)
     reference = simulate(system, run)

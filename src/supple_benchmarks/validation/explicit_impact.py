@@ -103,7 +103,7 @@ def _front() -> Sequence[Comparison]:
 
 
 def _taylor() -> Sequence[Comparison]:
-    """Copper at 227 m/s on a rigid wall, 80 us; the published values themselves are 1 and 2.5 % apart."""
+    """Copper at 227 m/s on a rigid wall, 80 us; the published values differ by 1 and 2.5 %."""
     length, radius, _ = taylor_bar_end(3, 2, 27)
     return (
         Comparison("final length, m", length, 21.46e-3, _TAYLOR, 0.015),

@@ -42,7 +42,7 @@ def _angles(solution, name: str) -> FloatArray:
 
 
 def _pendulum() -> Sequence[Comparison]:
-    """A rod let go from the horizontal is upright after K(1/sqrt 2) sqrt(2 L / 3 g)."""
+    """A rod released from the horizontal is vertical after K(1/sqrt 2) sqrt(2 L / 3 g)."""
     quarter = float(ellipk(0.5) * np.sqrt(2 / 3 / G))
     system = System(
         [_rod("rod")],
@@ -61,7 +61,7 @@ def _pendulum() -> Sequence[Comparison]:
 
 
 def _double_pendulum() -> Sequence[Comparison]:
-    """Two rods from the horizontal beside their equations of motion, integrated to 1e-12 by scipy."""
+    """Two rods released from the horizontal, against their equations, integrated to 1e-12 by scipy."""
     system = System(
         [_rod("one"), Placed(_rod("two"), position=np.array([1.0, 0.0, 0.0]))],
         joints=[

@@ -1,4 +1,4 @@
-"""Intrinsic lines, of few modes and of all, beside closed forms: bent far, rolled up, spinning, flying."""
+"""Intrinsic lines with few or all modes, against closed forms: bent, rolled up, spinning, flying."""
 
 from __future__ import annotations
 

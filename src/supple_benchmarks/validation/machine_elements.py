@@ -152,7 +152,7 @@ def brake() -> Sequence[Comparison]:
 
 
 def stop() -> Sequence[Comparison]:
-    """A mass meets an elastic stop, and one that dissipates as Hunt and Crossley's."""
+    """A mass hits an elastic stop, and a stop with Hunt-Crossley dissipation."""
     v, a = APPROACH, DISSIPATION
     hard, soft = _workshop()["buffer"], _workshop()["soft buffer"]
     back = brentq(lambda w: v / a - np.log(1 + a * v) / a**2 + w / a + np.log(1 - a * w) / a**2, 0.5 * v, v)

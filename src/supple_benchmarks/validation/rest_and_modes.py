@@ -1,4 +1,4 @@
-"""Machines at rest and in steady rotation, and their modes, with their errors, beside closed forms."""
+"""Machines at rest and in steady rotation, their modes and errors, against closed forms."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ELONGATION = "rho w^2 L^3 / (3 E), elongation of a bar that spins about its end"
 
 
 def spinning_bar() -> Sequence[Comparison]:
-    """Six bending modes and attachment modes at the root hold no stretch: the error says what they miss."""
+    """Six bending and attachment modes at the root contain no extension: the estimated error is its size."""
     bar = _bar()
     full = FullBody(bar, ROOT)
     start = ReductionStart(SelfCorrection(relative=1e-3), derivatives=NoDerivatives())

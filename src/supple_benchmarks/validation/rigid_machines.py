@@ -71,7 +71,7 @@ def _direction(angle: float) -> Array:
 
 
 def pendulum() -> Sequence[Comparison]:
-    """A physical pendulum let go at 120 degrees: sin(angle / 2) = k sn(K - w t)."""
+    """A physical pendulum released at 120 degrees: sin(angle / 2) = k sn(K - w t)."""
     mass, arm, inertia, g, swing = 2.0, 0.8, 0.15, 9.81, 2 * np.pi / 3
     rate = np.sqrt(mass * g * arm / (inertia + mass * arm**2))
     k = np.sin(swing / 2)
@@ -100,7 +100,7 @@ def pendulum() -> Sequence[Comparison]:
 
 
 def double_pendulum() -> Sequence[Comparison]:
-    """Two equal uniform rods let go level: the angles after 1.5 s, before the motion becomes chaotic.
+    """Two equal uniform rods released from the horizontal: angles after 1.5 s, before chaotic motion.
 
     4/3 p'' + 1/2 cos(p - q) q'' + 1/2 sin(p - q) q'^2 + 3/2 g/l sin p = 0
     1/3 q'' + 1/2 cos(p - q) p'' - 1/2 sin(p - q) p'^2 + 1/2 g/l sin q = 0
@@ -295,7 +295,7 @@ class _BricardMotion:
         return np.array(rotations), np.array(places)
 
     def swung(self, tensors: Array, g: float, times: Array) -> Array:
-        """Angle psi over time, let go at the start: psi'' = -(m' psi'^2 / 2 + V') / m, for rods of 1 kg."""
+        """Angle psi over time, released at the start: psi'' = -(m' psi'^2 / 2 + V') / m, for rods of 1 kg."""
         psi = np.linspace(0, 2 * np.pi, 801)
         poses = [self.poses(each) for each in psi[:-1]]
         rotations, places = (np.array(part + part[:1]) for part in zip(*poses, strict=True))

@@ -1,4 +1,4 @@
-"""A case of the validation: what is computed, and the numbers that come out beside their references."""
+"""A case of the validation: its computation, and its results with their references."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Comparison", "ValidationCase", "largest_difference"]
 
 @dataclass(frozen=True)
 class Comparison:
-    """One number beside its reference: error = |value - reference| / scale, at most `allowed`.
+    """One number and its reference: error = |value - reference| / scale, at most `allowed`.
 
     `scale` is |reference| unless given; a reference of zero needs one, in the unit of the value. `source`
     names where the reference is from: a closed form, a paper and its table, another code and its version.
@@ -46,7 +46,7 @@ def largest_difference(
     *,
     scale: float | None = None,
 ) -> Comparison:
-    """The largest difference of two histories (t,) or (t, 3), beside zero.
+    """The largest difference of two histories (t,) or (t, 3), compared with zero.
 
     scale : of the quantity; unless given, the largest of the exact one
     """

@@ -1,4 +1,4 @@
-"""Which scheme two coupled sides are marched by, and how many short steps go into a long one."""
+"""Choice of the scheme for two coupled sides, and of the number of short steps in a long one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the two sides share a long step: Gravouil and Combescure, or Prakash and Hjelmstad.
+"""Coupling of two sides over a long step: Gravouil and Combescure, or Prakash and Hjelmstad.
 
 Sources: A. Gravouil, A. Combescure, "Multi-time-step explicit-implicit method for non-linear structural
 dynamics", Int. J. Numer. Methods Eng. 50 (2001) 199-225; A. Prakash, K. D. Hjelmstad, "A FETI-based
@@ -124,7 +124,7 @@ class GravouilCombescure:
 
 @dataclass(frozen=True)
 class PrakashHjelmstad:
-    """Continuity at long steps only, multipliers straight between: no work is lost in linear sides.
+    """Continuity at long steps only, multipliers linear in between: no energy is lost in linear sides.
 
     passes : over the short steps: 2 are exact for linear elements, more correct nonlinear ones
     """
