@@ -16,7 +16,7 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 # uv takes seconds where pip takes minutes, for it links what its cache has; where it cannot install, pip does.
 INSTALL = $(PIP) uv && $(BIN)/uv pip install --quiet --python $(BIN)/python -e '.[$(EXTRAS)]' || $(PIP) -e '.[$(EXTRAS)]'
-INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network and say make again"; exit 2
+INSTALL_FAILED := echo "Installing failed, see above. Remedy: check the network and run make again"; exit 2
 # One thread per process: the test workers share the cores between them. Bytecode is kept for those they start.
 ONE_THREAD := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
@@ -92,7 +92,7 @@ clean:
 
 $(VENV)/bin/python:
 	@test -n "$(PYTHON)" || { echo "supple needs Python 3.11 or newer; found: $$(python3 --version 2>&1 || true)"; \
-	  echo "Remedy: install one (Debian, Ubuntu: apt install python3 python3-venv), or say: make PYTHON=/path/to/python3.11"; exit 2; }
+	  echo "Remedy: install one (Debian, Ubuntu: apt install python3 python3-venv), or run: make PYTHON=/path/to/python3.11"; exit 2; }
 	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { \
 	  echo "$(PYTHON) ($$("$(PYTHON)" --version)) cannot create virtual environments: its venv or ensurepip module is missing."; \
 	  echo "Remedy (Debian, Ubuntu): apt install python3-venv"; exit 2; }
