@@ -90,7 +90,7 @@ def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
     if units.velocity:
         yield from _outside(units, "the speed of waves", speed, units.velocity, _SPEED)
     elif not USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
-        yield f"waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
+        yield f"wave speed about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
 
 
 def _materials(body: FlexibleBody) -> list[Isotropic]:

@@ -131,7 +131,7 @@ def _slope_form() -> FloatArray:
 
 
 GREEN_LAGRANGE = ShellKinematics(tuple(range(N_GRADIENTS)), _finite_rotation_form(), rotation_limit=0.5)
-"""Finite rotations, for general use: a rigid rotation about any axis leaves strain of third and higher order."""
+"""Finite rotations, for general use: any rigid rotation leaves strain of third order or higher."""
 
 VON_KARMAN = ShellKinematics((WX, WY), _slope_form(), rotation_limit=0.3)
 """Slopes of the normal displacement in the membrane strain, linear curvature: for flat structures that bend
