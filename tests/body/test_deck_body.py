@@ -480,7 +480,7 @@ def test_the_direction_of_a_wall_that_is_normal_to_it_is_replaced():
     triangles = elements("CTRIA3", CellType.TRIANGLE3, [[0, 1, 2], [0, 2, 3]], "wall", 1, [0.0, 0.0, 1.0])
     square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
     given = replace(deck(square, triangles), properties={"wall": wall})
-    with pytest.warns(SuppleWarning, match=r"line 1: the direction of the wall .* \(one of 2\) is normal"):
+    with pytest.warns(SuppleWarning, match=r"line 1: the material direction of .* \(one of 2\) is normal"):
         deck_model(given)
 
 

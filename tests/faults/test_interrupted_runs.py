@@ -59,7 +59,7 @@ def test_a_command_says_what_it_keeps_and_can_be_resumed(tmp_path, number, code)
     header = read_header(path)
     assert not header.complete
     last = 0.1 * (header.n_times - 1)
-    assert f"stopped: the run up to t = {last:g} is kept in {path}; the same call goes on" in printed
+    assert f"stopped: the run up to t = {last:g} is stored in {path}; the same call continues it" in printed
     assert "with --resume" in printed
     assert "Traceback" not in printed
     assert [each.name for each in path.parent.iterdir()] == ["bar.h5"]

@@ -134,7 +134,7 @@ def test_what_is_no_result_is_not_overwritten_either(tmp_path, case):
 def test_a_finished_run_of_a_file_is_replaced_where_that_is_said(tmp_path):
     path, other = tmp_path / "run.h5", pendulum(mass=2.0)
     simulate(pendulum(), RUN, file=path)
-    with pytest.raises(ResultFileError, match=r"another run than .* say overwrite=True"):
+    with pytest.raises(ResultFileError, match=r"another run than .* set overwrite=True"):
         simulate(other, RUN, file=path)
     simulate(other, RUN, file=path, overwrite=True)
     assert bits(simulate(other, RUN, file=path)) == bits(simulate(other, RUN))

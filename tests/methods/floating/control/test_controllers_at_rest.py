@@ -380,9 +380,7 @@ def test_sampled_controllers_have_no_rest():
         reads=HINGE, drives=motor(), law=lambda *_: ({"motor": 0.0}, {}), every=0.1, name="clock"
     )
     for looked_at in (equilibrium, linearize):
-        with pytest.raises(
-            ModelError, match=r"controller 'clock' is sampled: .* Write its law as a Controller"
-        ):
+        with pytest.raises(ModelError, match=r"controller 'clock' is sampled: .* Write it as a Controller"):
             looked_at(pendulum([sampled]))
 
 
