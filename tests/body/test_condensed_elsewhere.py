@@ -179,7 +179,7 @@ def test_modal_coordinates_that_grids_bear(tmp_path, beam, labels):
     (found,) = [each for each in check.findings if each.what == "free of supports"]
     assert found.verdict is Verdict.REFUSED
     assert "most at node 77" in found.seen
-    assert "which QSET names" in found.remedy
+    assert "list modal coordinates on grids in QSET" in found.remedy
 
 
 def matrices_of(beam, labels, K=None, M=None, **table):

@@ -80,7 +80,7 @@ def test_an_mp4_without_ffmpeg_is_refused_before_the_run(case_with, monkeypatch)
     ("film", "message"),
     [
         ("{ start = 0.5 }", r"from 0\.5 to 0\.4 shows no output time: the run goes from 0 to 0\.4"),
-        ("{ speed = 1e-4 }", "a film of 48001 frames is longer than 2000"),
+        ("{ speed = 1e-4 }", "an animation of 48001 frames exceeds 2000"),
         ('{ joint = "clamp", end = -1.0 }', "shows no output time"),
     ],
 )

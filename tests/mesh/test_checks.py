@@ -62,14 +62,12 @@ def test_cells_that_are_not_integers():
 
 @pytest.mark.parametrize("wrong", [-1, 4])
 def test_node_number_out_of_range(wrong):
-    with pytest.raises(
-        MeshError, match=rf"naming nodes outside 0 \.\. 3; cell 1 has nodes \[0, 2, {wrong}\]"
-    ):
+    with pytest.raises(MeshError, match=rf"with nodes outside 0 \.\. 3; cell 1 has nodes \[0, 2, {wrong}\]"):
         square(triangles=[[0, 1, 2], [0, 2, wrong]])
 
 
 def test_repeated_node_in_a_cell():
-    with pytest.raises(MeshError, match=r"node named twice; cell 1 has nodes \[0, 2, 0\]"):
+    with pytest.raises(MeshError, match=r"repeated node; cell 1 has nodes \[0, 2, 0\]"):
         square(triangles=[[0, 1, 2], [0, 2, 0]])
 
 

@@ -202,7 +202,7 @@ def test_what_cannot_go_on_is_refused():
         with pytest.raises(ModelError, match=words):
             (start or Start(solution)).place(System([Placed(each) for each in bodies]))
 
-    refused(r"body 'other' has no motion to go on from.*there are: bar", bar_as("reduced", "other"))
+    refused(r"body 'other' has no motion to start from.*there are: bar", bar_as("reduced", "other"))
     refused("was elastic and is rigid", rigid)
     refused("was rigid and is elastic", body, start=Start(an_instant(rigid)))
     refused("explicit elements", bar_as("finite elements"))

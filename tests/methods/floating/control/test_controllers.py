@@ -355,7 +355,7 @@ def test_what_a_controller_cannot_do_is_refused():
         arm(replace(FOLLOWING, reads={"elbow": m.JointReading("elbo")}))
     with pytest.raises(ModelError, match="controller name 'controller' is used more than once"):
         replace(arm(FOLLOWING), controllers=[FOLLOWING, SAMPLED])
-    with pytest.raises(ModelError, match="leave it out, replace"):
+    with pytest.raises(ModelError, match="remove it, replace"):
         equilibrium(replace(arm(FOLLOWING), controllers=[SAMPLED]))
 
 
