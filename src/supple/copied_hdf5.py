@@ -1,12 +1,11 @@
-"""HDF5 files of unknown origin, copied by a process of their own before they are read.
+"""HDF5 files of unknown origin, copied by a separate process before they are read.
 
-The HDF5 library may never come back from a damaged file, take all memory, or end the process that asked. Here
-it does so to a process that only copies: what is read afterwards is a file that was written a moment ago.
-Files with a seal need none of this.
+On a damaged file the HDF5 library may hang, take all memory, or crash the process. Here this affects only a
+process that copies: the file that is read afterwards is new. Files with a seal are read directly.
 
-The process is given 15 s on a processor, so that an answer is there within 20 s where nobody else computes,
-and 2 GiB; a large file has a second more for every 50 MB, and twenty times its size. No array may claim more
-than twenty times the size of its file.
+The process may use 15 s of processor time, so that the result is there within 20 s on an idle computer, and
+2 GiB; a large file has a second more for every 50 MB, and twenty times its size. No array may claim more than
+twenty times the size of its file.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from supple.other_processes import python_command, python_environment
 SECONDS = 15.0
 _BYTES_PER_SECOND = 50e6
 _WAITING = 4
-"""Times as long by the clock, on a busy computer."""
+"""Factor on the elapsed time, for a busy computer."""
 MEMORY = 2 * 2**30
 _TIMES_ITS_SIZE = 20
 

@@ -176,7 +176,7 @@ def test_motions_that_are_not_rigid_are_found_out(small_truss):
     wrong = small_truss.rigid_modes.copy()
     wrong[:, 3] += 1e-3 * np.random.default_rng(4).standard_normal(len(wrong))
     with pytest.raises(
-        AccuracyError, match=r"misses equilibrium by .*are the rigid modes those of this stiffness"
+        AccuracyError, match=r"violates equilibrium by .*check the rigid modes of this stiffness"
     ):
         constrained_factor(small_truss.stiffness, mean_motion(small_truss, range(4)), wrong)
 

@@ -97,7 +97,7 @@ def test_a_finished_run_of_a_case_is_not_overwritten_unless_forced(tmp_path, cas
     out = tmp_path / "out"
     run_case(case, out)
     before = (out / "bar.h5").read_bytes()
-    remedies = r"holds the finished run bar\.h5; --resume continues an interrupted run, --force replaces"
+    remedies = r"contains the finished run bar\.h5; --resume continues an interrupted run, --force replaces"
     with pytest.raises(ResultFileError, match=remedies):
         run_case(case, out)
     assert (out / "bar.h5").read_bytes() == before

@@ -168,7 +168,9 @@ def test_without_units_no_unit_is_written(machine):
 def test_units_that_are_no_set_are_a_mistake_of_the_case_with_its_line(machine):
     path = machine("m", SYSTEMS["m-kg-s"])
     path.write_text(path.read_text(encoding="utf-8").replace('"kg"', '"t"'), encoding="utf-8")
-    with pytest.raises(CaseError, match=r"line 3, units: the force in N does not go with length m, mass t"):
+    with pytest.raises(
+        CaseError, match=r"line 3, units: the force in N is not consistent with length m, mass t"
+    ):
         read_case(path)
 
 

@@ -126,5 +126,5 @@ def test_measurements_that_fit_no_run_are_refused():
         fit(Measurement("x", times[:1], values[:1]))
     with pytest.raises(ModelError, match="have no deviation"):
         fit(Measurement("x", times, values), Measurement("x", times, values, "y", 0.1))
-    with pytest.raises(ModelError, match="do not hold the value"):
+    with pytest.raises(ModelError, match="do not contain the initial value"):
         fit(Measurement("x", times, values), bounds={"stiffness": (1.0, 50.0)})

@@ -177,7 +177,7 @@ def _check_members(what: str, members: IntArray, count: int, of_what: str) -> No
         raise MeshError(f"{what} contains {bad[0]}, but the mesh has {count} {of_what}, numbered from 0")
     if len(np.unique(members)) != len(members):
         values, counts = np.unique(members, return_counts=True)
-        raise MeshError(f"{what} contains {values[counts > 1][0]} more than once; list each member once")
+        raise MeshError(f"{what} has {values[counts > 1][0]} more than once; list each member once")
 
 
 def _check_cell_geometry(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
