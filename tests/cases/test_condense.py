@@ -186,8 +186,8 @@ def test_a_strip_hangs_by_its_tip_once_it_is_released(case_folder, tmp_path):
     [
         (ON_HUB, "more than its root and the ground .'hub.flange'.: set released = true in its condense"),
         ((('second = "strip.root"', 'second = "strip.tip"'),), "'strip.tip'.: set released = true"),
-        ((('kind = "fixed"', 'kind = "ball"'),), 'does not hold a clamped root: set support = "ball", or'),
-        ((("modes = 4", 'modes = 4, support = "ball"'),), "a fixed joint does not hold a ball root"),
+        ((('kind = "fixed"', 'kind = "ball"'),), 'does not fit a clamped root: set support = "ball", or'),
+        ((("modes = 4", 'modes = 4, support = "ball"'),), "a fixed joint does not fit a ball root"),
         ((('[[joint]]\nname = "clamp"', '[[spring]]\nname = "clamp"'),), "no joint supports 'strip'"),
         ((("step = 0.002\n\n", "adaptive = { first = 1e-3, largest = 1e-2 }\n\n"),), "give step = TIME"),
         (

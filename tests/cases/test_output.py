@@ -53,8 +53,8 @@ def test_a_stroboscope_is_a_joint_and_an_angle(case_with):
     [
         ('film = { joint = "shaft" }', "there is no joint 'shaft'; there are: clamp"),
         ("film = { angle = 0.5 }", "angle needs a joint"),
-        ('film = { joint = "clamp", speed = 0.5 }', "either a speed, or one frame per passage"),
-        ("film = { frames_per_second = 60 }", "60 frames per second: give at most 50"),
+        ('film = { joint = "clamp", speed = 0.5 }', "a speed, or one frame per passage"),
+        ("film = { frames_per_second = 60 }", "60 frames a second: give at most 50"),
         ("film = { start = 0.3, end = 0.2 }", "from 0.3 to 0.2 is empty"),
         ("film = { speed = 0.0 }", "greater than 0"),
         ('film = { format = "avi" }', "gif"),

@@ -114,7 +114,7 @@ def test_measurements_that_fit_no_run_are_refused():
 
     with pytest.raises(ModelError, match="needs ascending times"):
         Measurement("x", times, values[:-1])
-    with pytest.raises(ModelError, match="a deviation is positive"):
+    with pytest.raises(ModelError, match="give a positive deviation"):
         Measurement("x", times, values, deviation=0.0)
     with pytest.raises(ModelError, match=r"go beyond the run from 0 to 1\.2"):
         fit(Measurement("x", times + 0.5, values))

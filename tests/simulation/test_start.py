@@ -212,7 +212,7 @@ def test_what_cannot_go_on_is_refused():
     refused("the basis of the motion of body", body, start=Start(unknown))
     other = reduce(elastic(), MeanAxisFrame(), CraigBampton(6), derivatives=NoDerivatives())
     wrong = replace(other, nodal_basis=-other.nodal_basis, full=None)
-    refused("the one that moved", bar_as("full"), start=Start(solution, machine=System([Placed(wrong)])))
+    refused("has other columns", bar_as("full"), start=Start(solution, machine=System([Placed(wrong)])))
     known = Start(solution, machine=System([Placed(body)]))
     refused("read as reduced", replace(wrong, name="bar"), start=known)
     coarser = solid_model(block(LENGTH, WIDTH, WIDTH, 4, 1, 1, CellType.HEXA8), Isotropic(1.0, 0.0, 1.0))

@@ -52,7 +52,7 @@ def mass_orthonormalize(
     if columns.ndim != 2 or columns.shape[0] != mass.shape[0]:
         raise ModelError(f"vectors have shape {columns.shape}; the mass matrix has {mass.shape[0]} rows")
     if not np.all(np.isfinite(columns)):
-        raise ModelError("the vectors to orthonormalise hold NaN or infinite entries")
+        raise ModelError("the vectors to orthonormalise contain NaN or infinite entries")
     norms = _mass_norms(columns, mass)
     reference = norms if reference_norms is None else np.asarray(reference_norms, dtype=np.float64)
     if reference.shape != norms.shape:
@@ -93,6 +93,6 @@ def _mass_norms(columns: NDArray[np.float64], mass: Any) -> NDArray[np.float64]:
     if np.any(squares < 0):
         worst = int(np.argmin(squares))
         raise ModelError(
-            f"column {worst} has the squared length {squares[worst]:.3e}: the mass is not definite"
+            f"column {worst} has the squared length {squares[worst]:.3e}: the mass is not definite; check it"
         )
     return np.sqrt(squares)

@@ -207,7 +207,7 @@ class Matrices(ElasticKind):
 
 
 class Superelement(ElasticKind):
-    """A linear body from matrices made elsewhere; rows beyond those of the nodes are modal coordinates."""
+    """A linear body from matrices of another program; rows after those of the nodes are modal coordinates."""
 
     stiffness: FileName = Field(
         description="Matrix Market file of the stiffness matrix, beside the case file"
@@ -285,7 +285,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "section_table": SectionTableFile,
     }
 )
-"""The kinds by their key in the table of a body, which has exactly one of them."""
+"""The kinds by key; the table of a body has exactly one of these keys."""
 
 
 def kind_of(body: Raw) -> type[BodyKind] | None:

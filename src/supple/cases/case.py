@@ -349,7 +349,7 @@ class Case:
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:
-        """Modes of bodies reduced here with all coordinates: clamped at the first interface, or in the frame."""
+        """Modes of bodies reduced here in full, clamped at the first interface, or in the frame."""
         found = {}
         for name, full in self.fulls.items():
             held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)

@@ -24,8 +24,8 @@ def end_forces(block: QuadraticStrain, length: FloatArray, section: LineSection 
 
         N = Q_1 / L,  M_x = Q_2,  M_y = Q_3 -+ Q_5 / 2,  M_z = Q_4 -+ Q_6 / 2,  V_z = Q_5 / L,  V_y = -Q_6 / L
 
-    They are the forces that the part towards the second end exerts on the part before the section, in the
-    axes of the section. A rod has Q_1, and Q_2 if it resists torsion.
+    The part on the side of the second end exerts them on the part on the side of the first, in the axes of
+    the section. A rod has Q_1, and Q_2 if it resists torsion.
 
     length : (E,) from end to end, m
     """

@@ -209,7 +209,7 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
 
 
 def _parts(n_cells: int) -> FloatArray:
-    """Places of the cells' first nodes in 0 .. 1."""
+    """Positions of the cells' first nodes in 0 .. 1."""
     return np.arange(n_cells) / n_cells
 
 

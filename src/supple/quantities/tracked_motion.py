@@ -101,7 +101,7 @@ def observer_of(
     A part of a split body is described relative to the first interface of the whole, which may be on another
     part.
 
-    bases : interfaces, by the names of the bodies described from there; undeformed they share their axes
+    bases : reference interfaces, by body name; in the undeformed state body and reference share their axes
     rows : output times
     Returns None for a body without a frame, unless an interface is given.
     """

@@ -117,7 +117,7 @@ def _mark(
 ) -> None:
     """A ring around the node, and its value beside it, towards the middle of the picture.
 
-    hidden : the node is on the far side; the ring is then dashed, and the label says so
+    hidden : the node is on the far side; the ring is then dashed, and the label states it
     """
     x, y = camera.project(nodes[node])[0]
     line = "dashed" if hidden else "solid"

@@ -177,13 +177,13 @@ def _tried(
 
 
 def _enclosed(family: CraigBamptonFamily, control: ErrorControlled, n_kept: int) -> EigenvalueEnclosure:
-    """Bounds for the full body's eigenvalues; the reduced body, with some more modes, says where to look."""
+    """Bounds for the full body's eigenvalues; trial motions are those of the reduced body with more modes."""
     body = family.body
     n_trial = min(family.n_vibrations, max(control.n_modes + 8, 3 * control.n_modes // 2))
     n_needed = n_trial - (len(family.rigid_motion) - 6)
     trial = family.vibrations(min(max(n_kept, n_needed), family.n_available), n_trial)
     width = max(0.01 * control.tolerance, 0.1 * SMALLEST_TOLERANCE)
-    # Two factors of a large body, gigabytes each, are not held at once.
+    # Two factors of a large body, gigabytes each, are not in memory at once.
     make_room = family.make_room if body.n > LARGEST_WITH_TWO_FACTORS else None
     return enclose_eigenvalues(body, family.vectors(trial), control.n_modes, width, make_room)
 
@@ -196,5 +196,5 @@ def _not_reached(family: CraigBamptonFamily, control: ErrorControlled, step: Sea
     return AccuracyError(
         f"body '{family.body.name}': with {step.n_modes} fixed-interface modes, eigenvalue {worst + 1} of "
         f"{control.n_modes} is within {step.errors[worst]:.1e}, not {control.tolerance:.1e} "
-        f"({step.criterion}); {remedy}, or ask for fewer eigenvalues"
+        f"({step.criterion}); {remedy}, or request fewer eigenvalues"
     )

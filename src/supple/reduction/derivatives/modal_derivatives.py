@@ -56,8 +56,8 @@ def modal_derivatives(body: FlexibleBody, frame: Frame, basis: LinearBasis) -> M
 
     Exact: f'' comes from the quadratic strains, not from differences. All m(m+1)/2 pairs need one
     factorisation and one block of solves. The interfaces are fixed where the basis fixes them (all for
-    Craig-Bampton, none beside the frame's for Rubin); the result is projected on the frame, which stores no
-    energy.
+    Craig-Bampton, only that of the frame for Rubin). A rigid motion, which stores no energy, is then added so
+    that the result satisfies the conditions of the frame.
 
     Returns ModalDerivatives, symmetric in j and k.
     Raises ModelError when the body has no quadratic strains (a superelement, or a linearised body).
