@@ -71,8 +71,8 @@ def test_the_turn_of_a_step_is_kept_and_warned_of(speed, warned):
     assert [each.category for each in said] == [ResolutionWarning] * warned
     if warned:
         assert "fixed step of 0.02 is too long" in str(said[0].message)
-        assert "a body turns by 0.6 rad within it. Take 0.02 or less" in str(said[0].message)
-        with pytest.raises(ValidityError, match=r"a body turns by 0\.6 rad"):
+        assert "a body rotates by 0.6 rad within it. Take 0.02 or less" in str(said[0].message)
+        with pytest.raises(ValidityError, match=r"a body rotates by 0\.6 rad"):
             simulate(spinning(speed), Run(0.2, 0.02, validity=Validity(strict=True)))
 
 
