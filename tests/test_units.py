@@ -72,7 +72,10 @@ def test_the_mass_follows_from_the_force():
 @pytest.mark.parametrize(
     ("stated", "message"),
     [
-        ({"length": "mm", "mass": "kg", "time": "s", "stress": "MPa"}, "the stress in MPa does not go with"),
+        (
+            {"length": "mm", "mass": "kg", "time": "s", "stress": "MPa"},
+            "the stress in MPa is not consistent with",
+        ),
         ({"length": "mm", "mass": "kg", "time": "s", "force": "N"}, "these have the force in .*, such as m"),
         ({"length": "metre"}, "no unit of length 'metre'"),
         ({"lenght": "m"}, "no quantity 'lenght'.*did you mean 'length'"),

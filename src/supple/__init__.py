@@ -2,11 +2,11 @@
 
     import supple as sp
 
-gives what most scripts need, in the order of the flow:
+contains what most scripts need, in the order of the workflow:
 
     mesh -> model -> body -> reduction -> machine -> run -> correction -> results -> files -> pictures
 
-The sub-packages hold the rest. A name is loaded when it is first used, so that the import takes no time.
+The sub-packages contain the rest. A name is loaded on first use, so that the import takes no time.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`python -m supple`: the command line, where a process is started by its module, as MPI does."""
+"""`python -m supple`: the command line for processes started by module, such as those of MPI."""
 
 from supple.cli.main import main
 

@@ -1,7 +1,7 @@
-"""Arguments of functions and constructors, checked where they are given.
+"""Checks of the arguments of functions and constructors.
 
-Each check returns nothing and raises ArgumentError: where, what is expected, what was given. What JAX puts
-in the place of numbers passes.
+Each check returns nothing and raises ArgumentError with location, expectation and given value. JAX tracers in
+place of numbers pass.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ NotNegative = Annotated[float, "not negative"]
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 _NUMBERS = frozenset("iuf")
-"""Kinds of arrays that hold real numbers: integers and floats, no truth values, words or objects."""
+"""Kinds of arrays of real numbers: integers and floats, not Booleans, text or objects."""
 
 
 def given(value: Any) -> str:
-    """A value in a few words, for messages; a class says in `used_with` what its objects are for."""
+    """Short description of a value for messages; a class may describe its use in `used_with`."""
     if isinstance(value, type):
         return f"the class {value.__name__} itself; make one: {value.__name__}(...)"
     if hasattr(value, "shape") and hasattr(value, "dtype") and getattr(value, "ndim", 0):
@@ -58,13 +58,13 @@ def given(value: Any) -> str:
 
 
 def check_instance(what: str, value: Any, kinds: type | tuple[type, ...], expected: str) -> None:
-    """Raise unless the value is of one of the kinds; `expected` says which, and what to write."""
+    """Raise unless the value is of one of the kinds; `expected` describes them, with an example."""
     if not isinstance(value, kinds):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
 
 def check_members(what: str, value: Any, members: tuple[str, ...], expected: str) -> None:
-    """Raise unless the value, an object and no class, has all the members."""
+    """Raise unless the value, an object and not a class, has all the members."""
     if isinstance(value, type) or not all(hasattr(value, member) for member in members):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
@@ -91,7 +91,7 @@ def check_whole_number(what: str, value: Any) -> None:
 
 
 def check_numbers(what: str, value: Any) -> None:
-    """Raise unless the value is an array of real numbers, or nested lists of one shape that hold them."""
+    """Raise unless the value is an array of real numbers, or nested lists of one shape with real numbers."""
     if hasattr(value, "dtype"):
         kind = value.dtype.kind
     else:
@@ -110,7 +110,7 @@ def check_numbers(what: str, value: Any) -> None:
 
 
 def check_sequence(what: str, value: Any, expected: str) -> None:
-    """Raise unless the value is a list or another sequence, not a word or a single object."""
+    """Raise unless the value is a list or another sequence, not text or a single object."""
     if isinstance(value, str | bytes | dict) or not hasattr(value, "__iter__"):
         raise ArgumentError(f"{what}: expected {expected}, got {given(value)}")
 
@@ -120,7 +120,7 @@ def _is_number(value: Any) -> bool:
 
 
 def check_fields(record: Any) -> None:
-    """Raise unless every field of a dataclass suits its annotation; to be called in `__post_init__`."""
+    """Raise unless every field of a dataclass fits its annotation; to be called in `__post_init__`."""
     kind = type(record)
     for name, hint in _hints(kind).items():
         if name in kind.__dataclass_fields__:
@@ -128,7 +128,7 @@ def check_fields(record: Any) -> None:
 
 
 def check_ranges(label: str, record: Any) -> None:
-    """Raise ModelError unless every `Positive` and `NotNegative` field of a dataclass is finite and that."""
+    """Raise ModelError unless `Positive` and `NotNegative` fields of a dataclass are finite and in range."""
     for name, expected in _ranges(type(record)).items():
         value = getattr(record, name)
         if value is not None and not (
@@ -153,7 +153,7 @@ def _ranges(kind: type) -> dict[str, str]:
 
 
 def checked_arguments(function: _F) -> _F:
-    """The function, whose arguments are held against their annotations when it is called."""
+    """The function with a check of its arguments against their annotations at each call."""
     signature = inspect.signature(function)
 
     @wraps(function)
@@ -173,7 +173,7 @@ def _hints(of: Any) -> dict[str, Any]:
 
 
 def _check(what: str, value: Any, hint: Any) -> None:
-    """Raise unless a value suits an annotation; one that says nothing of use here lets all pass."""
+    """Raise unless a value fits an annotation; annotations without a known check allow all values."""
     options = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     if value is None and NoneType in options:
         return
@@ -189,12 +189,12 @@ def _check(what: str, value: Any, hint: Any) -> None:
 
 
 def _test_of(hint: Any) -> tuple[Callable[[Any], bool], str] | None:
-    """How a value is found to suit an annotation, and what to call it; None where that is unknown."""
+    """Check and description of an annotation; None if unknown."""
     origin = get_origin(hint)
     if hint in _PLAIN or origin in _GENERIC:
         return _PLAIN.get(hint) or _GENERIC[origin]
     if origin is tuple and set(get_args(hint)) == {float}:
-        return _passes(check_numbers), f"{len(get_args(hint))} numbers"  # how many, the class itself checks
+        return _passes(check_numbers), f"{len(get_args(hint))} numbers"  # the class checks their number
     if hint is Any or not isinstance(hint, type):
         return None
     called = f"an object of the kind {hint.__name__}"

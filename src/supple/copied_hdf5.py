@@ -1,12 +1,11 @@
-"""HDF5 files of unknown origin, copied by a process of their own before they are read.
+"""HDF5 files of unknown origin, copied by a separate process before they are read.
 
-The HDF5 library may never come back from a damaged file, take all memory, or end the process that asked. Here
-it does so to a process that only copies: what is read afterwards is a file that was written a moment ago.
-Files with a seal need none of this.
+On a damaged file the HDF5 library may hang, take all memory, or crash the process. Here this affects only a
+process that copies: the file that is read afterwards is new. Files with a seal are read directly.
 
-The process is given 15 s on a processor, so that an answer is there within 20 s where nobody else computes,
-and 2 GiB; a large file has a second more for every 50 MB, and twenty times its size. No array may claim more
-than twenty times the size of its file.
+The process may use 15 s of processor time, so that the result is there within 20 s on an idle computer, and
+2 GiB; a large file has a second more for every 50 MB, and twenty times its size. No array may claim more than
+twenty times the size of its file.
 """
 
 from __future__ import annotations
@@ -27,26 +26,25 @@ from supple.other_processes import python_command, python_environment
 SECONDS = 15.0
 _BYTES_PER_SECOND = 50e6
 _WAITING = 4
-"""Times as long by the clock, on a busy computer."""
+"""Factor on the elapsed time, for a busy computer."""
 MEMORY = 2 * 2**30
 _TIMES_ITS_SIZE = 20
 
 _OUT_OF_TIME = (-signal.SIGXCPU,) if hasattr(signal, "SIGXCPU") else ()
 _EXPLAINED = 3
-"""Exit code of a process that says what is wrong."""
+"""Exit code of a process that reports an error."""
 
 
 @contextmanager
 def open_copied(path: Path, parts: Collection[str] | None = None) -> Iterator[h5py.File]:
-    """A copy of an HDF5 file, open to read: arrays with their texts, attributes of groups, no compression.
+    """A copy of an HDF5 file, open for reading: arrays with text attributes, group attributes, uncompressed.
 
-    parts : names of what is copied, of all that the root holds; everything where left out. Names that are not
-        there are passed over, links are followed.
+    parts : names of the members of the root to copy; by default all. Missing names are skipped, links are
+        followed.
 
     Raises
     ------
-    OSError     HDF5 finds something wrong, does not come back in time, takes more memory than is given, or
-                crashes
+    OSError     HDF5 reports an error, exceeds its time or memory limit, or crashes
     """
     with tempfile.TemporaryDirectory(prefix="supple-") as folder:
         copy = Path(folder) / "copy.h5"
@@ -59,19 +57,19 @@ def _copy_apart(path: Path, copy: Path, parts: Collection[str] | None) -> None:
     size = path.stat().st_size
     seconds = SECONDS + size / _BYTES_PER_SECOND
     memory = max(MEMORY, _TIMES_ITS_SIZE * size)
-    # Without parts, the root's attributes alone; a slash stands for everything.
+    # No parts: the root's attributes alone; a slash: everything.
     words = [path.absolute(), copy, seconds, memory, *(["/"] if parts is None else parts)]
     code, said = _answer([str(word) for word in words], _WAITING * seconds)
     if code == _EXPLAINED:
         raise OSError(said)
     if code in (None, *_OUT_OF_TIME):
-        raise OSError(f"HDF5 does not come to an end within {seconds:.0f} s, which is the limit")
+        raise OSError(f"HDF5 does not finish within {seconds:.0f} s, the limit")
     if code:
-        raise OSError(f"HDF5 crashes over it (exit code {code})")
+        raise OSError(f"HDF5 crashes on it (exit code {code})")
 
 
 def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
-    """Exit code of the process, None where it does not end by the clock, and what it says."""
+    """Exit code of the process, None if it exceeds its time, and its output."""
     try:
         done = subprocess.run(
             python_command(__file__, *words),
@@ -87,12 +85,12 @@ def _answer(words: list[str], seconds: float) -> tuple[int | None, str]:
 
 
 def copy_within_limits(path: str, copy: str, seconds: str, memory: str, *parts: str) -> int:
-    """Copy those parts in this process, which is limited from now on; its exit code."""
+    """Copy the parts in this process, with its time and memory limited; returns its exit code."""
     _limit(float(seconds), int(memory))
     try:
         with h5py.File(path, "r", locking=False) as source, h5py.File(copy, "w") as target:
             _copy_group(source, target, list(source) if parts == ("/",) else parts)
-    # Whatever it is, it goes to the process that asked.
+    # Any error is passed to the parent process.
     except Exception as error:
         sys.stdout.write(str(error) or type(error).__name__)
         return _EXPLAINED
@@ -142,5 +140,5 @@ def _limit(seconds: float, memory: int) -> None:
 if __name__ == "__main__":
     status = copy_within_limits(*sys.argv[1:])
     sys.stdout.flush()
-    # What HDF5 would still tidy up may be damaged.
+    # HDF5's own cleanup may fail on damaged data.
     os._exit(status)

@@ -1,4 +1,4 @@
-"""Errors and warnings: few, and each names what was seen, where, and what to do about it."""
+"""Errors and warnings, each with the cause, the location and the remedy."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ class SuppleError(Exception):
 
 
 class ArgumentError(SuppleError, ValueError, TypeError):
-    """An argument of another kind than a function or constructor takes."""
+    """An argument of the wrong kind for a function or constructor."""
 
 
 class MeshError(SuppleError, ValueError):
-    """A mesh that no method can use: NaN, inverted or degenerate cells, orphan nodes, empty sets."""
+    """An unusable mesh: NaN, inverted or degenerate cells, orphan nodes, empty sets."""
 
 
 class CellError(MeshError):
-    """A mesh with an unusable cell: inverted, flat, or naming a node twice.
+    """A mesh with an unusable cell: inverted, flat, or with a repeated node.
 
     kind, number : the first such cell, by the name of its type and its number within the type
     """
@@ -34,7 +34,7 @@ class CellError(MeshError):
 
 
 class ImportFormatError(SuppleError, ValueError):
-    """A file that breaks the rules of its format, or uses a part of it that is not supported."""
+    """A file that violates its format, or uses an unsupported part of it."""
 
 
 class ModelError(SuppleError, ValueError):
@@ -42,15 +42,15 @@ class ModelError(SuppleError, ValueError):
 
 
 class AccuracyError(SuppleError, ArithmeticError):
-    """A computed answer that fails its own check; the message carries the number."""
+    """A result that fails its own check; the message contains the deviation."""
 
 
 class ConvergenceError(SuppleError, RuntimeError):
-    """An iteration that did not converge; the message names the time, the residual and the remedy."""
+    """An iteration that did not converge; the message contains the time, the residual and the remedy."""
 
 
 class ValidityError(SuppleError, RuntimeError):
-    """A motion outside what the chosen kinematics can describe, under a strict validity check."""
+    """A motion beyond the limits of the chosen kinematics, under a strict validity check."""
 
 
 class CaseError(SuppleError, ValueError):
@@ -62,11 +62,11 @@ class ResultFileError(SuppleError, OSError):
 
 
 class MemoryShortageError(SuppleError, MemoryError):
-    """Work that would not fit in the memory that is left; the message names its size and the remedy."""
+    """A computation that exceeds the available memory; the message contains its size and the remedy."""
 
 
 class MissingPackageError(SuppleError, ModuleNotFoundError):
-    """An optional package that is not installed; the message names it and how to install it."""
+    """An optional package that is not installed; the message contains its name and how to install it."""
 
 
 class ForkedProcessError(SuppleError, RuntimeError):
@@ -78,35 +78,35 @@ class SuppleWarning(UserWarning):
 
 
 class ValidityWarning(SuppleWarning):
-    """A motion near or beyond what the chosen kinematics can describe."""
+    """A motion near or beyond the limits of the chosen kinematics."""
 
 
 class LockingWarning(SuppleWarning):
-    """A reduced body answers too little, because its basis lacks stiff motion that bending needs."""
+    """A reduced body whose static response is too small, as its basis lacks stiff motion."""
 
 
 class BasisWarning(SuppleWarning):
-    """A reduced body whose basis misses a part of its deformation at rest, or of a mode, that matters."""
+    """A reduced body whose basis lacks a significant part of its deformation at rest, or of a mode."""
 
 
 class LoadSpectrumWarning(SuppleWarning):
-    """Loads that excite modes which a reduced body lacks."""
+    """Loads that excite modes missing from a reduced body."""
 
 
 class ControlWarning(SuppleWarning):
-    """A machine that is analysed without the controllers that its case names."""
+    """A machine analysed without the controllers of its case."""
 
 
 class UnitsWarning(SuppleWarning):
-    """Numbers that are implausible in the units said of them."""
+    """Numbers that are implausible in their units."""
 
 
 class RedundantConstraintWarning(SuppleWarning):
-    """Joints that constrain the same motion twice; the redundant rows are named and left out."""
+    """Redundant constraints of joints; the redundant rows are reported and left out."""
 
 
 class StartWarning(SuppleWarning):
-    """An initial state that the joints do not allow: it was changed, and by how much."""
+    """An initial state that violates the joints and was corrected."""
 
 
 class ResolutionWarning(SuppleWarning):
@@ -114,25 +114,25 @@ class ResolutionWarning(SuppleWarning):
 
 
 class IdentifiabilityWarning(SuppleWarning):
-    """Parameters that were fitted to measurements which do not determine them."""
+    """Fitted parameters that the measurements do not determine."""
 
 
 class UnlockedWarning(SuppleWarning):
-    """A result on a file system that cannot keep other runs from writing it too."""
+    """A result on a file system without locks, where other runs could write it too."""
 
 
 class StepCutWarning(SuppleWarning):
-    """Time steps that are cut: for Newton's method to converge, or to keep to an error."""
+    """Time steps that were cut, for Newton's method to converge or for the error tolerance."""
 
 
 def did_you_mean(name: str, known: Collection[str]) -> str:
-    """How the message of an unknown name ends: with the nearest of the known names, or with all of them."""
+    """End of the message for an unknown name: the nearest of the known names, or all of them."""
     nearest = nearest_name(name, known)
     return f"; did you mean '{nearest}'?" if nearest else f"; there are: {', '.join(known) or 'none'}"
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
-    """The known name that is spelled most like `name`, in either case; None when none is near."""
+    """The known name with the most similar spelling, ignoring case; None if none is near."""
     by_lower = {candidate.lower(): candidate for candidate in known}
     for spelled in (name.lower().replace("_", "-"), name.lower()):
         if nearest := get_close_matches(spelled, by_lower, n=1):

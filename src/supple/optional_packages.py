@@ -1,4 +1,4 @@
-"""Packages that only some functions need: loaded by these, and named where they are missing."""
+"""Optional packages, loaded by the functions that need them, with a message if missing."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from supple.errors import MissingPackageError
 def optional_package(name: str, purpose: str, extra: str) -> ModuleType:
     """The package of that name.
 
-    purpose : what is made by it, in words
-    extra : of supple, that installs it
+    purpose : description of its use
+    extra : extra of supple that installs it
 
-    Raises MissingPackageError where it is not installed.
+    Raises MissingPackageError if it is not installed.
     """
     try:
         return import_module(name)
     except ModuleNotFoundError as error:
         raise MissingPackageError(
-            f"{purpose} is made by the package {name}, which is not installed: pip install 'supple[{extra}]'"
+            f"{purpose} needs the package {name}, which is not installed: pip install 'supple[{extra}]'"
         ) from error

@@ -1,4 +1,4 @@
-"""Other processes of this Python: how they are started, and the cores there are for them."""
+"""Other processes of this Python: commands, environment, and available cores."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _alone: ContextVar[bool] = ContextVar("alone", default=False)
 
 @contextmanager
 def one_core() -> Iterator[None]:
-    """Work that starts no processes of its own: those beside it have the other cores."""
+    """Context without further processes: the other cores are used by parallel work."""
     token = _alone.set(True)
     try:
         yield
@@ -24,18 +24,18 @@ def one_core() -> Iterator[None]:
 
 
 def available_cores() -> int:
-    """How many cores this process may use."""
+    """Number of cores that this process may use."""
     if _alone.get():
         return 1
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def python_command(*words: str) -> list[str]:
-    """What starts this Python with a script or a module of its own: not the caller's, which multiprocessing
-    would run again. The folder of a script is no place to import from."""
+    """Command that starts this Python with its own script or module, not the caller's, which multiprocessing
+    would run again. The folder of a script is not an import path."""
     return [sys.executable, "-P", *words]
 
 
 def python_environment(**variables: str) -> dict[str, str]:
-    """The environment of a process that imports what this one can, with more variables."""
+    """Environment of a process that can import the same modules, with further variables."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **variables}

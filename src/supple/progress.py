@@ -1,4 +1,4 @@
-"""Long work: a bar after two seconds, where somebody watches a terminal or a notebook, and a line of log."""
+"""Progress of long work: a bar after two seconds in a terminal or notebook, and a line of log."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ T = TypeVar("T")
 
 LOGGER = logging.getLogger("supple")
 PATIENCE = 2.0
-"""s, after which a bar appears."""
+"""s, delay until a bar appears."""
 BETWEEN = 0.2
 """s, between two updates of a notebook."""
 
 
 class Share(Protocol):
-    """Takes the fraction that is done, 0 to 1, and of work in several steps the name of the step."""
+    """Receives the finished fraction, 0 to 1, and for work in several steps the name of the step."""
 
     def __call__(self, fraction: float, step: str = "", /) -> None:
         """Report a fraction of a step."""
@@ -40,7 +40,7 @@ _outermost: ContextVar[bool] = ContextVar("outermost", default=True)
 
 
 def show_progress(shown: bool = True) -> None:
-    """Switch the bars of this process on, as they are at first, or off."""
+    """Switch the bars of this process on (the default) or off."""
     _switch["on"] = shown
 
 
@@ -57,9 +57,9 @@ def by_step(share: Share) -> Callable[[str, float], None]:
 def with_progress_bar(
     title: str, adapter: Adapter | None = None
 ) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorator of long work, which logs its title and its seconds when it is done.
+    """Decorator of long work, which logs its title and its seconds at the end.
 
-    With an adapter the bar is filled by what is given to `progress` else.
+    With an adapter the bar receives the progress, unless `progress` is given.
     """
 
     def decorate(work: Callable[P, T]) -> Callable[P, T]:
@@ -86,7 +86,7 @@ def with_progress_bar(
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[Share | None]:
-    """What reports to the bar of some work; None where none is shown, as within work that has one."""
+    """Reporter to the bar of some work; None if no bar is shown, as within work with a bar."""
     if not (_switch["on"] and _outermost.get() and _is_watched()):
         yield None
         return
@@ -103,28 +103,28 @@ def _is_watched() -> bool:
 
 
 def _is_notebook() -> bool:
-    """Whether this process is the kernel of one: a terminal program may import IPython as well."""
+    """Whether this process is a notebook kernel: a terminal program may import IPython as well."""
     shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
     return hasattr(shell, "kernel")
 
 
 class _Line(Protocol):
-    """Where a bar is shown."""
+    """The place of a bar."""
 
     def update(self, text: str, fraction: float | None) -> None:
-        """Show what is done, and how far it is."""
+        """Show the description and the fraction."""
         ...
 
     def stop(self) -> None:
-        """The line goes."""
+        """Remove the line."""
         ...
 
 
 class _TerminalLine:
-    """On standard error."""
+    """Line on standard error."""
 
     def __init__(self, title: str) -> None:
-        # Imported here: short work, and scripts without a terminal, do not import it.
+        # Imported here: short work, and scripts without a terminal, do not need it.
         from supple.terminal import error_console, progress_bars
 
         self._bars = progress_bars(error_console, transient=True)
@@ -140,7 +140,7 @@ class _TerminalLine:
 
 
 class _NotebookLine:
-    """In the output of a cell, as plain HTML: the bars of rich need ipywidgets there."""
+    """Line in the output of a cell, as plain HTML: the bars of rich need ipywidgets there."""
 
     def __init__(self, _title: str) -> None:
         from IPython.display import DisplayHandle
@@ -163,7 +163,7 @@ class _NotebookLine:
 
 
 class _Bar:
-    """One line that goes when the work is done."""
+    """A line that disappears at the end of the work."""
 
     def __init__(self, title: str) -> None:
         self._title = title
@@ -183,7 +183,7 @@ class _Bar:
             self._update()
 
     def stop(self) -> None:
-        """The work is done, or has failed."""
+        """End of the work, or its failure."""
         self._timer.cancel()
         with self._lock:
             self._over = True

@@ -1,4 +1,4 @@
-"""What `print` and a notebook show of an object: a title and a few rows of name and value."""
+"""Display of an object by `print` and in a notebook: a title and a few rows of name and value."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ __all__ = ["Row", "Summarized", "Summary", "listed", "point"]
 Row = tuple[str, str]
 
 N_LINES = 10
-"""Of a printed object, its title included."""
+"""Lines of a printed object, with its title."""
 N_LISTED = 6
-"""Names of a list in one row."""
+"""Names in one row of a list."""
 WIDTH = 140
 """Characters of a line."""
 
@@ -29,7 +29,7 @@ class Summary:
 
     @property
     def shown(self) -> tuple[Row, ...]:
-        """The rows that fit in `N_LINES`; the last one counts those that do not."""
+        """The rows that fit in `N_LINES`; the last one counts the others."""
         most = N_LINES - 1
         if len(self.rows) <= most:
             return tuple(self.rows)
@@ -51,9 +51,9 @@ class Summary:
 
 
 class Summarized:
-    """What has a `summary`: `print` shows ten lines of it, a notebook a table, a list one line.
+    """Base of objects with a `summary`: `print` shows ten lines of it, a notebook a table, a list one line.
 
-    A dataclass of this kind takes `repr=False`.
+    A dataclass of this kind needs `repr=False`.
     """
 
     def summary(self) -> Summary:
@@ -71,14 +71,14 @@ class Summarized:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Some names in a row; of many the first, and how many there are."""
+    """Some names in a row; of many the first, and their number."""
     every = list(names)
     more = f", ... ({len(every)} in all)" if len(every) > N_LISTED else ""
     return (", ".join(every[:N_LISTED]) or "none") + more
 
 
 def point(position: Sequence[float] | np.ndarray, size: float = 0.0) -> str:
-    """Coordinates of a point in a row; what rounding leaves beside the largest of them, or the size, is 0."""
+    """Coordinates of a point in a row, with 0 for rounding relative to the largest, or to the size."""
     values = np.asarray(position, dtype=np.float64)
     values = np.where(abs(values) > 1e-12 * abs(values).max(initial=size), values, 0.0)
     return "(" + ", ".join(f"{value:g}" for value in values) + ")"

@@ -1,7 +1,7 @@
 """The terminal of the commands: bars, lines, tables, warnings and errors on one console.
 
-Lines and tables are records of the logger "supple.cli" (INFO), which `shown_log` puts on the console: a
-program that calls a command may send them elsewhere. Library code logs to "supple" and prints nothing.
+Lines and tables are records of the logger "supple.cli" (INFO), which `shown_log` prints on the console: a
+program that calls a command may redirect them. Library code logs to "supple" and prints nothing.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from rich.text import Text
 from supple.errors import SuppleError, SuppleWarning
 
 MISTAKE = 2
-"""Exit code of a command that was given something it cannot use."""
+"""Exit code of a command with an error in its input."""
 
 FAULT = 1
-"""Exit code of a command that failed for a reason of supple's own."""
+"""Exit code of a command with an internal error of supple."""
 
 WIDTH_OF_FILES = 140
-"""Columns of what is not printed on a terminal but kept: the widest table of a report."""
+"""Columns of output that is not on a terminal: the widest table of a report."""
 
 
 def _console(*, stderr: bool = False) -> Console:
@@ -54,7 +54,7 @@ LOGGER = logging.getLogger("supple.cli")
 
 
 class PrintedMessage:
-    """Something to print as the message of a log record; a log file has it as plain text."""
+    """Content of a log record to be printed; a log file contains it as plain text."""
 
     def __init__(self, content: RenderableType, *, soft_wrap: bool = False) -> None:
         self._content, self._soft_wrap = content, soft_wrap
@@ -70,7 +70,7 @@ class PrintedMessage:
 
 
 class ConsoleHandler(logging.Handler):
-    """Puts on the console what commands print, and warnings of the library; bars show its other records."""
+    """Prints output of commands and warnings of the library; bars show its other records."""
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether a record is shown."""
@@ -86,7 +86,7 @@ class ConsoleHandler(logging.Handler):
 
 @contextmanager
 def shown_log() -> Iterator[None]:
-    """Put what is logged on the console."""
+    """Print log records on the console."""
     logger, handler = logging.getLogger("supple"), ConsoleHandler()
     level = LOGGER.level
     logger.addHandler(handler)
@@ -99,9 +99,9 @@ def shown_log() -> Iterator[None]:
 
 
 def progress_bars(on: Console | None = None, *, transient: bool = False) -> Progress:
-    """Bars with the time taken, on standard output unless said; a step of unknown length spins.
+    """Bars with the elapsed time, by default on standard output; a step of unknown length has a spinner.
 
-    transient : they go when all is done
+    transient : they disappear at the end
     """
     return Progress(
         SpinnerColumn(finished_text="[green]*[/green]"),
@@ -115,8 +115,8 @@ def progress_bars(on: Console | None = None, *, transient: bool = False) -> Prog
 
 
 def plain(text: str) -> str:
-    """The text with what a terminal obeys or cannot show (control characters, bytes of no character) spelled
-    out; it may still hold brackets, so print it as `words`."""
+    """The text with control characters and undecodable bytes escaped; it may contain brackets, so print it
+    as `words`."""
     return "".join(
         sign if sign.isprintable() or sign == "\n" else sign.encode("unicode_escape").decode("ascii")
         for sign in text
@@ -124,29 +124,29 @@ def plain(text: str) -> str:
 
 
 def words(text: str, style: str = "") -> Text:
-    """A text to print as it is: brackets in names are no markup."""
+    """A text to print literally: brackets in names are not markup."""
     return Text(plain(text), style=style)
 
 
 def say(text: str, style: str = "") -> None:
-    """Log a line to be printed as it is."""
+    """Log a line to be printed literally."""
     LOGGER.info(PrintedMessage(words(text, style), soft_wrap=True))
 
 
 def show_any_character() -> None:
-    """Let output spell out characters that its encoding lacks, instead of failing on them."""
+    """Let output escape characters that its encoding lacks, instead of failing on them."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
 def worded(step: str, detail: str = "") -> str:
-    """A step and how far it has come, in a line."""
+    """A step and its progress, in a line."""
     return plain(f"{step}: {detail}" if detail else step)
 
 
 class ProgressBars:
-    """A bar for every step, in the order in which they come; one of unknown length spins until the next."""
+    """A bar for every step, in their order; one of unknown length has a spinner until the next."""
 
     def __init__(self, bars: Progress) -> None:
         self._bars = bars
@@ -154,16 +154,16 @@ class ProgressBars:
         self._spinning: TaskID | None = None
 
     def show(self, step: str, detail: str = "", /) -> None:
-        """A step of unknown length begins, or has come so far."""
+        """A step of unknown length begins, or makes progress."""
         self._spinning = self._task(step, None)
         self._bars.update(self._spinning, description=worded(step, detail))
 
     def share(self, step: str, fraction: float) -> None:
-        """A step begins, or has come so far."""
+        """A step begins, or makes progress."""
         self._bars.update(self._task(step, 1.0), completed=fraction)
 
     def finish(self) -> None:
-        """The step that spins is over."""
+        """End of the step with a spinner."""
         if self._spinning is not None:
             self._bars.update(self._spinning, total=1.0, completed=1.0)
 
@@ -175,13 +175,13 @@ class ProgressBars:
 
 
 def bar(bars: Progress, label: str) -> Callable[[float], None]:
-    """One more bar; the function returned takes the share that is done."""
+    """One more bar; the returned function takes the finished share."""
     task = bars.add_task(label, total=1.0)
     return lambda fraction: bars.update(task, completed=fraction)
 
 
 def print_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
-    """Log a table of words to be printed."""
+    """Log a table of text to be printed."""
     shown = Table(*(Column(words(head)) for head in heads), title=words(title))
     for row in rows:
         shown.add_row(*map(words, row))
@@ -189,7 +189,7 @@ def print_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]])
 
 
 def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
-    """Log names, each with what it is, in words, to be printed."""
+    """Log names with descriptions, to be printed."""
     shown = Table(title=words(title), show_header=False)
     for row in rows:
         shown.add_row(*map(words, row))
@@ -198,10 +198,10 @@ def print_rows(title: str, rows: Iterable[tuple[str, str]]) -> None:
 
 @contextmanager
 def reported_errors(*, debug: bool) -> Iterator[None]:
-    """Show what is logged; print an error as a message and exit; with `debug`, as a traceback.
+    """Print log records; print an error as a message and exit; with `debug`, as a traceback.
 
-    What supple raises on purpose, and what the system refuses, are mistakes of the input (`MISTAKE`);
-    anything else is a fault of supple, and its message says so (`FAULT`).
+    Errors raised by supple or by the system are mistakes of the input (`MISTAKE`); all others are faults of
+    supple, and the message states so (`FAULT`).
     """
     try:
         with shown_log():
@@ -217,7 +217,7 @@ def reported_errors(*, debug: bool) -> Iterator[None]:
 
 
 def _told(error: Exception) -> tuple[str, int]:
-    """What to say of an error, and the exit code."""
+    """Message and exit code of an error."""
     match error:
         case SuppleError():
             return str(error), MISTAKE
@@ -241,7 +241,7 @@ def _told(error: Exception) -> tuple[str, int]:
 
 @contextmanager
 def reported_warnings() -> Iterator[None]:
-    """Print warnings of supple as they come, each in its own words and without a source line."""
+    """Print warnings of supple as they occur, without a source line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", SuppleWarning)
         show_others = warnings.showwarning

@@ -1,8 +1,7 @@
-"""Unit system: what the numbers of a model are in, and how pictures, tables and files say so.
+"""Unit system: the units of a model's numbers, and their names in pictures, tables and files.
 
-A model is computed in one consistent set of units, whichever it is. Three names say which: those of length,
-mass and time. Every other unit follows; what does not follow from what was said has no name, and is
-written without one.
+A model is computed in any consistent set of units, defined by the names of those of length, mass and time.
+All other units follow; a unit that cannot be derived has no name, and is not written.
 """
 
 from __future__ import annotations
@@ -50,24 +49,24 @@ _ENERGIES = MappingProxyType({"J": 1.0, "mJ": 1e-3, "uJ": 1e-6, "kJ": 1e3, "MJ":
 _WATTS = MappingProxyType({"W": 1.0, "mW": 1e-3, "uW": 1e-6, "kW": 1e3, "MW": 1e6})
 _SPELLINGS = MappingProxyType({"µm": "um", "μm": "um", "µs": "us", "μs": "us", "sec": "s", "tonne": "t"})
 _IMPERIAL = ("in", "ft")
-# Names that stand for the same unit agree to the digits by which feet and pounds are defined.
+# Names of the same unit agree to the digits of the definitions of feet and pounds.
 _SAME = 1e-9
 
 
 class DisplayUnit(NamedTuple):
-    """A unit that people read, and the factor that numbers of the model are multiplied by to be in it."""
+    """A unit for display, and the factor on numbers of the model."""
 
     unit: str
     factor: float
 
 
 def labelled(what: str, unit: str) -> str:
-    """What is measured with its unit in brackets, or alone where the unit has no name."""
+    """A label with its unit in brackets, or alone if the unit has no name."""
     return f"{what} ({unit})" if unit else what
 
 
 def headed(what: str, unit: str) -> str:
-    """The head of a column, "mass, kg", or "mass" where the unit has no name."""
+    """The head of a column, "mass, kg", or "mass" if the unit has no name."""
     return f"{what}, {unit}" if unit else what
 
 
@@ -77,19 +76,20 @@ def measured(number: str, unit: str) -> str:
 
 
 def plain_number(value: float, digits: int = 3) -> str:
-    """A number to some significant digits, without a power of ten where its whole part has more: "1050"."""
+    """A number with some significant digits, without a power of ten for a longer whole part: "1050"."""
     return f"{value:.0f}" if 10**digits <= abs(value) < 1e9 else f"{value:.{digits}g}"
 
 
 @dataclass(frozen=True)
 class UnitSystem:
-    """Names of the units of length, mass and time, each "" where nothing is said of it.
+    """Names of the units of length, mass and time, each "" if unknown.
 
-    The other units are derived from them: N of m, kg and s, MPa of mm, t and s. `UnitSystem()` names none.
+    The other units are derived from them: N from m, kg and s, MPa from mm, t and s. `UnitSystem()` has no
+    names.
 
     Raises
     ------
-    ModelError   a unit that is not known
+    ModelError   an unknown unit
     """
 
     length: str = ""
@@ -105,13 +105,13 @@ class UnitSystem:
 
     @classmethod
     def stated(cls, units: Mapping[str, str]) -> UnitSystem:
-        """The system that names of some units state: length, mass, time, force, stress; all must agree.
+        """The system for given names of units: length, mass, time, force, stress; all must agree.
 
-        Where the mass is left out it follows from the force: in, lbf and s have the mass lbf s2/in.
+        By default the mass follows from the force: in, lbf and s have the mass lbf s2/in.
 
         Raises
         ------
-        ModelError   a quantity or a unit that is not known; units that are no consistent set, with the remedy
+        ModelError   an unknown quantity or unit; units that are not a consistent set, with the remedy
         """
         for key in units:
             if key not in _STATED:
@@ -133,14 +133,14 @@ class UnitSystem:
 
     @classmethod
     def parsed(cls, text: str) -> UnitSystem:
-        """The system that `str` of it wrote."""
+        """The system from its `str`."""
         return cls(**dict(part.split(" ", 1) for part in text.split(", ") if part))
 
     def __str__(self) -> str:
         return ", ".join(f"{f.name} {getattr(self, f.name)}" for f in fields(self) if getattr(self, f.name))
 
     def in_si(self, *, mass: int = 0, length: int = 0, time: int = 0) -> float | None:
-        """One unit of mass^a length^b time^c in SI units; None where one of them has no name."""
+        """One unit of mass^a length^b time^c in SI units; None if one of them has no name."""
         powers = {"mass": mass, "length": length, "time": time}
         used = {name: power for name, power in powers.items() if power}
         if not all(getattr(self, name) for name in used):
@@ -174,7 +174,7 @@ class UnitSystem:
 
     @property
     def stress(self) -> str:
-        """Of stresses and moduli, as they are computed; see `stress_shown`."""
+        """Unit of stresses and moduli as computed; see `stress_shown`."""
         return self._named(_STRESSES, mass=1, length=-1, time=-2)
 
     @property
@@ -199,7 +199,7 @@ class UnitSystem:
 
     @property
     def stress_shown(self) -> DisplayUnit:
-        """Stresses are read in MPa, or in psi where lengths are feet or inches."""
+        """Stresses are displayed in MPa, or in psi with lengths in feet or inches."""
         factor = self.in_si(mass=1, length=-1, time=-2)
         if factor is None:
             return DisplayUnit("", 1.0)
@@ -208,13 +208,13 @@ class UnitSystem:
 
     @property
     def frequency_shown(self) -> DisplayUnit:
-        """Frequencies are read in Hz, whatever time is in."""
+        """Frequencies are displayed in Hz, for any unit of time."""
         factor = self.in_si(time=-1)
         return DisplayUnit("", 1.0) if factor is None else DisplayUnit("Hz", _ratio(factor, 1.0))
 
     @property
     def rotation_shown(self) -> DisplayUnit:
-        """Speeds of rotation are read in rpm where the unit of time is known."""
+        """Speeds of rotation are displayed in rpm if the unit of time is known."""
         factor = self.in_si(time=-1)
         return (
             DisplayUnit("rad per unit of time", 1.0)
@@ -234,7 +234,7 @@ class UnitSystem:
         return f"{self.force}{sign}{self.length}{power if power > 1 else ''}" if named else ""
 
     def composed(self, **powers: int) -> str:
-        """Powers of length, mass and time, as "kg m2/s2"; "" where one of the units has no name."""
+        """Powers of length, mass and time, as "kg m2/s2"; "" if one of the units has no name."""
         names = {name: getattr(self, name) for name in powers}
         if not all(names.values()):
             return ""
@@ -250,8 +250,8 @@ class UnitSystem:
             return
         if not isclose(_STATED[key][unit], found, rel_tol=1e-6):
             raise ModelError(
-                f"the {key} in {unit} does not go with {self}: these have the {key} in "
-                f"{getattr(self, key)}. One consistent set is needed, such as m, kg, s, N, Pa; mm, t, s, N, "
+                f"the {key} in {unit} is not consistent with {self}: these have the {key} in "
+                f"{getattr(self, key)}. Give one consistent set, such as m, kg, s, N, Pa; mm, t, s, N, "
                 "MPa; in, lbf s2/in, s, lbf, psi"
             )
 
@@ -264,14 +264,14 @@ _POWERS = MappingProxyType(
 
 
 def _spelled(unit: str) -> str:
-    """One spelling of each unit: `lbf*s^2/in`, `lbf·s²/in` and `lbf s2/in` are the same."""
+    """Normalised spelling of a unit: `lbf*s^2/in`, `lbf·s²/in` and `lbf s2/in` are the same."""
     plain = unit.strip().replace("²", "2").replace("^", "").replace("**", "")
     plain = " ".join(plain.replace("*", " ").replace("·", " ").split())
     return _SPELLINGS.get(plain, plain)
 
 
 def _mass_of(length: str, time: str, force: str) -> str:
-    """The mass that makes length, time and force consistent; "" where it has no name."""
+    """The mass consistent with length, time and force; "" if it has no name."""
     if not (force and length in _LENGTHS and time in _TIMES):
         return ""
     size = _FORCES[force] * _TIMES[time] ** 2 / _LENGTHS[length]
@@ -287,7 +287,7 @@ def _power(name: str, power: int) -> str:
 
 
 def _ratio(factor: float, unit: float) -> float:
-    """The quotient, free of the rounding of powers of ten."""
+    """The quotient, without the rounding of powers of ten."""
     quotient = factor / unit
     return float(f"{quotient:.12g}")
 
@@ -296,4 +296,4 @@ SI = UnitSystem("m", "kg", "s")
 """Metre, kilogram, second."""
 
 UNNAMED = UnitSystem()
-"""Of a model whose units are not said."""
+"""Units of a model without given units."""

@@ -68,7 +68,7 @@ def test_all_modes_of_a_small_structure_are_found_at_last(held):
     growing = GrowingModes(inverse, mass)
     everything = growing.at_least(growing.available)
     np.testing.assert_allclose(everything.values, exact, rtol=1e-9)
-    with pytest.raises(ModelError, match="529 modes asked of a structure with 528 freedoms"):
+    with pytest.raises(ModelError, match="529 modes requested of a structure with 528 freedoms"):
         growing.at_least(529)
 
 
@@ -126,5 +126,5 @@ def test_motions_without_mass_are_refused(held):
     inverse, _, _ = held
     few = np.zeros(inverse.n)
     few[-3:] = 1.0
-    with pytest.raises(AccuracyError, match="some motion carries no mass"):
+    with pytest.raises(AccuracyError, match="some motion has no mass"):
         GrowingModes(inverse, sparse.diags_array(few, format="csc")).at_least(5)

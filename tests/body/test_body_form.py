@@ -172,7 +172,7 @@ def test_an_unknown_interface_is_told_with_the_nearest(forms, kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_node_outside_the_body_is_refused(forms, kind):
     body = forms[kind]
-    with pytest.raises(ModelError, match=f"node numbers 999 to 999 in a body of {len(body.nodes)} nodes"):
+    with pytest.raises(ModelError, match=f"node numbers 999 to 999; the body has {len(body.nodes)} nodes"):
         body.positions(moving(np.zeros((1, body.n_coordinates))), [999])
 
 

@@ -158,9 +158,7 @@ def test_unknown_names_are_told_with_the_known_ones(body, shell):
 
 
 def test_a_body_that_is_all_rigid_is_no_flexible_body(shell):
-    with pytest.raises(
-        ModelError, match="its interfaces hold every node rigidly; describe it by a RigidBody"
-    ):
+    with pytest.raises(ModelError, match="its interfaces tie every node rigidly; use a RigidBody"):
         flexible_body("strip", shell, [RigidInterface("all", np.arange(shell.mesh.n_nodes))])
 
 

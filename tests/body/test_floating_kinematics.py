@@ -59,5 +59,5 @@ def test_long_runs_are_recovered_in_parts(strip, solution, monkeypatch):
 
 
 def test_node_numbers_are_checked(strip, solution):
-    with pytest.raises(ModelError, match="node numbers -1 to 6 in a body of 6 nodes"):
+    with pytest.raises(ModelError, match="node numbers -1 to 6; the body has 6 nodes"):
         node_displacements(strip, solution.bodies[BEAM].coordinates, [-1, 6])

@@ -55,5 +55,5 @@ def test_a_frame_must_hold_the_body(body):
         def constraint(self, body):
             return np.eye(6, body.n)[[0, 0, 1, 2, 3, 4]]
 
-    with pytest.raises(ModelError, match="does not hold the rigid motion of body"):
+    with pytest.raises(ModelError, match="does not fix the rigid motion of body"):
         frame_projector(body, Slack())

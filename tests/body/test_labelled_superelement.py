@@ -297,7 +297,7 @@ def test_a_map_that_does_not_fit_the_nodes(solid):
     K, M = labelled(solid, solid.stiffness), labelled(solid, solid.mass)
     fewer = replace(table(solid), ids=np.where(ids_of(solid) == 997, 5, ids_of(solid)))
     with pytest.raises(
-        ModelError, match=r"arm\.pch: names node 997, which arm\.bdf does not define; take nodes and"
+        ModelError, match=r"arm\.pch: has node 997, which arm\.bdf does not define; take nodes and"
     ):
         nodal_matrices(fewer, K, M)
     held = np.ones(solid.n_dofs, dtype=bool)
@@ -307,7 +307,7 @@ def test_a_map_that_does_not_fit_the_nodes(solid):
         ModelError, match=r"node 997 uy has neither stiffness nor mass.*without supports, and name modal"
     ):
         nodal_matrices(table(solid), *parts)
-    with pytest.raises(ModelError, match="no freedom has any stiffness or mass; is the right matrix"):
+    with pytest.raises(ModelError, match="no freedom has any stiffness or mass; check the name"):
         nodal_matrices(table(solid), labelled(solid, 0 * K.matrix), labelled(solid, 0 * M.matrix))
 
 

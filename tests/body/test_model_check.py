@@ -197,7 +197,7 @@ def test_cells_that_lie_twice_are_doubtful(solid):
     twice = solid_model(Mesh(mesh.nodes, cells), Isotropic(2.1e11, 0.3, 7850.0))
     (found,) = (f for f in check_elements(twice, n_frequencies=0).findings if f.verdict is Verdict.DOUBTFUL)
     assert found.what == "cells on the same nodes"
-    assert found.seen == f"2 places with several {kind.name} cells, first at cell 3"
+    assert found.seen == f"2 node groups with several {kind.name} cells, first at cell 3"
 
 
 def test_linear_cells_on_quadratic_ones_are_doubtful():

@@ -51,5 +51,5 @@ def test_a_curved_twisted_tapering_chain():
 
 
 def test_no_element_is_refused():
-    with pytest.raises(ModelError, match="needs one element at least, not 0"):
+    with pytest.raises(ModelError, match="needs at least one element, not 0"):
         section_beams(prismatic(), 0)

@@ -133,7 +133,7 @@ def test_a_velocity_may_be_that_of_the_centre_of_mass(case_folder):
     ):
         read_case(path)
     path.write_text(given.replace("centre_velocity", "split = { parts = 2 }\ncentre_velocity"))
-    with pytest.raises(CaseError, match="each part of a split body has a centre of its own"):
+    with pytest.raises(CaseError, match="each part of a split body has its own centre"):
         read_case(path)
 
 

@@ -186,11 +186,14 @@ def test_a_strip_hangs_by_its_tip_once_it_is_released(case_folder, tmp_path):
     [
         (ON_HUB, "more than its root and the ground .'hub.flange'.: set released = true in its condense"),
         ((('second = "strip.root"', 'second = "strip.tip"'),), "'strip.tip'.: set released = true"),
-        ((('kind = "fixed"', 'kind = "ball"'),), 'does not hold a clamped root: set support = "ball", or'),
-        ((("modes = 4", 'modes = 4, support = "ball"'),), "a fixed joint does not hold a ball root"),
-        ((('[[joint]]\nname = "clamp"', '[[spring]]\nname = "clamp"'),), "no joint holds 'strip'"),
+        ((('kind = "fixed"', 'kind = "ball"'),), 'does not fit a clamped root: set support = "ball", or'),
+        ((("modes = 4", 'modes = 4, support = "ball"'),), "a fixed joint does not fit a ball root"),
+        ((('[[joint]]\nname = "clamp"', '[[spring]]\nname = "clamp"'),), "no joint supports 'strip'"),
         ((("step = 0.002\n\n", "adaptive = { first = 1e-3, largest = 1e-2 }\n\n"),), "give step = TIME"),
-        ((("[simulation]", "[simulation]\nkinematic = true"),), "takes none: make it a rigid body"),
+        (
+            (("[simulation]", "[simulation]\nkinematic = true"),),
+            "condensed body 'strip': make it a rigid body",
+        ),
     ],
 )
 def test_what_a_condensed_body_cannot_do_is_named_before_anything_runs(case_folder, changes, message):

@@ -234,7 +234,7 @@ def test_code_runs_only_where_it_is_allowed(tmp_path):
 @pytest.mark.parametrize(
     ("function", "message"),
     [
-        ("nothing", "must give a Controller or a SampledController, or a list of them; it gave a NoneType"),
+        ("nothing", "must return a Controller or a SampledController, or a list; it returned a NoneType"),
         ("fails", "fails: RuntimeError: no gains"),
         ("absent", "fails: AttributeError"),
     ],

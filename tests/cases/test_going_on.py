@@ -44,7 +44,7 @@ def test_the_run_goes_on_at_its_time_as_if_there_were_no_break(before):
         here, there = (getattr(each.bodies["bar"], what) for each in (found, through))
         assert here[0] == pytest.approx(there[10], abs=1e-13)
         assert here[:11] == pytest.approx(there[10:], abs=1e-5 * np.abs(there).max())
-    assert any(line.startswith("goes on from before/bar.h5 at t = ") for line in told)
+    assert any(line.startswith("starts from before/bar.h5 at t = ") for line in told)
 
 
 @pytest.mark.slow
@@ -54,10 +54,10 @@ def test_on_another_basis_and_in_other_units_the_loss_is_stated(before):
     changed = case(before, ("step = 5e-4", GOES_ON), more)
     object.__setattr__(changed, "notify", lambda text, *_: told.append(text))
     run_case(changed, before / "more modes", errors=False)
-    (line,) = [line for line in told if line.startswith("goes on from")]
+    (line,) = [line for line in told if line.startswith("starts from")]
     assert "body 'bar' is projected on its basis, which lacks " in line
     unsaid = case(before, ("step = 5e-4", GOES_ON), ('units = { length = "m", mass = "kg", time = "s" }', ""))
-    with pytest.raises(CaseError, match=r"does not say which unit of length it is in, and .*before/bar\.h5"):
+    with pytest.raises(CaseError, match=r"does not give its unit of length, and .*before/bar\.h5"):
         run_case(unsaid, before / "no units", errors=False)
     # Said to be in mm, the mesh is not the one that moved.
     small = case(before, ("step = 5e-4", GOES_ON), ('length = "m"', 'length = "mm"'))

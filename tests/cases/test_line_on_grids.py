@@ -140,12 +140,12 @@ def test_faults_of_the_files_are_told_as_the_case_is_built(wing):
         ("[17]\n", "[18]\n", "grid 18 is on no load path"),
         ("[17]\n", "[16, 17]\n", "one station: node_indices = [GRID]"),
         ("node_indices = [17]", 'node_indices = [17]\nkind = "averaging"', "and no kind"),
-        ('root = "base"', 'root = "end"', "the root is where paths begin, grid 11, and not grid 17"),
-        ('mass = "wing.pch"', 'mass = "wing.pch", rigid_tolerance = 1e-3', "cleaned away; remove the key"),
+        ('root = "base"', 'root = "end"', "the root is the start of the paths, grid 11, not grid 17"),
+        ('mass = "wing.pch"', 'mass = "wing.pch", rigid_tolerance = 1e-3', "are removed; remove the key"),
         (
             'mesh = "wing.bdf"\nmatrices = {',
             'superelement = { nodes = "wing.bdf", dofs_per_node = 6,',
-            "a superelement does not name its freedoms: give a matrices body",
+            "a superelement has no names of freedoms: give a matrices body",
         ),
         (
             'matrices = { stiffness = "wing.pch", mass = "wing.pch" }',

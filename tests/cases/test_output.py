@@ -53,8 +53,8 @@ def test_a_stroboscope_is_a_joint_and_an_angle(case_with):
     [
         ('film = { joint = "shaft" }', "there is no joint 'shaft'; there are: clamp"),
         ("film = { angle = 0.5 }", "angle needs a joint"),
-        ('film = { joint = "clamp", speed = 0.5 }', "either a speed, or one frame per passage"),
-        ("film = { frames_per_second = 60 }", "60 frames per second: give at most 50"),
+        ('film = { joint = "clamp", speed = 0.5 }', "a speed, or one frame per passage"),
+        ("film = { frames_per_second = 60 }", "60 frames a second: give at most 50"),
         ("film = { start = 0.3, end = 0.2 }", "from 0.3 to 0.2 is empty"),
         ("film = { speed = 0.0 }", "greater than 0"),
         ('film = { format = "avi" }', "gif"),
@@ -80,7 +80,7 @@ def test_an_mp4_without_ffmpeg_is_refused_before_the_run(case_with, monkeypatch)
     ("film", "message"),
     [
         ("{ start = 0.5 }", r"from 0\.5 to 0\.4 shows no output time: the run goes from 0 to 0\.4"),
-        ("{ speed = 1e-4 }", "a film of 48001 frames is longer than 2000"),
+        ("{ speed = 1e-4 }", "an animation of 48001 frames exceeds 2000"),
         ('{ joint = "clamp", end = -1.0 }', "shows no output time"),
     ],
 )

@@ -44,7 +44,7 @@ def test_a_path_leads_to_a_place(text, place):
         ("loads[0].law", r"there is no 'loads', did you mean 'load'\?"),
         ("body.blade.shel.thickness", r"did you mean 'shell'"),
         ("body.hub.rigid.mass.unit", r"there is nothing below body\.0\.rigid\.mass"),
-        ("[0]", "no path of a case file"),
+        ("[0]", "not a path of a case file"),
         ("", "an empty path"),
     ],
 )

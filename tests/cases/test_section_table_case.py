@@ -131,15 +131,19 @@ def test_commands_take_it(blade, command, said, monkeypatch, tmp_path):
     [
         ("condense = {", "# condense = {", "a section_table body needs frame"),
         ("condense = {", "frame = { kind = 'mean-axis' } #", "an interface needs one of nodes"),
-        ('"blade.csv"', '"case.toml"', "'case.toml' is no section table: it is one of .csv, .yaml"),
+        ('"blade.csv"', '"case.toml"', "'case.toml' is not a section table: give one of .csv, .yaml"),
         ("stations = 9, ", "", "a body of a section table needs stations here"),
         ("stations = 9", "paths = [[1, 2]], stations = 9", "a body of a section table takes no paths"),
         (
             "node_indices = [4]",
             "node_indices = [9]",
-            "station 9 is not there: they go from 0, the root, to 8",
+            "station 9 does not exist: give one from 0, the root, to 8",
         ),
-        ("node_indices = [4]", "", "an interface between the ends is one station: node_indices = [NUMBER]"),
+        (
+            "node_indices = [4]",
+            "",
+            "an interface between the ends is one station: give node_indices = [NUMBER]",
+        ),
         ("node_indices = [4]", 'node_indices = [4]\nnodes = "x"', "is a station, and has no nodes"),
         ('name = "end"\n', 'name = "end"\nnode_indices = [8]\n', "'end' is an end of the line; remove"),
         ("condense = {", 'mesh = "blade.csv"\ncondense = {', "a section_table body takes no mesh"),

@@ -162,7 +162,7 @@ def test_what_is_read_of_a_set(case, given, component, over):
         ('name = "energy"', 'name = "tip"', "names must differ"),
         ('name = "energy"', 'name = " "', "is empty"),
         ('kind = "joint-force"', 'kind = "joint-force"\nseen_from = "strip.root"', "seen_from"),
-        ('at = "strip.ROOT"', 'at = "strip.root"', "no node set of a body with elements"),
+        ('at = "strip.ROOT"', 'at = "strip.root"', "not a node set of a body with elements"),
         ('measure = "xx"', 'measure = "xxx"', "measure"),
         ('measure = "xx"', 'component = "xx"\nmeasure = "yy"', "with component, measure is one of max"),
         ("normal = [1, 0, 0]", "", "normal"),

@@ -103,7 +103,7 @@ def test_a_result_is_written_with_the_bases_and_the_rest_that_its_run_found(case
     text = re.sub(r"reduction = .*\n", "", path.read_text()).replace("[simulation]", PUSHED)
     path.write_text(text.replace("_step = 0.002", "_step = 0.02").replace("step = 0.002", "step = 0.01"))
     refused = exported(path, "--c", tmp_path / "c")
-    assert "is reduced to an accuracy, which its run finds" in " ".join(refused.output.split())
+    assert "is reduced to an accuracy, by its run" in " ".join(refused.output.split())
     ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "out"), "--no-errors"])
     assert ran.exit_code == 0, ran.output
     result = tmp_path / "out" / "strip.h5"
@@ -143,7 +143,7 @@ def test_mistakes_are_told_with_the_remedy(case, tmp_path):
     unknown = exported(case, "--c", tmp_path / "c", "--input", "moter")
     assert unknown.exit_code
     assert "motor" in unknown.output
-    assert "name the file to write" in exported(case).output
+    assert "give the file to write" in exported(case).output
     assert "remove it" in exported(case, "-o", tmp_path / "rod.inp", "--input", "motor").output
 
 
@@ -175,8 +175,8 @@ def test_numbers_that_a_case_names_are_parameters(case, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("path", "message"),
     [
-        ("body.rod.rigid.weight", "no number of this file"),
-        ("body.rod.rigid", "no number of this file"),
+        ("body.rod.rigid.weight", "not a number in this file"),
+        ("body.rod.rigid", "not a number in this file"),
         ("simulation.step", "another run"),
     ],
 )

@@ -46,7 +46,7 @@ def test_the_command_of_an_example_is_that_of_its_file(name, command):
 
 def test_what_is_there_is_not_replaced(tmp_path):
     cases.write_example("pendulum", tmp_path)
-    with pytest.raises(ArgumentError, match="is there already"):
+    with pytest.raises(ArgumentError, match="exists already"):
         cases.write_example("pendulum", tmp_path)
 
 
@@ -74,7 +74,7 @@ def test_a_mesh_beside_the_case_is_named_relative_to_it(tmp_path):
     mesh.write_bytes((EXAMPLES / "rod.inp").read_bytes())
     cases.write_new_case(mesh, tmp_path / "rod.toml")
     assert 'mesh = "rod.inp"' in (tmp_path / "rod.toml").read_text()
-    with pytest.raises(ArgumentError, match="is there already"):
+    with pytest.raises(ArgumentError, match="exists already"):
         cases.write_new_case(mesh, tmp_path / "rod.toml")
 
 

@@ -65,5 +65,5 @@ def test_load_and_spin_are_followed_up_where_the_direct_search_is_lost():
 
 
 def test_a_search_that_came_part_of_the_way_says_how_far():
-    with pytest.raises(ConvergenceError, match="Load and spin, followed up in steps, came to 0 of what"):
+    with pytest.raises(ConvergenceError, match="Load and rotation, increased in steps, reached 0 of"):
         search_equilibrium(Narrow(reach=1e-9), START, 0.0, StaticSearch())

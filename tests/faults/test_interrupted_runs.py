@@ -59,7 +59,7 @@ def test_a_command_says_what_it_keeps_and_can_be_resumed(tmp_path, number, code)
     header = read_header(path)
     assert not header.complete
     last = 0.1 * (header.n_times - 1)
-    assert f"stopped: the run up to t = {last:g} is kept in {path}; the same call goes on" in printed
+    assert f"stopped: the run up to t = {last:g} is stored in {path}; the same call continues it" in printed
     assert "with --resume" in printed
     assert "Traceback" not in printed
     assert [each.name for each in path.parent.iterdir()] == ["bar.h5"]
@@ -71,7 +71,7 @@ def test_a_script_says_what_it_keeps(tmp_path, number, code):
     path = tmp_path / "run.h5"
     found, printed = stopped(started(SCRIPT, path), path, number)
     assert found == code, printed
-    assert f"the run up to t = {0.1 * (read_header(path).n_times - 1):g} is kept in {path}" in printed
+    assert f"the run up to t = {0.1 * (read_header(path).n_times - 1):g} is stored in {path}" in printed
 
 
 @pytest.mark.slow
@@ -86,7 +86,7 @@ def test_a_self_correction_says_what_it_keeps(tmp_path):
     process = started(COMMAND, "run", tmp_path / "strip.toml", "-o", tmp_path / "out")
     found, printed = stopped(process, path, signal.SIGTERM)
     assert found == 143, printed
-    assert f"is kept in {path}" in printed
+    assert f"is stored in {path}" in printed
     assert "with --resume" in printed
 
 

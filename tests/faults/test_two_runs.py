@@ -97,7 +97,7 @@ def test_a_finished_run_of_a_case_is_not_overwritten_unless_forced(tmp_path, cas
     out = tmp_path / "out"
     run_case(case, out)
     before = (out / "bar.h5").read_bytes()
-    remedies = r"holds the finished run bar\.h5; --resume continues an interrupted run, --force replaces"
+    remedies = r"contains the finished run bar\.h5; --resume continues an interrupted run, --force replaces"
     with pytest.raises(ResultFileError, match=remedies):
         run_case(case, out)
     assert (out / "bar.h5").read_bytes() == before
@@ -114,7 +114,7 @@ def test_a_run_of_a_case_that_was_cut_off_is_not_overwritten_unless_forced(tmp_p
     out.mkdir()
     with ResultFile.create(out / "bar.h5", case=case.text, inputs=case.inputs) as file:
         file.append(simulate(case.system, case.run).at(slice(2)))
-    with pytest.raises(ResultFileError, match=r"holds the interrupted run bar\.h5; --resume continues"):
+    with pytest.raises(ResultFileError, match=r"contains the interrupted run bar\.h5; --resume continues"):
         run_case(case, out)
     whole = run_case(case, out, resume=True).solution
     assert bits(whole).keys() == bits(simulate(case.system, case.run)).keys()
@@ -134,7 +134,7 @@ def test_what_is_no_result_is_not_overwritten_either(tmp_path, case):
 def test_a_finished_run_of_a_file_is_replaced_where_that_is_said(tmp_path):
     path, other = tmp_path / "run.h5", pendulum(mass=2.0)
     simulate(pendulum(), RUN, file=path)
-    with pytest.raises(ResultFileError, match=r"another run than .* say overwrite=True"):
+    with pytest.raises(ResultFileError, match=r"another run than .* set overwrite=True"):
         simulate(other, RUN, file=path)
     simulate(other, RUN, file=path, overwrite=True)
     assert bits(simulate(other, RUN, file=path)) == bits(simulate(other, RUN))

@@ -168,7 +168,9 @@ def test_without_units_no_unit_is_written(machine):
 def test_units_that_are_no_set_are_a_mistake_of_the_case_with_its_line(machine):
     path = machine("m", SYSTEMS["m-kg-s"])
     path.write_text(path.read_text(encoding="utf-8").replace('"kg"', '"t"'), encoding="utf-8")
-    with pytest.raises(CaseError, match=r"line 3, units: the force in N does not go with length m, mass t"):
+    with pytest.raises(
+        CaseError, match=r"line 3, units: the force in N is not consistent with length m, mass t"
+    ):
         read_case(path)
 
 
@@ -213,7 +215,7 @@ def test_waves_without_units_are_as_fast_as_in_some_material(machine):
         re.sub("density = .*", "density = 2.7e12", path.read_text(encoding="utf-8")), encoding="utf-8"
     )
     (doubt,) = doubts_of(path)
-    assert "waves travel about" in doubt
+    assert "wave speed about" in doubt
     assert "in steel some 2e4 m/s" in doubt
 
 

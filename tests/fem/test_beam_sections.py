@@ -319,7 +319,7 @@ def test_rods_and_offsets_that_cannot_be():
         RodSection(STEEL, 0.0)
     with pytest.raises(ModelError, match=r"rod: J is -1\.0"):
         RodSection(STEEL, 1.0, -1.0)
-    with pytest.raises(ModelError, match="offsets belong to beams; RodSection has none"):
+    with pytest.raises(ModelError, match="offsets are for beams only, not for RodSection"):
         Section(CellType.LINE2, np.arange(1), RodSection(STEEL, 1.0), offsets=OFFSETS)
     with pytest.raises(ModelError, match=r"offsets of LINE2 cells have shape \(1, 2\); expected \(1, 2, 3\)"):
         Section(CellType.LINE2, np.arange(1), PLAIN, offsets=OFFSETS[:, 0, :2])
@@ -327,5 +327,5 @@ def test_rods_and_offsets_that_cannot_be():
         Section(CellType.LINE2, np.arange(1), PLAIN, directions=np.full((1, 3), np.nan))
     together = np.array([[[LENGTH / 2, 0, 0], [-LENGTH / 2, 0, 0]]])
     own = Section(CellType.LINE2, np.arange(1), PLAIN, offsets=together)
-    with pytest.raises(ModelError, match="the offsets of beam 0 of its section bring its ends together"):
+    with pytest.raises(ModelError, match="the offsets of beam 0 of its section make its ends coincide"):
         finite_element_model(line(), (own,))

@@ -147,5 +147,5 @@ def test_a_share_of_the_mass_of_shells(rule):
         assert found.mass == pytest.approx(0.07 * share @ area, rel=1e-12)
         np.testing.assert_allclose(found.centre, centre, atol=1e-12)
     np.testing.assert_array_equal(section.of(cells[3:5]).mass_share, share[3:5])
-    with pytest.raises(ModelError, match="mass_share belongs to shells"):
+    with pytest.raises(ModelError, match="mass_share is for shells only"):
         Section(CellType.LINE2, cells[:1], RodSection(Isotropic(1.0, 0.3, 1.0), 1.0), mass_share=share[:1])

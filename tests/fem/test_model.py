@@ -81,7 +81,7 @@ def test_a_shell_of_a_bare_material(material):
 
 
 def test_a_solid_of_a_wall(material):
-    with pytest.raises(ModelError, match="a solid needs an Isotropic material, not HomogeneousSection"):
+    with pytest.raises(ModelError, match="or Anisotropic material, not HomogeneousSection"):
         solid_model(block(1.0, 1.0, 1.0, 1, 1, 1, CellType.TETRA4), HomogeneousSection(material, 0.01))
 
 

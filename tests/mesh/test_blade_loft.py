@@ -177,8 +177,8 @@ def test_webs_that_miss_the_blade(webs, message):
     ("changes", "message"),
     [
         ({"start": np.nan}, "start is nan"),
-        ({"start": 18.0}, "the end lies beyond the start"),
-        ({"fore": 0.5, "aft": 0.5}, "fore is nearer the nose"),
+        ({"start": 18.0}, "give an end beyond the start"),
+        ({"fore": 0.5, "aft": 0.5}, "give fore nearer the nose"),
     ],
 )
 def test_contradictory_webs(changes, message):

@@ -62,14 +62,12 @@ def test_cells_that_are_not_integers():
 
 @pytest.mark.parametrize("wrong", [-1, 4])
 def test_node_number_out_of_range(wrong):
-    with pytest.raises(
-        MeshError, match=rf"naming nodes outside 0 \.\. 3; cell 1 has nodes \[0, 2, {wrong}\]"
-    ):
+    with pytest.raises(MeshError, match=rf"with nodes outside 0 \.\. 3; cell 1 has nodes \[0, 2, {wrong}\]"):
         square(triangles=[[0, 1, 2], [0, 2, wrong]])
 
 
 def test_repeated_node_in_a_cell():
-    with pytest.raises(MeshError, match=r"node named twice; cell 1 has nodes \[0, 2, 0\]"):
+    with pytest.raises(MeshError, match=r"repeated node; cell 1 has nodes \[0, 2, 0\]"):
         square(triangles=[[0, 1, 2], [0, 2, 0]])
 
 
@@ -95,16 +93,16 @@ def test_set_of_wrong_shape():
 
 
 def test_set_members_out_of_range():
-    with pytest.raises(MeshError, match="node set 'tip' names 7, but the mesh has 4 nodes"):
+    with pytest.raises(MeshError, match="node set 'tip' contains 7, but the mesh has 4 nodes"):
         square(node_sets={"tip": [0, 7]})
-    with pytest.raises(MeshError, match="cell set 'skin' names 2, but the mesh has 2 TRIANGLE3 cells"):
+    with pytest.raises(MeshError, match="cell set 'skin' contains 2, but the mesh has 2 TRIANGLE3 cells"):
         square(cell_sets={"skin": {CellType.TRIANGLE3: [2]}})
-    with pytest.raises(MeshError, match="cell set 'skin' names 0, but the mesh has 0 TETRA4 cells"):
+    with pytest.raises(MeshError, match="cell set 'skin' contains 0, but the mesh has 0 TETRA4 cells"):
         square(cell_sets={"skin": {CellType.TETRA4: [0]}})
 
 
 def test_set_member_named_twice():
-    with pytest.raises(MeshError, match="node set 'tip' names 1 more than once"):
+    with pytest.raises(MeshError, match="node set 'tip' has 1 more than once"):
         square(node_sets={"tip": [1, 0, 1]})
 
 

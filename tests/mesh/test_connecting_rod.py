@@ -102,7 +102,7 @@ def test_nodes_lie_symmetrically_about_the_rods_plane():
     [
         ({"bore": 0.03}, "leaves no ring"),
         ({"shank_width": 0.05}, "does not meet an eye"),
-        ({"rim": -1.0}, "rim = -1.0; a size is finite and above zero"),
+        ({"rim": -1.0}, "rim = -1.0; give a finite size above zero"),
     ],
 )
 def test_impossible_eyes_are_refused(change, message):
@@ -117,5 +117,5 @@ def test_overlapping_eyes_are_refused():
 
 @pytest.mark.parametrize(("name", "least"), [("around", 3), ("ring", 1), ("thickness", 1)])
 def test_too_few_cells_are_refused(name, least):
-    with pytest.raises(MeshError, match=f"{name} = 0; a number of cells is whole and at least {least}"):
+    with pytest.raises(MeshError, match=f"{name} = 0; give a whole number of cells, at least {least}"):
         RodCells(**{name: 0})

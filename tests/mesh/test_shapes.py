@@ -206,7 +206,7 @@ def test_sector_must_run_forward_and_at_most_once_around(end):
 
 
 def test_a_tube_has_at_least_three_sides():
-    with pytest.raises(MeshError, match="n_around = 2; a number of cells is whole and at least 3"):
+    with pytest.raises(MeshError, match="n_around = 2; give a whole number of cells, at least 3"):
         cylinder_shell(1.0, 1.0, 1, 2)
 
 
@@ -250,7 +250,7 @@ def test_box_beam_walls_face_their_names():
     ],
 )
 def test_sizes_are_positive(shape, size):
-    with pytest.raises(MeshError, match=rf"= {size}; a size is finite and above zero"):
+    with pytest.raises(MeshError, match=rf"= {size}; give a finite size above zero"):
         shape(size)
 
 
@@ -267,5 +267,5 @@ def test_sizes_are_positive(shape, size):
     ],
 )
 def test_counts_are_whole_and_positive(shape, count):
-    with pytest.raises(MeshError, match=rf"= {count}; a number of cells is whole and at least 1"):
+    with pytest.raises(MeshError, match=rf"= {count}; give a whole number of cells, at least 1"):
         shape(count)

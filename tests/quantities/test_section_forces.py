@@ -127,8 +127,8 @@ def test_what_has_no_section_forces_is_refused():
     first = tuple(np.flatnonzero(np.isclose(model.mesh.nodes[:, 0], LENGTH / 8)).tolist())
     along = (1.0, 0.0, 0.0)
     refused = [
-        (SectionForceSensor("s", Place("beam", middle), along), "the elements of body 'beam' are not known"),
-        (SectionForceSensor("s", Place("beam", first), along, model), "beside interface 'root'"),
+        (SectionForceSensor("s", Place("beam", middle), along), "need the elements of body 'beam'"),
+        (SectionForceSensor("s", Place("beam", first), along, model), "is at interface 'root'"),
         (SectionForceSensor("s", Place("beam", "tip"), along, model), "move it into the body"),
         (SectionForceSensor("s", Place("beam", middle), (0.0, 0.0, 0.0), model), "normal that is not zero"),
         (SectionForceSensor("s", Place("beam", middle), along, model_of("solid")), "not made of this model"),

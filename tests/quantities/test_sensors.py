@@ -113,7 +113,7 @@ def test_readings_of_parts_are_those_of_the_whole(spun):
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_array_equal(one.times, other.times)
         np.testing.assert_allclose(one.values, other.values, rtol=1e-12, atol=1e-12)
-    with pytest.raises(ModelError, match="there is no instant to read"):
+    with pytest.raises(ModelError, match="there is no output time to read"):
         read_in_parts(sensors, system, [])
 
 

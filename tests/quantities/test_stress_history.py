@@ -56,5 +56,5 @@ def test_a_linear_full_body_has_the_stress_of_its_linear_strain(bodies, model):
 def test_nodes_outside_the_body_are_refused(bodies, model):
     full, reduced = bodies
     for body, r in ((full, full.n_coordinates), (reduced, 5)):
-        with pytest.raises(ModelError, match="node numbers 999 to 999 in a body of 81 nodes"):
+        with pytest.raises(ModelError, match="node numbers 999 to 999; the body has 81 nodes"):
             von_mises_history(body, model, np.zeros((1, r)), [999])

@@ -232,7 +232,7 @@ def test_other_models_and_coordinates_are_refused():
         stress_modes(body, shell())
     with pytest.raises(ModelError, match="was not made of this model"):
         strain_modes(body, solid_model(replace(model.mesh, nodes=model.mesh.nodes + 1.0), STEEL))
-    with pytest.raises(ModelError, match=r"node numbers 2 to 999 in a body of \d+ nodes"):
+    with pytest.raises(ModelError, match=r"node numbers 2 to 999; the body has \d+ nodes"):
         stress_modes(body, model, [2, 999])
     with pytest.raises(ModelError, match=r"coordinates of shape \(3,\): these modes are of a body with"):
         stress_modes(body, model, [0]).at(np.zeros(3))

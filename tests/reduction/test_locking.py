@@ -171,7 +171,7 @@ def link():
 
 
 def test_plain_tensors_earn_a_warning_with_the_remedy(link):
-    with pytest.warns(LockingWarning, match=r"body 'strip' locks: under .* too little; .*CondensedQuartic"):
+    with pytest.warns(LockingWarning, match=r"body 'strip' locks: under .* too small; .*CondensedQuartic"):
         locked = reduce(
             link,
             MEAN_AXIS,
@@ -207,4 +207,4 @@ def test_a_body_without_interfaces_is_pushed_along_its_shapes():
 
 def test_the_indicator_reads_as_a_sentence():
     found = Locking(("acceleration x", "acceleration z"), np.array([np.nan, 0.1]), np.zeros(2))
-    assert str(found) == "none of the answer at 0.1 rad; without condensation 10 %, under acceleration z"
+    assert str(found) == "none of the response at 0.1 rad; without condensation 10 %, under acceleration z"

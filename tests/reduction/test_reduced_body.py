@@ -107,5 +107,5 @@ def test_values_that_are_not_finite_are_refused(reduced):
 def test_tensors_without_a_potential_are_refused(reduced):
     lopsided = reduced.quartic.copy()
     lopsided[0, 5] *= 1.1  # of (00, 11), not of (01, 01)
-    with pytest.raises(ModelError, match=r"its quartic tensor misses the symmetry .*\.symmetrized\(\)"):
+    with pytest.raises(ModelError, match=r"its quartic tensor deviates from symmetry .*\.symmetrized\(\)"):
         replace(reduced, quartic=lopsided)

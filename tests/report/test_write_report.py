@@ -67,7 +67,7 @@ def test_motions_on_other_columns_are_refused(tmp_path, machine):
     basis = blade.body.nodal_basis * np.where(np.arange(blade.body.r) == 1, -1.0, 1.0)
     other = replace(blade, body=replace(blade.body, nodal_basis=basis))
     bodies = [other if placed is blade else placed for placed in system.bodies]
-    with pytest.raises(ModelError, match=r"body 'blade' is of other columns.*read_reduced_body"):
+    with pytest.raises(ModelError, match=r"body 'blade' has other columns.*read_reduced_body"):
         write_report(tmp_path / "other.html", replace(system, bodies=bodies), known, {"blade": MESH})
 
 

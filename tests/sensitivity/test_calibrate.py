@@ -114,7 +114,7 @@ def test_measurements_that_fit_no_run_are_refused():
 
     with pytest.raises(ModelError, match="needs ascending times"):
         Measurement("x", times, values[:-1])
-    with pytest.raises(ModelError, match="a deviation is positive"):
+    with pytest.raises(ModelError, match="give a positive deviation"):
         Measurement("x", times, values, deviation=0.0)
     with pytest.raises(ModelError, match=r"go beyond the run from 0 to 1\.2"):
         fit(Measurement("x", times + 0.5, values))
@@ -126,5 +126,5 @@ def test_measurements_that_fit_no_run_are_refused():
         fit(Measurement("x", times[:1], values[:1]))
     with pytest.raises(ModelError, match="have no deviation"):
         fit(Measurement("x", times, values), Measurement("x", times, values, "y", 0.1))
-    with pytest.raises(ModelError, match="do not hold the value"):
+    with pytest.raises(ModelError, match="do not contain the initial value"):
         fit(Measurement("x", times, values), bounds={"stiffness": (1.0, 50.0)})

@@ -68,7 +68,7 @@ def test_a_run_cut_off_is_continued(tmp_path, pendulum):
 
 def test_another_run_is_not_overwritten(tmp_path, pendulum):
     simulate_recorded(pendulum, RUN, tmp_path / "run.h5", case="pendulum")
-    with pytest.raises(ResultFileError, match=r"another run than .*There: pendulum. Here: x"):
+    with pytest.raises(ResultFileError, match=r"another run than .*In the file: pendulum. Requested: x"):
         simulate_recorded(pendulum, RUN, tmp_path / "run.h5", case="x")
 
 

@@ -122,7 +122,7 @@ def test_reduced_again_the_columns_are_others_and_the_shape_is_the_same():
     )
     expected = solution.bodies["bar"].coordinates[0].copy()
     expected[0] *= -1
-    with pytest.raises(ModelError, match="name the machine that moved"):
+    with pytest.raises(ModelError, match="give the machine of the motion"):
         Start(solution).place(System([Placed(flipped)]))
     moved = replace(body, cubic=None, quartic=None, condensed=None)
     found = Start(solution, machine=System([Placed(moved)])).place(System([Placed(flipped)]))
@@ -136,7 +136,7 @@ def test_on_another_basis_the_loss_is_stated_and_interfaces_stay(frame):
     body = bar_as("reduced")
     solution = an_instant(body)
     other = reduce(elastic(), frame, Rubin(3), derivatives=NoDerivatives())
-    with pytest.warns(BasisWarning, match=r"loses .* % of the deformation"):
+    with pytest.warns(BasisWarning, match=r"loses .* % of the initial deformation"):
         found = Start(solution, 2.5, System([Placed(body)])).place(System([Placed(other)]))
     loss, placed = found.losses["bar"], found.system.bodies[0]
     before, after = solution.bodies["bar"], as_motion(placed).bodies["bar"]
@@ -202,17 +202,17 @@ def test_what_cannot_go_on_is_refused():
         with pytest.raises(ModelError, match=words):
             (start or Start(solution)).place(System([Placed(each) for each in bodies]))
 
-    refused(r"body 'other' has no motion to go on from.*there are: bar", bar_as("reduced", "other"))
+    refused(r"body 'other' has no motion to start from.*there are: bar", bar_as("reduced", "other"))
     refused("was elastic and is rigid", rigid)
     refused("was rigid and is elastic", body, start=Start(an_instant(rigid)))
     refused("explicit elements", bar_as("finite elements"))
-    refused("go on in the form that moved", bar_as("intrinsic"))
-    refused("name the machine that moved", bar_as("full"))
+    refused("keep the form of the motion", bar_as("intrinsic"))
+    refused("give the machine of the motion", bar_as("full"))
     unknown = replace(solution, columns={})
-    refused("nothing says of which basis", body, start=Start(unknown))
+    refused("the basis of the motion of body", body, start=Start(unknown))
     other = reduce(elastic(), MeanAxisFrame(), CraigBampton(6), derivatives=NoDerivatives())
     wrong = replace(other, nodal_basis=-other.nodal_basis, full=None)
-    refused("the one that moved", bar_as("full"), start=Start(solution, machine=System([Placed(wrong)])))
+    refused("has other columns", bar_as("full"), start=Start(solution, machine=System([Placed(wrong)])))
     known = Start(solution, machine=System([Placed(body)]))
     refused("read as reduced", replace(wrong, name="bar"), start=known)
     coarser = solid_model(block(LENGTH, WIDTH, WIDTH, 4, 1, 1, CellType.HEXA8), Isotropic(1.0, 0.0, 1.0))
@@ -237,7 +237,7 @@ def test_a_controller_has_its_states_at_the_end_of_a_run_alone():
     angle = through.engine_state["control.states.0"][0]
     assert abs(angle) > 1e-3
     assert gone_on.initial == pytest.approx([angle], abs=0)
-    with pytest.warns(StartWarning, match="begins anew"):
+    with pytest.warns(StartWarning, match="restarts"):
         (anew,) = Start(through, 0.05).place(machine).system.controllers
     assert anew.initial == pytest.approx([0.0])
 

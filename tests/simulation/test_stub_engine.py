@@ -116,7 +116,7 @@ def test_it_is_kept_killed_and_resumed(stone, tmp_path):
 def test_another_run_is_not_taken_for_it(stone, tmp_path):
     path = tmp_path / "stone.h5"
     simulate(stone, RUN, file=path)
-    with pytest.raises(OSError, match="holds another run than the one asked for"):
+    with pytest.raises(OSError, match="contains another run than requested"):
         simulate(replace(stone, gravity=(0.0, 0.0, -1.62)), RUN, file=path)
 
 

@@ -55,15 +55,15 @@ def test_a_film_without_a_speed_has_sixty_frames_from_end_to_end():
 
 
 def test_impossible_films_are_refused():
-    with pytest.raises(ModelError, match="60 frames per second: give at most 50"):
+    with pytest.raises(ModelError, match="60 frames a second: give at most 50"):
         Film(60.0)
     with pytest.raises(ModelError, match="from 3 to 2 is empty"):
         Film(start=3.0, end=2.0)
-    with pytest.raises(ModelError, match="either a speed, or one frame per passage"):
+    with pytest.raises(ModelError, match="a speed, or one frame per passage"):
         Film(speed=1.0, at=RotorAngle("shaft"))
     with pytest.raises(ModelError, match="from 11 to 10 shows no output time: the run goes from 0 to 10"):
         rows_of(Film(start=11.0))
-    with pytest.raises(ModelError, match=rf"120001 frames is longer than {MOST_FRAMES}: give a higher speed"):
+    with pytest.raises(ModelError, match=rf"120001 frames exceeds {MOST_FRAMES}: give a higher speed"):
         rows_of(Film(12.0, speed=1e-3))
 
 
@@ -98,7 +98,7 @@ def test_a_rotor_that_comes_back_is_shown_on_both_ways():
 def test_a_rotor_between_whose_output_times_too_much_happens_is_refused():
     with pytest.raises(ModelError, match=r"is 15 deg from 0\.261799 rad at the nearest output time"):
         rows_of(Film(at=RotorAngle("shaft", np.pi / 12)), T[:13], angles=np.pi / 6 * np.arange(13))
-    with pytest.raises(ModelError, match="does not pass 2 rad in the film: it turns from 0 to 1 rad"):
+    with pytest.raises(ModelError, match="does not pass 2 rad in the animation: it rotates from 0 to 1 rad"):
         rows_of(Film(at=RotorAngle("shaft", 2.0)), angles=0.1 * T)
 
 

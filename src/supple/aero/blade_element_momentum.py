@@ -16,9 +16,9 @@ __all__ = ["AirLoads", "Operation", "air_loads", "rotor_power", "rotor_thrust"]
 
 FloatArray = NDArray[np.float64]
 
-# Axial induction above which momentum theory gives way to Glauert's empirical line.
+# Axial induction above which Glauert's empirical line replaces momentum theory.
 CRITICAL_INDUCTION = 0.2
-# The tip loss is zero at the tip itself, and so is the load; this keeps 0/0 away there.
+# The tip loss and the load are zero at the tip; this avoids 0/0 there.
 LEAST_TIP_LOSS = 1e-6
 SMALLEST_INFLOW_ANGLE = 1e-6
 INFLOW_TOLERANCE = 1e-11
@@ -26,7 +26,7 @@ INFLOW_TOLERANCE = 1e-11
 
 @dataclass(frozen=True, kw_only=True)
 class Operation:
-    """How a rotor runs: angular speed, rad/s; pitch, rad, nose into the wind; density of the air, kg/m^3."""
+    """Operation of a rotor: angular speed, rad/s; pitch, rad, nose into the wind; density of air, kg/m^3."""
 
     angular_speed: float
     pitch: float
@@ -34,11 +34,11 @@ class Operation:
 
     def __post_init__(self) -> None:
         if not (isfinite(self.angular_speed) and self.angular_speed > 0):
-            raise ModelError(f"angular speed {self.angular_speed} rad/s; blade elements need a turning rotor")
+            raise ModelError(f"angular speed {self.angular_speed} rad/s; give a rotating rotor")
         if not isfinite(self.pitch):
             raise ModelError(f"pitch {self.pitch} rad; give a number")
         if not (isfinite(self.air_density) and self.air_density > 0):
-            raise ModelError(f"air density {self.air_density} kg/m^3; it is above zero")
+            raise ModelError(f"air density {self.air_density} kg/m^3; give a value above zero")
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
     bad = np.argwhere(~((wind > 0) & np.isfinite(wind)))
     if bad.size:
         raise ModelError(
-            f"wind {wind[tuple(bad[0])]} m/s at {_where(bad[0], radius)}; it is finite and above zero"
+            f"wind {wind[tuple(bad[0])]} m/s at {_where(bad[0], radius)}; give a finite value above zero"
         )
     section = _Sections(rotor, operation, radius, polars)
 
@@ -113,7 +113,7 @@ def air_loads(rotor: Rotor, operation: Operation, *, radius: ArrayLike, wind: Ar
 
 @dataclass(frozen=True)
 class _Sections:
-    """The blade's sections at k radii, and what they do at given inflow angles."""
+    """The blade's sections at k radii, and their loads at given inflow angles."""
 
     rotor: Rotor
     operation: Operation
@@ -148,7 +148,7 @@ class _Sections:
         return np.where(k <= CRITICAL_INDUCTION / d, 1 + k, turbulent), cos - share * C_t
 
     def relative_residual(self, phi: FloatArray, place: NDArray[np.int64], wind: FloatArray) -> FloatArray:
-        """What is zero at the inflow angle sought, m/s."""
+        """Residual of the inflow angle, m/s."""
         axial, tangential = self.slowing(phi, place)
         return np.sin(phi) * axial * self.operation.angular_speed * self.radius[place] - tangential * wind
 

@@ -91,7 +91,7 @@ def blend_polars(polars: Sequence[Polar], inner: IntArray, part: FloatArray) -> 
     drag = np.array([np.interp(angle, polar.angle, polar.drag) for polar in polars])
     lowest = np.array([polar.angle[0] for polar in polars])
     highest = np.array([polar.angle[-1] for polar in polars])
-    # A polar of weight zero needs to cover nothing.
+    # A polar with weight zero need not cover the angle.
     first, second = np.where(part < 1, inner, inner + 1), np.where(part > 0, inner + 1, inner)
     weight = part[:, None]
     return BlendedPolars(

@@ -27,7 +27,7 @@ class CosineRamp:
 
     def __post_init__(self) -> None:
         if not (isfinite(self.duration) and self.duration > 0):
-            raise ModelError(f"ramp of {self.duration} s; its duration is finite and above zero")
+            raise ModelError(f"ramp of {self.duration} s; give a finite duration above zero")
 
     def at(self, times: ArrayLike) -> FloatArray:
         """Factor (t,) at the times (t,)."""
@@ -47,7 +47,7 @@ class NodalForces:
         object.__setattr__(self, "forces", read_only(self.forces))
 
     def turned(self, azimuth: ArrayLike) -> NodalForces:
-        """Forces on a blade that has turned about x by the azimuth (t,), rad, in axes that have not."""
+        """Forces on a blade rotated about x by the azimuth (t,), rad, in fixed axes."""
         cos, sin = np.cos(azimuth)[:, None], np.sin(azimuth)[:, None]
         x, y, z = np.moveaxis(self.forces, -1, 0)
         return replace(self, forces=np.stack([x, cos * y - sin * z, sin * y + cos * z], axis=-1))
@@ -68,7 +68,7 @@ def lumped_forces(span: ArrayLike, normal: ArrayLike, tangential: ArrayLike) -> 
     """
     span = np.asarray(span, dtype=np.float64)
     if span.ndim != 1 or span.size < 2 or (np.diff(span) <= 0).any():
-        raise ModelError("nodes to be loaded are given from root to tip, at least two, each at its own span")
+        raise ModelError("give nodes from root to tip, at least two, each at its own span")
     share = np.diff(span, prepend=span[0], append=span[-1])
     share = (share[:-1] + share[1:]) / 2
     normal, tangential = np.asarray(normal) * share, np.asarray(tangential) * share
@@ -85,9 +85,9 @@ def prescribed_forces(
     times: ArrayLike,
     ramp: CosineRamp | None = None,
 ) -> NodalForces:
-    """Forces on nodes of a blade over time, for a rotor that turns at constant speed from upright.
+    """Forces on nodes of a blade over time, for a rotor with constant speed that starts upright.
 
-    The blade is rigid as far as the air is concerned: the loads are prescribed. Axes: x downwind, y towards
+    The aerodynamic loads are those of a rigid blade, and thus prescribed. Axes: x downwind, y towards
     the trailing edge, z along the span from the root, at radius = span + hub_radius.
 
     Parameters

@@ -28,7 +28,7 @@ class PowerLawShear:
     def __post_init__(self) -> None:
         if not (isfinite(self.hub_height) and self.hub_height > 0 and isfinite(self.exponent)):
             raise ModelError(
-                f"shear with hub height {self.hub_height} m and exponent {self.exponent}; both are finite, "
+                f"shear with hub height {self.hub_height} m, exponent {self.exponent}; give finite values, "
                 "the height above zero"
             )
 
@@ -96,7 +96,7 @@ def kaimal_series(
     )
     for name, value in sizes.items():
         if not (isfinite(value) and value > 0):
-            raise ModelError(f"turbulence: {name} = {value}; it is finite and above zero")
+            raise ModelError(f"turbulence: {name} = {value}; give a finite value above zero")
     phase = np.asarray(phase, dtype=np.float64)
     frequency = frequency_step * np.arange(1, phase.size + 1, dtype=np.float64)
     time_scale = length_scale / mean_speed
@@ -124,7 +124,7 @@ class Wind:
 
     def __post_init__(self) -> None:
         if not (isfinite(self.mean_speed) and self.mean_speed > 0):
-            raise ModelError(f"mean wind speed {self.mean_speed} m/s; it is finite and above zero")
+            raise ModelError(f"mean wind speed {self.mean_speed} m/s; give a finite value above zero")
 
     def along_blade(self, times: ArrayLike, *, radius: ArrayLike, azimuth: ArrayLike) -> FloatArray:
         """V (t, k) at radii (k,) of a blade at azimuths (t,) from upright: height = hub + r cos(azimuth)."""

@@ -1,4 +1,4 @@
-"""Arrays in, arrays out: rotations, sparse factors, constrained solves, eigenpairs, orthonormal bases."""
+"""Numerical algebra: rotations, sparse factors, constrained solves, eigenpairs, orthonormal bases."""
 
 from supple.algebra.constrained_solve import *
 from supple.algebra.eigen import *

@@ -1,4 +1,4 @@
-"""Memory that this process may still take, asked before it is needed: the system kills what asks for more."""
+"""Memory available to this process, checked before use, as the system ends a process that exceeds it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ __all__ = ["available_memory", "in_words", "require_memory"]
 
 _SYSTEM = Path("/proc/meminfo")
 _GROUP = Path("/sys/fs/cgroup")
-"""Where a container's own limit stands, of version 2."""
+"""File of a container's own limit, version 2."""
 
 
 def available_memory() -> int | None:
-    """Bytes that the system, or the container, has left; None where neither says so."""
+    """Bytes available in the system, or the container; None if unknown."""
     left = [number for number in (_of_system(), _of_group()) if number is not None]
     return min(left, default=None)
 
@@ -37,7 +37,7 @@ def _of_group() -> int | None:
 
 
 def require_memory(needed: float, what: str, remedy: str) -> None:
-    """MemoryShortageError where so many bytes are not left: what they are for, and what to do instead."""
+    """MemoryShortageError where the given number of bytes is not available, with the purpose and a remedy."""
     available = available_memory()
     if available is not None and needed > available:
         raise MemoryShortageError(

@@ -1,10 +1,10 @@
-"""A sparse matrix with a narrow border, on the motions that linear constraints leave free: factored once.
+"""A factored sparse matrix with a narrow border, on the null space of linear constraints.
 
     [ K + W diag(c) W^T   A^T ] [ x ]   [ b ]
     [ A                    0  ] [ l ] = [ g ]
 
 Most rows, the interior, are sparse and have a factor of their own; the others, the constraints `A` and the
-columns `W` are few, and left over when the interior is eliminated.
+columns `W`, are few, and form the Schur complement.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["BorderedFactor", "bordered_factor"]
 Array = NDArray[np.float64]
 
 LARGEST_REFINEMENT = 1e-3
-"""As of sparse factors: by how much one refinement may change a solution."""
+"""As for sparse factors: largest relative change of a solution by one refinement."""
 
 _ROUNDING = 1e-13
 """Skew part of a symmetric matrix, over its largest entry."""
@@ -38,24 +38,24 @@ class BorderedFactor:
     """The factored system; built by `bordered_factor`."""
 
     matrix: Any
-    """Of the whole system, sparse (n + m + k, ..)"""
+    """Matrix of the whole system, sparse (n + m + k, ..)"""
     n: int
     interior: NDArray[np.intp]
     border: NDArray[np.intp]
     factor: SparseFactor
     responses: Array
-    """Of the interior to its border, (n_interior, n_border)"""
+    """Coupling of the interior to its border, (n_interior, n_border)"""
     rows: Any
-    """Of the border in the interior, sparse"""
+    """Coupling of the border to the interior, sparse"""
     remainder: tuple[Any, Any]
-    """L U factor of what is left, scaled"""
+    """L U factor of the Schur complement, scaled"""
     scales: tuple[Array, Array]
-    """Of its rows and columns"""
+    """Scales of its rows and columns"""
     symmetric: bool
-    """Whether the interior is"""
+    """Whether the interior is symmetric"""
 
     def solve(self, loads: Array, gaps: Array | None = None) -> Array:
-        """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), zero without, refined once."""
+        """`x` (n, k) for loads `b` (n, k) and gaps `g` (m, k), by default zero; refined once."""
         return self._refined(loads, gaps)[: self.n]
 
     def solve_with_multipliers(self, loads: Array, gaps: Array) -> tuple[Array, Array]:
@@ -67,7 +67,7 @@ class BorderedFactor:
     def negative(self) -> int:
         """Number of negative eigenvalues of the whole symmetric system: `m` more than K has on `A x = 0`.
 
-        Zero where the interior is not symmetric, and has no such number. Source: Haynsworth.
+        Zero if the interior is not symmetric, where the number is undefined. Source: Haynsworth.
         """
         if not self.symmetric:
             return 0
@@ -113,13 +113,13 @@ def bordered_factor(
     columns: Array | None = None,
     weights: Array | None = None,
 ) -> BorderedFactor:
-    """Factor a sparse matrix on the motions that a constraint leaves free.
+    """Factor a sparse matrix on the null space of a constraint.
 
     Parameters
     ----------
     matrix : sparse (n, n)      K, of symmetric pattern; its `interior` rows and columns regular
     constraint : sparse (m, n)  A, of full row rank
-    interior : (k,)             numbers of the rows that are eliminated sparsely
+    interior : (k,)             numbers of the rows to be eliminated sparsely
     columns : W, (n, w)         weights : c, (w,), none of them zero
 
     Raises AccuracyError where the system is singular.
@@ -127,7 +127,7 @@ def bordered_factor(
     n = int(matrix.shape[0])
     parts: list[list[Any]] = [[sparse.csr_array(matrix), constraint.T], [constraint, None]]
     if columns is not None and weights is not None and columns.size:
-        # W diag(c) W^T x by unknowns of its own, z = diag(c) W^T x.
+        # W diag(c) W^T x with further unknowns, z = diag(c) W^T x.
         wide = sparse.csr_array(columns)
         parts = [
             [*parts[0], wide],
@@ -139,7 +139,7 @@ def bordered_factor(
     upper: Any = whole[interior]
     inner: Any = sparse.csc_array(upper[:, interior])
     skew = abs(inner - inner.T).max()
-    # At half the work; what rounding has made unsymmetric the refinement puts right.
+    # Half the work; refinement corrects the asymmetry due to rounding.
     symmetric = skew <= _ROUNDING * abs(inner).max()
     factor = factorize_symmetric(inner) if symmetric else factorize_general(inner)
     coupling: Any = sparse.csc_array(upper[:, border])
@@ -150,11 +150,11 @@ def bordered_factor(
     left = whole[border][:, border].toarray() - rows @ responses
     scales = _balanced(left)
     with warnings.catch_warnings():
-        # A pivot of exactly zero is a matter of rounding: reported as every other singular system is.
+        # A pivot of exactly zero depends on rounding: it is reported like every other singular system.
         warnings.simplefilter("ignore", scipy.linalg.LinAlgWarning)
         remainder = scipy.linalg.lu_factor(scales[0][:, None] * left * scales[1], check_finite=False)
     if not remainder[0].diagonal().all():
-        raise _singular(n, "what constraints and columns leave has a pivot of zero")
+        raise _singular(n, "the Schur complement of constraints and columns has a pivot of zero")
     solved = factor, responses, rows, remainder, scales
     bordered = BorderedFactor(whole, n, interior, border, *solved, symmetric=bool(symmetric))
     bordered.check()

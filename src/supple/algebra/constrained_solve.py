@@ -18,7 +18,7 @@ __all__ = ["ConstrainedFactor", "GroundedFactor", "constrained_factor", "grounde
 LARGEST_RESIDUAL = 1e-8
 SMALLEST_RECIPROCAL_CONDITION = 1e-14
 
-# Solutions made at once: the work needs several copies of them, gigabytes for many columns of a large body.
+# Solutions computed at once: the work needs several copies, gigabytes for many columns of a large body.
 NUMBERS_AT_ONCE = 2**22
 FEWEST_AT_ONCE = 16
 
@@ -47,8 +47,8 @@ def grounded_factor(
 ) -> GroundedFactor:
     """Factor a stiffness grounded at statically determinate freedoms.
 
-    The freedoms are the pivots of a rank-revealing QR of the rigid modes, in the scale of diag(K), where
-    forces and moments weigh alike; each spring is as stiff as the freedom it holds.
+    The freedoms are the pivots of a rank-revealing QR of the rigid modes, scaled by diag(K), so that forces
+    and moments have equal weight; each spring is as stiff as its freedom.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def grounded_factor(
     Raises
     ------
     ModelError      wrong shapes, linearly dependent rigid modes
-    AccuracyError   K moves without force in more ways than R says
+    AccuracyError   K has more motions without force than R
     """
     stiffness = sparse.csc_array(stiffness, dtype=np.float64)
     if not stiffness.has_sorted_indices:
@@ -138,7 +138,7 @@ class ConstrainedFactor:
         mu = np.zeros(c.shape)
         if self._scale.size == 0:
             return x, mu
-        # The second pass removes the drift that round-off leaves where K is nearly singular and x a small
+        # The second pass removes the drift due to round-off where K is nearly singular and x a small
         # difference of large parts.
         for relative_residual in (R.T @ b, np.zeros((R.shape[1], b.shape[1]))):
             right = self._scale[:, None] * np.vstack([D @ x - c, relative_residual])
@@ -172,7 +172,7 @@ def constrained_factor(
     Parameters
     ----------
     stiffness   : sparse array (n, n)             symmetric, N/m
-    constraint  : array (m, n), dense or sparse   D, of full row rank; together with K it must hold the body
+    constraint  : array (m, n), dense or sparse   D, of full row rank; K with D must be nonsingular
     rigid_modes : array (n, d) or None            null space R of K; None when K is regular
     grounded    : GroundedFactor                  factor to share; it then supplies stiffness and rigid modes
     Returns
@@ -181,7 +181,7 @@ def constrained_factor(
     Raises
     ------
     ModelError      wrong shapes; redundant rows of D; D leaves a rigid motion free
-    AccuracyError   K singular beyond R; the solved system misses equilibrium
+    AccuracyError   K singular beyond R; the solved system violates equilibrium
     """
     if grounded is None:
         grounded = grounded_factor(stiffness, rigid_modes, solver=solver)
@@ -190,7 +190,7 @@ def constrained_factor(
     m, d = len(D), R.shape[1]
     if m < d:
         raise ModelError(
-            f"{m} constraint rows cannot hold {d} rigid motions; give a frame or held interfaces"
+            f"{m} constraint rows cannot fix {d} rigid motions; give a frame or fixed interfaces"
         )
 
     response = grounded.factor.solve(D.T)
@@ -211,7 +211,7 @@ def _border_factor(border: NDArray[np.float64], m: int) -> tuple[Any, NDArray[np
     scale = np.ones(border.shape[0])
     diagonal = np.diag(border)[:m]
     if not np.all(diagonal > 0):
-        raise ModelError(f"constraint row {int(np.argmin(diagonal))} is zero: it holds nothing")
+        raise ModelError(f"constraint row {int(np.argmin(diagonal))} is zero; remove it")
     scale[:m] = 1 / np.sqrt(diagonal)
     lengths = np.linalg.norm(scale[:m, None] * border[:m, m:], axis=0)
     if not np.all(lengths > 0):
@@ -228,7 +228,7 @@ def _border_factor(border: NDArray[np.float64], m: int) -> tuple[Any, NDArray[np
 
 
 def _check_equilibrium(factor: ConstrainedFactor) -> None:
-    """Solve one pseudo-random case and measure K x + D^T mu - b against the largest of its terms."""
+    """Solve one pseudo-random case and check K x + D^T mu - b relative to the largest of its terms."""
     K, D = factor.grounded.stiffness, factor.constraint
     rng = np.random.default_rng(0)
     b = np.sqrt(np.abs(K.diagonal())) * rng.standard_normal(factor.n)
@@ -236,15 +236,15 @@ def _check_equilibrium(factor: ConstrainedFactor) -> None:
     internal, reaction = K @ x, D.T @ mu
     size = max(np.linalg.norm(abs(K) @ np.abs(x)), np.linalg.norm(reaction), np.linalg.norm(b))
     residual = np.linalg.norm(internal + reaction - b) / size if size else 0.0
-    # |D_i x|^2 <= (D K_g^-1 D^T)_ii (x^T K_g x) is what row i could read in a motion of this energy.
+    # |D_i x|^2 <= (D K_g^-1 D^T)_ii (x^T K_g x) bounds row i for a motion of this energy.
     springs = factor.grounded.springs
     energy = x @ internal + K.diagonal()[springs] @ x[springs] ** 2
     reach = np.sqrt(np.einsum("ij,ji->i", D, factor._response) * max(energy, 0.0))
     missed = float(np.max(np.abs(D @ x) / np.where(reach > 0, reach, 1.0), initial=0.0))
     if not max(residual, missed) < LARGEST_RESIDUAL:
         raise AccuracyError(
-            f"the constrained solution misses equilibrium by {residual:.1e} and its constraint by "
-            f"{missed:.1e} (allowed {LARGEST_RESIDUAL:.0e}); are the rigid modes those of this stiffness?"
+            f"the constrained solution violates equilibrium by {residual:.1e} and its constraint by "
+            f"{missed:.1e} (allowed {LARGEST_RESIDUAL:.0e}); check the rigid modes of this stiffness"
         )
 
 

@@ -1,4 +1,4 @@
-"""Linear constraints D x = c as dense rows: few, and used against every factor."""
+"""Linear constraints D x = c as dense rows, few and common to all factors."""
 
 from __future__ import annotations
 

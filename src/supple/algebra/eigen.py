@@ -21,7 +21,7 @@ __all__ = ["Eigenpairs", "count_below", "lowest_modes"]
 # Below this size a dense solution is as fast and finds every mode at once.
 LARGEST_DENSE = 400
 
-# Freedoms; beyond, factors of a solid take gigabytes: a minute for making one once more is cheaper than both.
+# Freedoms; above, factors of a solid take gigabytes: one more factorisation is cheaper than storing both.
 LARGEST_WITH_TWO_FACTORS = 100_000
 
 LARGEST_RESIDUAL = 1e-6
@@ -47,8 +47,8 @@ def lowest_modes(
 ) -> Eigenpairs:
     """The n_modes lowest modes of K x = lambda M x on {x : D x = 0}, with proof that none below was missed.
 
-    Shift-invert Lanczos (ARPACK) at a negative shift -s, so a free body's singular K needs no care. On the
-    constrained space the inverse of K + s M is, exactly and sparsely,
+    Shift-invert Lanczos (ARPACK) at a negative shift -s, so a free body's singular K needs no special
+    treatment. On constrained space the inverse of K + s M is, exactly and sparsely,
 
         P b = z - Y (D Y)^-1 D z,     z = (K + s M)^-1 b,     Y = (K + s M)^-1 D^T.
 
@@ -56,22 +56,22 @@ def lowest_modes(
 
         neg(K - t M) + pos(D (K - t M)^-1 D^T) - m     (Haynsworth),
 
-    and modes that Lanczos missed (clusters, symmetries) are sought in the complement of those it found.
+    and missed modes (clusters, symmetries) are searched in the complement of those found.
 
     Parameters
     ----------
     stiffness, mass : sparse array (n, n)   symmetric; K positive semi-definite, M positive definite
     n_modes         : int                   0 <= n_modes <= n - m
     constraint      : array (m, n) or None  D of full row rank; R^T M leaves the elastic modes of a free body
-    grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; of a large one
-                                            the numbers are released meanwhile
+    grounded        : GroundedFactor        a factor of this stiffness, as for `count_below`; for a large one
+                                            its numbers are released meanwhile
     Returns
     -------
     Eigenpairs   .values (n_modes,) ascending, .vectors (n, n_modes) with X^T M X = I, largest entry positive
     Raises
     ------
     ModelError      wrong shapes; more modes than freedoms; K not positive semi-definite
-    AccuracyError   the count and the modes found disagree, or a mode misses its equation
+    AccuracyError   the count and the modes found disagree, or a mode violates its equation
     """
     stiffness = sparse.csc_array(stiffness, dtype=np.float64)
     mass = sparse.csc_array(mass, dtype=np.float64)
@@ -81,7 +81,7 @@ def lowest_modes(
     D = constraint_rows(constraint, n)
     freedoms = n - len(D)
     if not 0 <= n_modes <= freedoms:
-        raise ModelError(f"{n_modes} modes asked of a body with {freedoms} freedoms")
+        raise ModelError(f"{n_modes} modes requested of a body with {freedoms} freedoms")
     if n_modes == 0:
         return Eigenpairs(np.zeros(0), np.zeros((n, 0)))
     if n <= LARGEST_DENSE or 3 * (n_modes + GUARD_MODES) > freedoms:
@@ -104,7 +104,7 @@ def count_below(
     grounded: GroundedFactor | None = None,
     solver: DirectSolver | None = None,
 ) -> int:
-    """How many eigenvalues of K x = lambda M x on {x : D x = 0} lie below a value, by Sylvester's law.
+    """Number of eigenvalues of K x = lambda M x on {x : D x = 0} below a value, by Sylvester's law.
 
         neg(K - t M) + pos(D (K - t M)^-1 D^T) - m     (Haynsworth)
 
@@ -115,8 +115,8 @@ def count_below(
     stiffness, mass : sparse array (n, n)   symmetric, M positive definite
     value           : float                 t, rad^2/s^2, away from any eigenvalue
     constraint      : array (m, n) or None  D of full row rank
-    grounded        : GroundedFactor        a factor of this stiffness, whose symbolic analysis will be reused
-                                            where the mass has no entries besides those of the stiffness
+    grounded        : GroundedFactor        a factor of this stiffness, whose symbolic analysis is reused if
+                                            the mass has no entries beyond those of the stiffness
     Raises
     ------
     ModelError      wrong shapes
@@ -131,7 +131,7 @@ _Factorization = Callable[[sparse.csc_array], SparseFactor]
 
 
 def _factorization(grounded: GroundedFactor | None, solver: DirectSolver | None) -> _Factorization:
-    """How to factor shifted matrices: by the symbolic analysis of a known factor where it is theirs."""
+    """Factorisation of shifted matrices, with the symbolic analysis of a known factor if it applies."""
 
     def factorize(shifted: sparse.csc_array) -> SparseFactor:
         shifted.sort_indices()
@@ -157,7 +157,7 @@ def _dense_modes(
     values, vectors = _lowest_by_inverse(K, M, shift, n_modes)
     elastic = values[values > 1e3 * shift]
     if 0 < elastic.size < n_modes:
-        # Beside rigid motions, nearly infinite in the inverse, elastic modes lose digits: shift closer.
+        # Beside rigid motions, nearly infinite in the inverse, elastic modes lose digits: use a closer shift.
         values, vectors = _lowest_by_inverse(K, M, 1e-3 * float(elastic[0]), n_modes)
     return Eigenpairs(values, _fixed_sign(Z @ vectors))
 
@@ -179,7 +179,7 @@ def _lowest_by_inverse(
 
 
 def _first_shift(stiffness: sparse.csc_array, mass: sparse.csc_array) -> float:
-    """Far below the elastic eigenvalues of most bodies, yet well above the round-off in zero ones."""
+    """A shift far below the elastic eigenvalues of most bodies, yet well above the round-off of zero ones."""
     return 1e-9 * float(np.max(np.divide(stiffness.diagonal(), mass.diagonal())))
 
 
@@ -189,7 +189,7 @@ def _shifted_factor(
     D: NDArray[np.float64],
     factorize: _Factorization,
 ) -> tuple[ConstrainedFactor, float]:
-    """Factor K + s M, s a small fraction of the eigenvalues sought, which subspace iteration estimates."""
+    """Factor K + s M, s a small fraction of the requested eigenvalues, estimated by subspace iteration."""
     n = D.shape[1]
     shift = _first_shift(stiffness, mass)
     start = np.random.default_rng(0).standard_normal((n, 8))
@@ -205,16 +205,16 @@ def _shifted_factor(
         constrained = constrained_factor(shifted, D, grounded=grounded)
         block = start
         for _ in range(3):
-            # Elastic parts may be 1e-9 of the rigid ones here, so almost nothing counts as dependent.
+            # Elastic parts may be 1e-9 of the rigid ones here, so nearly nothing counts as dependent.
             images = constrained.solve(mass @ block)
             block = mass_orthonormalize(images, mass, rank_tolerance=1e-14).vectors
         estimate = float(np.linalg.eigvalsh(block.T @ (stiffness @ block))[-1])
-        # Three steps bring even a far too large shift down by orders of magnitude, so this ends soon. A shift
-        # far too small would drown the elastic modes in the rigid ones and cost the factor its digits.
+        # Three steps reduce even a far too large shift by orders of magnitude, so this ends soon. A far too
+        # small shift would lose the elastic modes beside the rigid ones, and digits of the factor.
         if 1e-5 * estimate <= shift <= estimate:
             return constrained, shift
         shift = 0.1 * estimate
-        factor.release()  # not two of them at a time: of a large body they are gigabytes
+        factor.release()  # one at a time: for a large body they take gigabytes
 
 
 def _certified_modes(
@@ -226,7 +226,7 @@ def _certified_modes(
 ) -> Eigenpairs:
     vectors = np.zeros((inverse.n, 0))
     values = np.zeros(0)
-    missing, verdict = n_modes, "none was sought"
+    missing, verdict = n_modes, "none was searched"
     for _ in range(ROUNDS):
         more = _lanczos(mass, inverse, Eigenpairs(values, vectors), missing + GUARD_MODES, shift)
         values, vectors, residuals = _ritz(mass, inverse, np.hstack([vectors, more]), shift)
@@ -234,7 +234,7 @@ def _certified_modes(
         if gap is None:
             missing, verdict = max(GUARD_MODES, n_modes - values.size), "the modes found end inside a cluster"
             continue
-        # Not beside the factor that counts, either; it is made again if modes are missing.
+        # Not in memory beside the factor for the count, either; it is recomputed if modes are missing.
         inverse.grounded.factor.release()
         middle = 0.5 * (values[gap - 1] + values[gap])
         shifted = inverse.grounded.stiffness - (middle + shift) * mass
@@ -243,7 +243,7 @@ def _certified_modes(
             worst = float(np.max(residuals[:n_modes]))
             if not worst < LARGEST_RESIDUAL:
                 raise AccuracyError(
-                    f"a mode misses its equation by {worst:.1e} (allowed {LARGEST_RESIDUAL:.0e})"
+                    f"a mode violates its equation by {worst:.1e} (allowed {LARGEST_RESIDUAL:.0e})"
                 )
             return Eigenpairs(values[:n_modes], vectors[:, :n_modes])
         missing, verdict = max(count - gap, 0), f"{gap} were found where the inertia counts {count}"
@@ -253,7 +253,7 @@ def _certified_modes(
 def _lanczos(
     mass: sparse.csc_array, inverse: ConstrainedFactor, known: Eigenpairs, count: int, shift: float
 ) -> NDArray[np.float64]:
-    """The next modes, M-orthogonal to the known ones, whose eigenvalues are moved to infinity."""
+    """The next modes, M-orthogonal to the known ones, whose eigenvalues are shifted to infinity."""
 
     def solve(load: NDArray[np.float64]) -> NDArray[np.float64]:
         load = load.reshape(inverse.n, -1)
@@ -294,7 +294,7 @@ def _ritz(
 
 
 def _widest_gap(values: NDArray[np.float64], n_modes: int) -> int | None:
-    """How many of the modes lie below the widest relative gap that leaves at least n_modes there."""
+    """Number of modes below the widest relative gap with at least n_modes below it."""
     if values.size <= n_modes:
         return None
     widths = np.diff(values[n_modes - 1 :]) / values[n_modes:]

@@ -1,4 +1,4 @@
-"""The lowest modes of a clamped structure when it is not known beforehand how many will be needed."""
+"""The lowest modes of a clamped structure when their number is not known in advance."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ __all__ = ["GrowingModes", "RitzModes"]
 
 Array = NDArray[np.float64]
 
-# Solving for eight right-hand sides takes twice the time of one; wider blocks need a longer Krylov space.
+# Eight right-hand sides take twice the time of one; wider blocks need a longer Krylov space.
 BLOCK = 8
 
-# Modes as close as this, relatively, count as copies of one another.
+# Relative distance within which modes count as multiple.
 CLOSE = 1e-5
 
-# Of a mode in its equation: its eigenvalue is then good to the square of it.
+# Residual of a mode in its equation: the error of its eigenvalue is of the order of its square.
 LARGEST_RESIDUAL = 1e-7
 
-# Krylov vectors that usually hold as many modes as are asked for, and by how much to grow where they do not.
+# Krylov vectors per requested mode that usually suffice, and the growth otherwise.
 FIRST_BLOCKS = 9
 VECTORS_PER_MODE = 2.65
 SMALLEST_GROWTH = 1.05
@@ -35,7 +35,7 @@ SMALLEST_GROWTH = 1.05
 
 @dataclass(frozen=True, eq=False)
 class RitzModes:
-    """M-orthonormal modes basis @ weights, formed only when asked for.
+    """M-orthonormal modes basis @ weights, formed on request.
 
     values  : (k,)          eigenvalues, rad^2/s^2, ascending
     basis   : TallMatrix    (n, m), M-orthonormal
@@ -48,7 +48,7 @@ class RitzModes:
 
     @classmethod
     def of(cls, modes: Eigenpairs) -> RitzModes:
-        """Modes that are known as vectors."""
+        """Modes given as vectors."""
         return cls(modes.values, TallMatrix((modes.vectors,)), np.eye(modes.values.size))
 
     @cached_property
@@ -66,13 +66,13 @@ class RitzModes:
 
 
 class GrowingModes:
-    """The lowest modes of K x + D^T mu = lambda M x, D x = 0, as many as are asked for, then more.
+    """The lowest modes of K x + D^T mu = lambda M x, D x = 0, as many as requested, extendable.
 
     Block Lanczos on K^-1 M (constrained) with full reorthogonalisation and no restart, so that a longer list
-    costs what it adds, and the last one no more than it alone would have. The Krylov space Q and the
-    projected inverse T = Q^T M K^-1 M Q only ever grow. Where Q would fill half of a small problem, all modes
-    are found by a dense solution. A block of b columns finds b copies of a multiple eigenvalue and no more
-    (the equal blades of a clamped hub): where it finds as many, Q begins anew with a block twice as wide.
+    costs only the addition, and in total no more than the longest one alone. The Krylov space Q and the
+    projected inverse T = Q^T M K^-1 M Q only grow. Where Q would span half of a small problem, a dense
+    solution finds all modes. A block of b columns finds at most b copies of a multiple eigenvalue (the equal
+    blades of a clamped hub): if it finds as many, Q restarts with a block twice as wide.
 
     inverse : ConstrainedFactor     of the clamped stiffness
     mass    : csc (n, n)            symmetric, positive definite
@@ -83,7 +83,7 @@ class GrowingModes:
         self._begin(BLOCK)
 
     def _begin(self, width: int) -> None:
-        """An empty Krylov space, to be filled by blocks of so many columns."""
+        """An empty Krylov space with blocks of the given width."""
         n = self.inverse.n
         self.width = width
         self.basis = TallMatrix((np.empty((n, 0)),))
@@ -96,7 +96,7 @@ class GrowingModes:
 
     @property
     def available(self) -> int:
-        """How many modes there are in all."""
+        """Number of all modes."""
         return self.inverse.n - len(self.inverse.constraint)
 
     def at_least(self, n_modes: int) -> RitzModes:
@@ -105,10 +105,10 @@ class GrowingModes:
         Raises
         ------
         ModelError      more modes than there are
-        AccuracyError   a motion carries no mass, or negative mass; one is so soft that round-off decides
+        AccuracyError   a motion has no mass, or negative mass; one is so soft that round-off decides
         """
         if n_modes > self.available:
-            raise ModelError(f"{n_modes} modes asked of a structure with {self.available} freedoms")
+            raise ModelError(f"{n_modes} modes requested of a structure with {self.available} freedoms")
         while self.found.values.size < n_modes:
             known = self.basis.n_columns
             wanted = FIRST_BLOCKS * self.width + VECTORS_PER_MODE * n_modes
@@ -123,9 +123,9 @@ class GrowingModes:
                 )
                 if not everything.values[0] > 0:
                     raise AccuracyError(
-                        f"the lowest eigenvalue of the held structure is {everything.values[0]:.1e}: next to "
+                        f"the lowest eigenvalue of the structure is {everything.values[0]:.1e}: next to "
                         "its stiffest motion it is too soft for the digits of its stiffness; check units, "
-                        "thicknesses and what holds it"
+                        "thicknesses and supports"
                     )
                 self.found = RitzModes.of(everything)
             else:
@@ -136,9 +136,9 @@ class GrowingModes:
         return self.found
 
     def keep_modes_only(self) -> None:
-        """Give back the memory of the Krylov space but for the modes found in it (a thick restart).
+        """Release the memory of the Krylov space except for the modes found in it (a thick restart).
 
-        More modes can still be asked for; the space they need is built up anew.
+        More modes can still be requested; their space is then built again.
         """
         self.found = RitzModes.of(Eigenpairs(self.found.values, self.found.vectors))
         self.basis, self.projected = self.found.basis, np.diag(1 / self.found.values)
@@ -155,7 +155,7 @@ class GrowingModes:
             fresh[:, first - done : m - done] = self.next_block
             basis = self.basis.with_block(fresh[:, : m - done])
             images = self.inverse.solve(self.next_inertia)
-            # First against the two blocks that the recurrence couples, then against what round-off leaves.
+            # First against the two blocks that the recurrence couples, then against the remaining round-off.
             coupled = TallMatrix((self.last_block, self.next_block))
             parts = TallMatrix((self.last_inertia, self.next_inertia)).transposed_times(images)
             images -= coupled.times(parts)
@@ -168,7 +168,7 @@ class GrowingModes:
         self.basis, self.projected = self.basis.with_block(fresh), projected
 
     def _converged_modes(self) -> RitzModes:
-        """Ritz pairs of T; the coupling to the next block tells the residual of each."""
+        """Ritz pairs of T; the coupling to the next block gives the residual of each."""
         upper = np.triu(self.projected)
         mu, weights = linalg.eigh(upper + np.triu(self.projected, 1).T)
         mu, weights = mu[::-1], weights[:, ::-1]
@@ -178,7 +178,7 @@ class GrowingModes:
         return RitzModes(1 / mu[:count], self.basis, weights[:, :count])
 
     def _orthonormal(self, block: Array) -> tuple[Array, Array, Array]:
-        """Q, M Q, R with block = Q R, Q^T M Q = I; by Cholesky, twice for the digits lost in the first."""
+        """Q, M Q, R with block = Q R, Q^T M Q = I; by Cholesky, repeated for lost digits."""
         inertia, lower = block, np.eye(self.width)
         triangle = lower
         for _ in range(2):
@@ -187,7 +187,7 @@ class GrowingModes:
                 lower = np.linalg.cholesky(block.T @ inertia)
             except np.linalg.LinAlgError as error:
                 raise AccuracyError(
-                    "the Krylov space of the modes ends early: some motion carries no mass, or the mass "
+                    "the Krylov space of the modes ends early: some motion has no mass, or the mass "
                     "matrix is not positive definite"
                 ) from error
             block = linalg.solve_triangular(lower, block.T, lower=True).T
@@ -196,5 +196,5 @@ class GrowingModes:
 
 
 def _fills_a_block(values: Array, width: int) -> bool:
-    """Whether as many values as a block has columns are copies of one another: there may be more copies."""
+    """Whether as many values as a block has columns are equal: there may be more copies."""
     return bool(np.any(values[width - 1 :] <= (1 + CLOSE) * values[: max(values.size - width + 1, 0)]))

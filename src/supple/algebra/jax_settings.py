@@ -1,17 +1,17 @@
-"""JAX's process-wide settings, all of them: what importing a compiled part of supple changes for a process.
+"""JAX's process-wide settings: the effects of importing a compiled part of supple on a process.
 
-- 64-bit floats (`jax_enable_x64`): lengths of a blade and strains of a millionth stand in one equation.
-- One thread (`NPROC`): a compiled step is hundreds of operations shorter than a microsecond, and handing them
-  from thread to thread takes longer than doing them. Read when JAX starts; an earlier choice stays.
+- 64-bit floats (`jax_enable_x64`): lengths of a blade and strains of a millionth occur in one equation.
+- One thread (`NPROC`): a compiled step is hundreds of operations shorter than a microsecond, and passing them
+  between threads takes longer than computing them. Read when JAX starts; an earlier setting is kept.
 - A process forked after compiled code has run refuses to run more (`check_not_forked`): JAX's threads do not
   survive a fork, and the child would wait for them for ever.
-- Loops become functions of machine code (`XLA_FLAGS`): what is left to XLA is a list of operations, which it
-  goes through one by one. A program is one piece of machine code, for one thread compiles it. Read when JAX
-  starts; settings made earlier stay.
-- Compiled programs of any size are kept between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or in
-  the user's cache, where no other folder was chosen before.
-- They are released before they fill a process (`bound_programs`): Linux maps a limited number of pieces of
-  memory for each, a program takes several, and beyond the limit the compiler ends the process.
+- Loops become functions of machine code (`XLA_FLAGS`), as XLA otherwise interprets a list of operations one
+  by one. A program is one piece of machine code, as one thread compiles it. Read when JAX starts; earlier
+  settings are kept.
+- Compiled programs of any size are cached between processes: in the folder of JAX_COMPILATION_CACHE_DIR, or in
+  the user's cache, unless another folder was set before.
+- They are released before they exhaust a process (`bound_programs`): Linux limits the number of memory maps of
+  a process, a program takes several, and beyond the limit the compiler ends the process.
 """
 
 from __future__ import annotations
@@ -46,15 +46,15 @@ __all__ = [
 def keep_compiled_programs(folder: Path | None = None) -> Path:
     """Store compiled programs in a folder, by default the user's cache; returns the folder.
 
-    A program is found again by its content, so a stale one is never used; the folder may be deleted at any
-    time. Programs are native code: the default folder is named after the processor and the versions of JAX,
-    so that a home shared by unlike machines keeps them apart. The JAX_COMPILATION_CACHE_DIR of the
-    environment takes precedence; JAX_ENABLE_COMPILATION_CACHE=false turns the cache off.
+    A program is identified by its content, so a stale one is never used; the folder may be deleted at any
+    time. Programs are native code: the name of the default folder contains the processor and the versions of
+    JAX, which separates different machines with a shared home. JAX_COMPILATION_CACHE_DIR of the environment
+    takes precedence; JAX_ENABLE_COMPILATION_CACHE=false turns the cache off.
     """
     named = os.environ.get("JAX_COMPILATION_CACHE_DIR")
     folder = Path(named) if named else folder or _user_cache() / "supple" / "compiled" / this_machine()
     jax.config.update("jax_compilation_cache_dir", str(folder))
-    # The smallest as well: there are hundreds, and reading one takes a sixth of the time of compiling it.
+    # Also the smallest: there are hundreds, and reading one takes a sixth of the time of compiling it.
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     return folder
 
@@ -68,7 +68,7 @@ def _user_cache() -> Path:
 
 @lru_cache
 def this_machine() -> str:
-    """Name for all that decides whether native code runs: architecture, instruction sets, versions."""
+    """Key of all that native code depends on: architecture, instruction sets, versions."""
     features = [
         platform.system(),
         platform.machine(),
@@ -85,7 +85,7 @@ def this_machine() -> str:
 
 
 class _Process:
-    """What this process has done, which a forked child inherits."""
+    """State of this process that a forked child inherits."""
 
     computed = False
     forked_after_computing = False
@@ -100,7 +100,7 @@ def _remember_fork() -> None:
 
 
 def check_not_forked() -> None:
-    """Called before compiled code runs; ForkedProcessError where it would never come back."""
+    """Called before compiled code runs; ForkedProcessError where it would never return."""
     if _Process.forked_after_computing:
         raise ForkedProcessError(
             "this process was forked from one that had simulated already, and JAX does not work in such a "
@@ -163,18 +163,18 @@ _FORGET: list[Callable[[], None]] = []
 
 
 def when_given_back(forget: Callable[[], None]) -> None:
-    """Have `forget` called when a process gives its programs back: for those that JAX does not know of."""
+    """Register `forget`, called when a process releases its programs, for those unknown to JAX."""
     _FORGET.append(forget)
 
 
 def before_compiled_code() -> None:
-    """What a process owes its compiled programs before it runs more of them."""
+    """Checks before a process runs more compiled code."""
     check_not_forked()
     bound_programs()
 
 
 def count_program() -> None:
-    """Note that the process holds a program more."""
+    """Count one more program in the process."""
     _Process.compiled_since_looked += 1
     _Process.held += 1
 
@@ -190,7 +190,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def _writable(folder: Path) -> bool:
-    """Whether programs could be kept there: a home may be missing or read-only."""
+    """Whether programs can be cached there: a home may be missing or read-only."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -199,18 +199,18 @@ def _writable(folder: Path) -> bool:
 
 
 _FLAGS = {
-    # Of loops whose body moves no more bytes: all but those over large meshes, which lose nothing.
+    # Threshold in bytes of a loop body: all but loops over large meshes, which lose nothing.
     "--xla_backend_extra_options": "xla_cpu_small_while_loop_byte_threshold=1000000000",
-    # No library for products of small matrices: a call of it keeps a loop from being a function.
+    # No library for products of small matrices: its call prevents a loop from being a function.
     "--xla_cpu_experimental_ynn_fusion_type": "",
     # In 32 pieces it takes a quarter longer to compile, and twice the memory maps.
     "--xla_cpu_parallel_codegen_split_count": "1",
 }
-"""JAX ends a process with a flag that it does not know: all versions that the package allows know these."""
+"""JAX ends a process with an unknown flag: all versions that the package allows support these."""
 
 
 def _with_flags(given: str) -> str:
-    """XLA_FLAGS with those of compiled marches; what is set already stays."""
+    """XLA_FLAGS with those for compiled marches; flags already set are kept."""
     own = [f"{name}={value}" for name, value in _FLAGS.items() if name not in given]
     return " ".join([given, *own]).strip()
 
@@ -218,7 +218,7 @@ def _with_flags(given: str) -> str:
 jax.config.update("jax_enable_x64", True)
 os.environ.setdefault("NPROC", "1")
 os.environ["XLA_FLAGS"] = _with_flags(os.environ.get("XLA_FLAGS", ""))
-# In a folder of the environment as well: JAX alone keeps none there that is compiled within a second.
+# Also in a folder of the environment: by default JAX caches nothing compiled within a second.
 if os.environ.get("JAX_COMPILATION_CACHE_DIR") or (
     getattr(jax.config, "jax_compilation_cache_dir", None) is None
     and _writable(_user_cache() / "supple" / "compiled" / this_machine())

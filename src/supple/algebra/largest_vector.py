@@ -1,4 +1,4 @@
-"""The largest of many vectors along a motion, found at few of its instants."""
+"""The largest of many vectors along a motion, from evaluation at few times."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ __all__ = ["largest_vector"]
 Array = NDArray[np.float64]
 
 STRIDE = 64
-"""Between the instants that are looked at in any case; a power of two."""
+"""Distance of times that are always evaluated; a power of two."""
 AT_ONCE = 64
-"""Instants whose vectors are held together."""
+"""Number of times whose vectors are in memory together."""
 
 
 def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
-    """Largest length of the vectors `R_p q(t)` of a motion, and the number of the instant.
+    """Largest length of the vectors `R_p q(t)` of a motion, and the index of the time.
 
         f(q) = max_p |R_p q|,    f(q) <= f(q_k) + sum_j |q - q_k|_j f(e_j)
 
-    for f is a norm. Of all instants between those that are known, only those are looked at whose bound from
-    the nearest known ones is above the largest so far: of a vibration a tenth.
+    as f is a norm. Between evaluated times, only those are evaluated whose bound from the nearest ones
+    exceeds the largest value so far: for a vibration a tenth.
 
-    rows : (3 P, r) R, dense or sparse: of the thousand coordinates of a body in full the bound rules out
-        nothing, and all instants are looked at
+    rows : (3 P, r) R, dense or sparse: for the thousand coordinates of a full body the bound excludes
+        nothing, and all times are evaluated
     coordinates : (t, r)
     """
     if not isinstance(rows, np.ndarray):
@@ -55,7 +55,7 @@ def largest_vector(rows: Any, coordinates: Array) -> tuple[float, int]:
 
 
 def _lengths(rows: Any, coordinates: Array) -> Array:
-    """F (t,) at some instants."""
+    """F (t,) at some times."""
     found = np.empty(len(coordinates))
     for start in range(0, len(found), AT_ONCE):
         part = slice(start, start + AT_ONCE)

@@ -1,4 +1,4 @@
-"""Indices of sparse matrices in as few bytes as hold them."""
+"""Indices of sparse matrices with the fewest bytes."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ __all__ = ["narrow_indices"]
 
 
 def narrow_indices(matrix: csc_array) -> csc_array:
-    """The same matrix with 32-bit indices, where they hold them: a quarter less memory, and to read.
+    """The same matrix with 32-bit indices, if these suffice: a quarter less memory and memory traffic.
 
-    SciPy takes over the width of the indices that it is given, and all products with them have it.
+    SciPy keeps the width of the given indices, also in all products.
     """
     if max(int(matrix.indices.max(initial=0)), matrix.nnz) > np.iinfo(np.int32).max:
         return matrix

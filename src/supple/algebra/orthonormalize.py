@@ -1,4 +1,4 @@
-"""Mass-orthonormal bases: rank-revealing Gram-Schmidt in the order the columns come."""
+"""Mass-orthonormal bases: rank-revealing Gram-Schmidt in the order of the columns."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LARGEST_GRAM_ERROR = 1e-10
 
 
 class OrthonormalBasis(NamedTuple):
-    """M-orthonormal columns, and which of the given columns they came from."""
+    """M-orthonormal columns, and the numbers of the columns they came from."""
 
     vectors: NDArray[np.float64]
     kept: NDArray[np.intp]
@@ -29,17 +29,17 @@ def mass_orthonormalize(
     rank_tolerance: float = 1e-8,
     reference_norms: ArrayLike | None = None,
 ) -> OrthonormalBasis:
-    """Orthonormalise columns in the mass inner product, dropping those that add nothing to the ones before.
+    """Orthonormalise columns in the mass inner product, dropping those that depend on earlier ones.
 
-    Gram-Schmidt, each column projected twice; column j is dropped where what remains of it is shorter than
+    Gram-Schmidt, each column projected twice; column j is dropped if its remainder is shorter than
     rank_tolerance times its reference norm. Afterwards V^T M V = I to 1e-10.
 
     Parameters
     ----------
     vectors         : array (n, k)          any column scales; earlier columns have precedence
     mass            : sparse array (n, n)   symmetric positive definite
-    reference_norms : array (k,)            M-norms the columns had before something was projected out of
-                                            them; their present norms when omitted
+    reference_norms : array (k,)            M-norms of the columns before an earlier projection; by default
+                                            their present norms
     Returns
     -------
     OrthonormalBasis   .vectors (n, r), .kept (r,), .dropped (k - r,) column numbers, ascending
@@ -52,7 +52,7 @@ def mass_orthonormalize(
     if columns.ndim != 2 or columns.shape[0] != mass.shape[0]:
         raise ModelError(f"vectors have shape {columns.shape}; the mass matrix has {mass.shape[0]} rows")
     if not np.all(np.isfinite(columns)):
-        raise ModelError("the vectors to orthonormalise hold NaN or infinite entries")
+        raise ModelError("the vectors to orthonormalise contain NaN or infinite entries")
     norms = _mass_norms(columns, mass)
     reference = norms if reference_norms is None else np.asarray(reference_norms, dtype=np.float64)
     if reference.shape != norms.shape:
@@ -72,7 +72,7 @@ def mass_orthonormalize(
         remaining = float(np.sqrt(max(column @ mass_column, 0.0)))
         if remaining * norms[j] <= rank_tolerance * reference[j]:
             continue
-        # Once more after scaling: where the column lost digits, its round-off has grown with it.
+        # Repeated after scaling: where a column lost digits, its round-off has grown with it.
         column /= remaining
         column -= basis[:, :rank] @ (mass_basis[:, :rank].T @ column)
         mass_column = mass @ column
@@ -83,7 +83,7 @@ def mass_orthonormalize(
     result = np.ascontiguousarray(basis[:, : len(kept)])
     error = float(np.max(np.abs(result.T @ (mass @ result) - np.eye(len(kept))), initial=0.0))
     if not error < LARGEST_GRAM_ERROR:
-        raise AccuracyError(f"the basis is M-orthonormal to {error:.1e} only; is the mass matrix symmetric?")
+        raise AccuracyError(f"the basis is M-orthonormal to {error:.1e} only; check the mass matrix")
     chosen = np.array(kept, dtype=np.intp)
     return OrthonormalBasis(result, chosen, np.setdiff1d(np.arange(count), chosen))
 
@@ -93,6 +93,6 @@ def _mass_norms(columns: NDArray[np.float64], mass: Any) -> NDArray[np.float64]:
     if np.any(squares < 0):
         worst = int(np.argmin(squares))
         raise ModelError(
-            f"column {worst} has the squared length {squares[worst]:.3e}: the mass is not definite"
+            f"column {worst} has the squared length {squares[worst]:.3e}: the mass is not definite; check it"
         )
     return np.sqrt(squares)

@@ -1,4 +1,4 @@
-"""Arrays that cannot be written: what immutable types hold."""
+"""Read-only arrays, the fields of immutable types."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["read_only"]
 
 
 def read_only(values: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
-    """Return a private, C-ordered copy of `values` that refuses assignment."""
+    """Return a private, C-ordered, read-only copy of `values`."""
     array = np.array(values, dtype=dtype, order="C")
     array.flags.writeable = False
     return array

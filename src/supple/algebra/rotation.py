@@ -1,7 +1,7 @@
 """Finite rotations in JAX: skew matrix, exponential, its right Jacobian, logarithm, Euler parameters.
 
-A rotation `A` maps body components to global ones. Variations are taken on the right, in body components:
-`dA = A skew(dpsi)`. Everything is smooth at zero, so that it can be differentiated there.
+A rotation `A` maps body components to global ones. Variations are on the right, in body components:
+`dA = A skew(dpsi)`. All functions are smooth at zero, so that they can be differentiated there.
 
 JAX traces each of them once for all its uses (`jax.jit`): tracing takes half a millisecond an operation, and
 a machine has thousands of these.
@@ -113,7 +113,7 @@ def right_jacobian_slope(psi: jax.Array, vector: jax.Array) -> tuple[jax.Array, 
 def euler_parameters(rotation: jax.Array) -> jax.Array:
     """Unit quaternion `(e0, e1, e2, e3)`, `e0 >= 0`, of a rotation matrix; shape (3, 3) to (4,).
 
-    The largest of the four is found first, so that no division is by a small number (Shepperd 1978).
+    The largest of the four is found first, which avoids division by a small number (Shepperd 1978).
     """
     trace = jnp.trace(rotation)
     diagonal = jnp.diagonal(rotation)

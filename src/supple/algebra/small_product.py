@@ -1,7 +1,7 @@
-"""Products of matrices a few entries wide, in a form that compiles into its neighbours.
+"""Products of small matrices, in a form that compiles into the surrounding loop.
 
-XLA hands every `@` to a library of matrix products: for 3 x 3 matrices the call costs many times the
-arithmetic. Written as a sum, the product becomes part of the loop around it.
+XLA calls a library for every `@`: for 3 x 3 matrices the call costs many times the arithmetic. Written as a
+sum, the product becomes part of the loop around it.
 """
 
 from __future__ import annotations

@@ -27,15 +27,15 @@ __all__ = [
     "installed_solver",
 ]
 
-# Sparse solvers share the work between right-hand sides: in blocks of about 50 a column costs 4-5 times less
-# than alone; much larger blocks only fill the cache.
+# Sparse solvers share work between right-hand sides: in blocks of about 50 a column costs 4-5 times less than
+# alone; much larger blocks only fill the cache.
 BLOCK_COLUMNS = 64
 
 # A refinement step changes the solution by about (round-off) x (condition number): 1e-8 for thin shells, of
-# order one for a singular matrix, whose factors hold nothing but round-off along its null vectors.
+# order one for a singular matrix, whose factors are only round-off along its null vectors.
 LARGEST_REFINEMENT = 1e-3
 
-# Beyond this size, three-dimensional meshes fill the factors of SuperLU beyond use (10 minutes and more).
+# Above this size, factors of three-dimensional meshes by SuperLU are too large (10 minutes and more).
 LARGEST_COMFORTABLE_SUPERLU = 50_000
 
 
@@ -48,7 +48,7 @@ class Inertia(NamedTuple):
 
 
 class RawFactor(NamedTuple):
-    """What a library hands back: how to solve, how to count signs, how to factor the next values."""
+    """Functions of a library's factor: solve, count signs, refactor with new values."""
 
     solve: Callable[[NDArray[np.float64]], NDArray[np.float64]]
     inertia: Callable[[], Inertia]
@@ -78,7 +78,7 @@ class Rslab:
         return self._factor(rslab.analyze(matrix, path="ldlt"), matrix)
 
     def general(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor as P_r^T A P_c = L U; rslab matches rows by value, so a new matrix is analysed anew."""
+        """Factor as P_r^T A P_c = L U; rslab matches rows by value, so a new matrix needs a new analysis."""
         import rslab
 
         factor = rslab.lu(matrix)
@@ -103,11 +103,11 @@ class SuperLU:
     """SciPy's SuperLU in symmetric mode, five times faster than its defaults on symmetric patterns."""
 
     def symmetric(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor with diagonal pivots; rows are exchanged, and signs lost, only where a pivot vanishes."""
+        """Factor with diagonal pivots; rows are exchanged, and signs lost, only if a pivot vanishes."""
         return self._factor(matrix, pivot_threshold=0.0)
 
     def general(self, matrix: sparse.csc_array) -> RawFactor:
-        """Factor with diagonal pivots where they can be: exchanging rows costs up to ten times the fill."""
+        """Factor with diagonal pivots where possible: exchanging rows costs up to ten times the fill."""
         return self._factor(matrix, pivot_threshold=1e-3)._replace(
             inertia=_inertia_of_unsymmetric, refactorize=self.general
         )
@@ -145,14 +145,14 @@ def _inertia_of_unsymmetric() -> Inertia:
 
 
 def installed_solver() -> DirectSolver:
-    """The fastest solver at hand: rslab where it is installed, SciPy's SuperLU otherwise."""
+    """The fastest available solver: rslab if installed, SciPy's SuperLU otherwise."""
     return Rslab() if importlib.util.find_spec("rslab") else SuperLU()
 
 
 class SparseFactor:
-    """The factors of a sparse matrix, checked by one refinement step when made.
+    """The factors of a sparse matrix, checked by one refinement step when created.
 
-    Their numbers, gigabytes for a large body, can be released: who solves next computes them again.
+    Their numbers, gigabytes for a large body, can be released; the next solution computes them again.
     """
 
     def __init__(self, matrix: sparse.csc_array, raw: RawFactor) -> None:
@@ -162,7 +162,7 @@ class SparseFactor:
         self.n: int = matrix.indptr.size - 1
 
     def release(self) -> None:
-        """Give back the memory of the numbers, not that of the symbolic analysis."""
+        """Release the memory of the numbers, not that of the symbolic analysis."""
         self._raw = None
 
     def _numbers(self) -> RawFactor:
@@ -188,11 +188,11 @@ class SparseFactor:
 
     @cached_property
     def inertia(self) -> Inertia:
-        """Signs of the eigenvalues, by Sylvester's law; AccuracyError where the factors cannot tell."""
+        """Signs of the eigenvalues, by Sylvester's law; AccuracyError where the factors do not show them."""
         return self._numbers().inertia()
 
     def refactorize(self, matrix: Any) -> SparseFactor:
-        """Factor a matrix of the same pattern, reusing the symbolic analysis where the library allows."""
+        """Factor a matrix of the same pattern, reusing the symbolic analysis if the library allows it."""
         matrix = _square_csc(matrix)
         if matrix.shape != (self.n, self.n):
             raise ModelError(f"the new matrix has shape {matrix.shape}; the factored one has {self.n} rows")
@@ -200,12 +200,12 @@ class SparseFactor:
 
 
 def factorize_symmetric(matrix: Any, *, solver: DirectSolver | None = None) -> SparseFactor:
-    """Factor a symmetric sparse matrix, definite or indefinite, and prove that it can be solved with.
+    """Factor a symmetric sparse matrix, definite or indefinite, and check that it is not singular.
 
     Parameters
     ----------
     matrix : sparse or dense array (n, n)   symmetric; only finite numbers
-    solver : DirectSolver                   Rslab() or SuperLU(); the fastest installed one when omitted
+    solver : DirectSolver                   Rslab() or SuperLU(); by default the fastest installed one
     Returns
     -------
     SparseFactor   .n, .solve(loads (n,) or (n, k)), .inertia, .refactorize(matrix of the same pattern)
@@ -237,14 +237,14 @@ def _square_csc(matrix: Any) -> sparse.csc_array:
 
 
 def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> SparseFactor:
-    """Solve a pseudo-random load, refine the solution once, and refuse the factors if it moves."""
+    """Solve for a pseudo-random load, refine once, and reject the factors if the solution changes."""
     n = matrix.indptr.size - 1
     try:
         raw = factor()
     except RuntimeError as error:
         raise _singular(n, str(error)) from error
 
-    # Scaled by the diagonal, so that metres and radians weigh alike.
+    # Scaled by the diagonal, so that metres and radians have equal weight.
     diagonal = np.abs(matrix.diagonal())
     scale = np.sqrt(np.where(diagonal > 0, diagonal, diagonal.max(initial=0.0) or 1.0))[:, None]
     load = scale * np.random.default_rng(0).standard_normal((n, 1))
@@ -258,6 +258,6 @@ def _checked(factor: Callable[[], RawFactor], matrix: sparse.csc_array) -> Spars
 
 def _singular(n: int, evidence: str) -> AccuracyError:
     return AccuracyError(
-        f"the {n} x {n} matrix is singular to working precision ({evidence}); hold the body's rigid motion, "
-        "shift the matrix, or look for freedoms without stiffness"
+        f"the {n} x {n} matrix is singular to working precision ({evidence}); fix the body's rigid motion, "
+        "shift the matrix, or find freedoms without stiffness"
     )

@@ -1,4 +1,4 @@
-"""A matrix of many rows and few columns that grows by columns without being copied."""
+"""A matrix of many rows and few columns that can be extended by columns without a copy."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TallMatrix:
-    """Q = [Q_1 Q_2 ...], (n, m), kept as its blocks of columns.
+    """Q = [Q_1 Q_2 ...], (n, m), stored as its blocks of columns.
 
-    One array would have to be copied to get more columns, and both copies held at once: for a Krylov space
-    of a large body that is gigabytes.
+    A single array would be copied for each extension, with both copies in memory: for a Krylov space of a
+    large body that is gigabytes.
 
     blocks : (n, m_i) each
     """

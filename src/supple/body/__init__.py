@@ -24,5 +24,5 @@ from supple.body.section_beams import *
 from supple.body.superelement import *
 
 # isort: split
-# Last, for its function has the name of a module above.
+# Last, as the function has the name of a module above.
 from supple.body.finite_element_body import *

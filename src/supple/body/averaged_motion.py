@@ -1,4 +1,4 @@
-"""Averaging interfaces (RBE3): the rigid motion that fits the motion of some nodes best."""
+"""Averaging interfaces (RBE3): the best-fit rigid motion of a set of nodes."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ def averaged_motion(
     position: NDArray[np.float64],
     dofs_per_node: int,
 ) -> NDArray[np.float64]:
-    """Least-squares rigid motion of weighted nodes, seen at a position.
+    """Least-squares rigid motion of weighted nodes, referred to a position.
 
         min  sum_a w_a |u_a - u - theta x r_a|^2,     r_a = x_a - centroid
         u = mean of u_a,     J theta = sum_a w_a r_a x u_a,     J = sum_a w_a (r_a.r_a I - r_a r_a^T)
         u_v = u + theta x (position - centroid),     theta_v = theta
 
-    About an axis that displacements do not see (nodes on one line, a single node), theta is the weighted mean
-    of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose spreads a force and
-    a moment at the position over the nodes with the same resultant.
+    About an axis that leaves the displacements unchanged (nodes on one line, a single node), theta is the
+    weighted mean of the nodes' own rotations. A rigid motion is reproduced exactly; hence the transpose
+    distributes a force and a moment at the position over the nodes with the same resultant.
 
     Parameters
     ----------

@@ -1,19 +1,19 @@
-"""What an averaging interface on a section that yields costs, once the section has turned against the frame.
+"""Error of an averaging interface on a deformable section that has rotated relative to the frame.
 
-The nodal forces that stand for a moment m, F_a = w_a (J^-1 m) x r_a, keep the directions that they have in
-the undeformed body. Of a section turned by phi about the axis n of m, the part p m phi, p_a = - n x F_a(n),
-is self-equilibrated and pulls the section out of shape: by d = phi m K^-1 p. The mean rotation, taken in the
-same directions, sees d as well: the joint stands where sin phi + phi p.d is. With c = p K^-1 p and the
+The nodal forces that represent a moment m, F_a = w_a (J^-1 m) x r_a, keep their directions of the undeformed
+body. On a section rotated by phi about the axis n of m, the part p m phi, p_a = - n x F_a(n), is
+self-equilibrated and deforms the section by d = phi m K^-1 p. The mean rotation, taken in the same
+directions, includes d: the joint is at sin phi + phi p.d. With c = p K^-1 p and the
 potential
 
     Pi = U(phi) + d K d / 2 - m (phi + phi p.d),
 
-the joint turns by m c phi^2 too much, and the body feels a moment that is too large by m^2 c phi.
+the rotation of the joint is too large by m c phi^2, and the moment on the body by m^2 c phi.
 
 A beam of compliance C = L / E I under a force at its other end, to which the frame is fixed: m = 2 phi / C.
-The two give 3 phi^2 c / C of its deflection each. A moment alone, m = phi / C, gives 2 phi^2 c / C of the
-rotation.
-Source: this project's own; theory page on interfaces.
+Each of the two is an error of 3 phi^2 c / C in its deflection. A moment alone, m = phi / C, gives
+2 phi^2 c / C of the rotation.
+Source: derived here; theory page on interfaces.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ __all__ = ["DEFLECTION_ERROR", "section_softness"]
 Array = NDArray[np.float64]
 
 DEFLECTION_ERROR = 6.0
-"""Error of the deflection of a beam under a force at its end, by phi^2 c / C."""
+"""Relative error of the deflection of a beam under a force at its end, per phi^2 c / C."""
 
 
 def section_softness(body: FlexibleBody, interface: BodyInterface) -> Array:
-    """C / C (3,) of an averaging interface about the axes of the body; zeros of one that stays in shape.
+    """C / C (3,) of an averaging interface about the axes of the body; zeros for a rigid section.
 
-    C : compliance of its rotation to the moment, the next interface held, or inertia balancing it
+    C : compliance of its rotation to the moment, with the next interface fixed, or balanced by inertia
     """
     # Only interfaces that average displacements have the arcsine of a rotation.
     if body.is_linear or interface.cubic_turn <= 0:

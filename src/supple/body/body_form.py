@@ -1,4 +1,4 @@
-"""What every form of a body offers a machine: rigid, full, reduced, and those to come."""
+"""Protocol of a body in a machine, common to rigid, full, reduced and intrinsic forms."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ __all__ = ["BodyForm"]
 
 
 class BodyForm(Protocol):
-    """A body as a machine holds it. Code that uses these members does not depend on the form of the body.
+    """A body in a machine. Code that uses these members does not depend on the form of the body.
 
-    A motion is that of this body in a solution; ModelError for one of another type.
+    The motion argument is that of this body in a solution; ModelError for one of another type.
     """
 
     @property
     def kind(self) -> str:
-        """The form in a word, for reports."""
+        """Name of the form, for reports."""
         ...
 
     @property
@@ -35,35 +35,35 @@ class BodyForm(Protocol):
 
     @property
     def mass(self) -> float:
-        """Of the whole body, kg."""
+        """Mass of the body, kg."""
         ...
 
     @property
     def centre_of_mass(self) -> np.ndarray:
-        """(3,) undeformed, in the body's frame, m."""
+        """Centre of mass (3,), undeformed, in the body's frame, m."""
         ...
 
     @property
     def n_coordinates(self) -> int:
-        """Number of deformation coordinates; none of a rigid body."""
+        """Number of deformation coordinates; zero for a rigid body."""
         ...
 
     @property
     def nodes(self) -> np.ndarray:
-        """Undeformed positions (N, 3) in the body's frame, m; of a rigid body those of its interfaces."""
+        """Undeformed positions (N, 3) in the body's frame, m; for a rigid body those of its interfaces."""
         ...
 
     @property
     def interfaces(self) -> Sequence[Interface]:
-        """Where joints and loads act, in the order given."""
+        """Interfaces for joints and loads, in the given order."""
         ...
 
     def interface(self, name: str) -> Interface:
-        """The interface of that name; ModelError names the nearest, or those there are."""
+        """The interface of that name; ModelError lists the nearest names, or all."""
         ...
 
     def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
-        """Displacements (..., k, 3) of some nodes or all by coordinates (..., r), in the body's frame.
+        """Displacements (..., k, 3) of all or some nodes for coordinates (..., r), in the body's frame.
 
         At most quadratic in the coordinates.
         """
@@ -72,18 +72,18 @@ class BodyForm(Protocol):
     def expand_rates(
         self, coordinates: np.ndarray, rates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /
     ) -> np.ndarray:
-        """Their rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
+        """Displacement rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
         ...
 
     def positions(self, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> NDArray[np.float64]:
-        """Positions (t, k, 3) in space of some nodes, or all: the only way from a motion to space.
+        """Positions (t, k, 3) of all or some nodes in space, for every use of a motion in space.
 
         Raises ModelError for a node number outside the body.
         """
         ...
 
     def node_rotations(self, motion: Motion) -> NDArray[np.float64]:
-        """Rotation matrices (t, N, 3, 3) of the material at all nodes, from rest to space."""
+        """Rotation matrices (t, N, 3, 3) of the material at all nodes, from the undeformed body to space."""
         ...
 
     def node_motion(self, motion: Motion, nodes: ArrayLike) -> NodeMotion:
@@ -99,21 +99,21 @@ class BodyForm(Protocol):
         rates: np.ndarray,
         /,
     ) -> FramedMotion:
-        """The motion of small motions p = (A^T dR, psi, dq) about a pose and coordinates.
+        """The motion displaced by small p = (A^T dR, psi, dq) from a pose and coordinates.
 
-        ModelError of a form without a frame.
+        Raises ModelError for a form without a frame.
         displacement : p (t, 6 + r)
         rates : p' (t, 6 + r)     as at p = 0
         """
         ...
 
     def interface_motion(self, motion: Motion, name: str) -> InterfaceMotion:
-        """Pose, velocities and acceleration (t, ...) of an interface in space: all that joints see of it."""
+        """Pose, velocities and acceleration (t, ...) of an interface in space: the input of joints."""
         ...
 
     @property
     def is_seen_by_interfaces(self) -> bool:
-        """Whether joints and forces see it by the motions of its interfaces, not by its coordinates."""
+        """Whether joints and forces use the motions of its interfaces instead of its coordinates."""
         ...
 
     @property
@@ -129,9 +129,9 @@ class BodyForm(Protocol):
     def nodal_fields(
         self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = ..., /
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """Nodal freedoms (n, t) of coordinates (t, r), from which strains follow; some freedoms, or all.
+        """Nodal freedoms (n, t) for coordinates (t, r), from which strains follow; all or some freedoms.
 
-        Second, the condensed part, of which linear strains alone follow; None where nothing is condensed.
+        The second array is the condensed part, which enters linear strains alone; None without condensation.
         """
         ...
 
@@ -146,16 +146,16 @@ class BodyForm(Protocol):
         ...
 
     def sections(self, model: FiniteElementModel | None, /) -> Sections:
-        """Its sections, by its elements where these carry the forces; ModelError of a form that has none."""
+        """Its sections, by elements where these carry the forces; ModelError for a form without sections."""
         ...
 
     def section_softness(self, interface: str, /) -> np.ndarray:
-        """Softness c / C (3,) of the section of an averaging interface; zeros of any other."""
+        """Softness c / C (3,) of the section of an averaging interface; zeros for any other."""
         ...
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """Share of the stiffness lacking per squared spin about each axis, (3,), (rad/s)^-2."""
+        """Share of the stiffness missing per squared angular velocity about each axis, (3,), (rad/s)^-2."""
         ...
 
     @property
@@ -169,12 +169,12 @@ class BodyForm(Protocol):
         ...
 
     def lowest_frequency(self) -> float:
-        """Of the undeformed body fixed in its frame, rad/s; infinite where nothing deforms."""
+        """Lowest frequency of the undeformed body fixed in its frame, rad/s; infinite for a rigid body."""
         ...
 
     @property
     def rotation_limit(self) -> float:
-        """Largest rotation of material against the frame that the kinematics describe, rad."""
+        """Largest rotation of material relative to the frame for which the kinematics hold, rad."""
         ...
 
     @property

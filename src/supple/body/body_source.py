@@ -45,10 +45,10 @@ IntArray = NDArray[np.int64]
 class BodySource:
     """Source of an elastic body; each part is read or assembled once, on first use.
 
-    check : check of the nodal matrices without interfaces, with a number of elastic modes
-    body : the body of a name with interfaces; ModelError for errors of the model
+    check : check of the nodal matrices without interfaces, for a number of elastic modes
+    body : the body with a name and interfaces; ModelError for errors of the model
     connections : RBE2 and RBE3 elements that can be interfaces
-    numbers : node numbers for ids of its file
+    numbers : node numbers for the node ids of its file
     mesh, model : mesh and elements, also for a linear body; None for matrices
     ties_itself : whether its rigid connections are tied without interfaces
     """
@@ -111,7 +111,7 @@ def section_beams_source(path: Path) -> BodySource:
 def labelled_matrices_source(files: MatrixFiles, *, rigid_tolerance: float | None = None) -> BodySource:
     """Matrices of another program with the file of its nodes, as for `read_labelled_superelement`.
 
-    The matrices may come from any elements, so the mesh of the node file is not read.
+    The matrices may come from any element type, so the mesh of the node file is not read.
     """
 
     @cache
@@ -132,7 +132,7 @@ def _numbers(ids: IntArray, wanted: IntArray) -> IntArray:
     if not known.all():
         lost = np.asarray(wanted)[~known][0]
         raise ModelError(
-            f"no node of the matrices has the id {lost}; their ids are {ids.min()} to {ids.max()}"
+            f"no node of the matrices has the id {lost}; use ids from {ids.min()} to {ids.max()}"
         )
     return number
 

@@ -1,4 +1,4 @@
-"""What the matrices of a flexible body must satisfy, and the errors if they do not."""
+"""Requirements on the matrices of a flexible body, and the errors when they are violated."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FREEDOM_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 def checked_nodal_matrix(
     body: str, what: str, matrix: Any, nodes: NDArray[np.float64], dofs_per_node: int, n_modal: int = 0
 ) -> sparse.csc_array:
-    """A nodal matrix as csc, after checking its shape, that it is finite and that it is symmetric."""
+    """A nodal matrix as csc, checked for shape, finite entries and symmetry."""
     n_nodal = len(nodes) * dofs_per_node + n_modal
     result = sparse.csc_array(matrix, dtype=np.float64)
     if result.shape != (n_nodal, n_nodal):
@@ -54,7 +54,7 @@ def checked_nodal_matrix(
 
 
 def check_nodes(body: str, nodes: NDArray[np.float64], node_ids: NDArray[np.int64] | None = None) -> None:
-    """Nodes are an (N, 3) array of finite numbers."""
+    """Check that nodes are an (N, 3) array of finite numbers."""
     if nodes.ndim != 2 or nodes.shape[1] != 3 or len(nodes) == 0:
         raise ModelError(f"body '{body}': nodes have shape {nodes.shape}; give (N, 3)")
     bad = np.flatnonzero(~np.all(np.isfinite(nodes), axis=1))
@@ -73,22 +73,24 @@ def check_moves_rigidly(
     dofs_per_node: int,
     tolerance: float,
 ) -> None:
-    """K R = 0 (or C R) of nodal freedoms and modal ones, up to round-off of the forces that cancel in it."""
+    """Check K R = 0 (or C R), for nodal and modal freedoms, relative to the forces that cancel in it."""
     ratio = rigid_force_ratios(matrix, rigid_modes)
     row, mode = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     if ratio[row, mode] > tolerance:
         raise ModelError(
-            f"body '{body}': its {what} resists rigid motion: {RIGID_NAMES[mode]} meets "
+            f"body '{body}': its {what} resists rigid motion: {RIGID_NAMES[mode]} leaves "
             f"{ratio[row, mode]:.1e} of the forces that should cancel (allowed {tolerance:.0e}), most at "
             f"{_freedom(int(row), dofs_per_node)}. A body must be free: leave supports "
-            "out of its matrices and hold it by joints; for matrices printed with few digits, raise "
+            "out of its matrices and support it by joints; for matrices printed with few digits, raise "
             "rigid_tolerance"
         )
 
 
 def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """|K R| (n, 6), row by row against the largest forces that can cancel there, |K_ij| <= sqrt(K_ii "
-    "K_jj)."""
+    """|K R| (n, 6) by row, relative to the largest forces that can cancel there.
+
+    They are bounded by |K_ij| <= sqrt(K_ii K_jj).
+    """
     force = np.abs(stiffness @ rigid_modes)
     root = np.sqrt(np.maximum(stiffness.diagonal(), 0))[:, None]
     pattern = sparse.csc_array((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), stiffness.shape)
@@ -99,18 +101,18 @@ def rigid_force_ratios(stiffness: sparse.csc_array, rigid_modes: NDArray[np.floa
 def checked_grounded_stiffness(
     body: str, stiffness: sparse.csc_array, rigid_modes: NDArray[np.float64]
 ) -> GroundedFactor:
-    """The grounded factor of K, after checking that six rigid motions are all the motions without energy."""
+    """The grounded factor of K; checks that the only motions without energy are the six rigid ones."""
     try:
         grounded = grounded_factor(stiffness, rigid_modes)
     except AccuracyError as error:
         raise ModelError(
             f"body '{body}' can move in more than six ways without strain: a mechanism, a freedom without "
-            "stiffness, or a part hanging on a single node"
+            "stiffness, or a part attached to a single node"
         ) from error
     if grounded.factor.inertia.negative:
         raise ModelError(
             f"body '{body}': its stiffness has {grounded.factor.inertia.negative} negative eigenvalues; "
-            "strain energy cannot be negative"
+            "strain energy cannot be negative; check the source of the matrix"
         )
     return grounded
 

@@ -14,7 +14,7 @@ __all__ = ["check_rigid_connections", "connection_interface", "connection_named"
 def connection_interface(
     connection: Connection, name: str | None = None
 ) -> RigidInterface | AveragingInterface:
-    """The interface that a connection describes, under its own name or another."""
+    """The interface defined by a connection, under its own name or another."""
     name = connection.name if name is None else name
     if connection.weights is None:
         return RigidInterface(name, connection.nodes, connection.position)
@@ -22,7 +22,7 @@ def connection_interface(
 
 
 def connection_named(name: str, connections: Sequence[Connection]) -> Connection:
-    """The connection of that name; ModelError lists those there are."""
+    """The connection of that name; ModelError lists all names."""
     for connection in connections:
         if connection.name == name:
             return connection
@@ -36,10 +36,10 @@ def connection_named(name: str, connections: Sequence[Connection]) -> Connection
 def check_rigid_connections(
     body: str, file: str, connections: Sequence[Connection], taken: Container[str | None]
 ) -> None:
-    """ModelError for an RBE2 that is no interface: it stiffens the body that the file describes.
+    """ModelError for an RBE2 that is not an interface: it would stiffen the body in the file.
 
     body, file : names, for the message
-    taken : names of the connections, or of node sets like them, that rigid interfaces take
+    taken : names of the connections, or of equal node sets, that rigid interfaces use
     """
     left = [each.name for each in connections if each.weights is None and each.name not in taken]
     if left:

@@ -1,8 +1,8 @@
 """Constraints between the freedoms of a body, eliminated: C q = 0 becomes q = T q_kept.
 
-Each row gives one freedom up: the one that its file names where it can, another where it cannot. Rows whose
-freedom stands in no other row are solved as they stand, so that thousands of ties of nodes to surfaces stay
-sparse; the others are solved together with those that they share freedoms with.
+Each row eliminates one freedom: the one named in its file if possible, another otherwise. Rows whose freedom
+occurs in no other row are solved separately, so that thousands of ties of nodes to surfaces stay sparse; the
+others are solved together with the rows that share their freedoms.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ __all__ = ["eliminate", "together"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Of a row's largest entry: less is rounding.
+# Relative to a row's largest entry: smaller entries are rounding.
 _NOTHING = 1e-12
-# Of the largest pivot of rows scaled to one: a row below it depends on those before.
+# Relative to the largest pivot of rows scaled to one: a smaller pivot marks a dependent row.
 _REDUNDANT = 1e-9
-# How much rather a freedom is eliminated: the one that the file names; none of a joint's interface.
+# Preference for elimination: first the freedom named in the file, never one of a joint's interface.
 _NAMED, _LAST = 1e3, 1e-4
-# Of what cancels when the body moves rigidly.
+# Relative to the terms that cancel in a rigid motion.
 _RIGID = 1e-6
 
 
@@ -43,16 +43,16 @@ def eliminate(
     *,
     held: bool = False,
 ) -> StaticallyTied:
-    """The coordinates q that constraints leave, and how all follow them.
+    """The coordinates q that remain after constraints, and the expansion to all.
 
     Parameters
     ----------
     given : of nodal freedoms u = expansion @ q;  rigid_modes : (n, 6) of q
     last : (n,) coordinates to keep where another can be eliminated
-    held : whether they may hold the body
+    held : whether the constraints may support the body
     Raises
     ------
-    ModelError   constraints that hold the body against rigid motion
+    ModelError   constraints that resist rigid motion of the body
     """
     rows = sparse.csr_array(given.matrix @ expansion)
     n = expansion.indptr.size - 1
@@ -87,14 +87,14 @@ def _check_free(body: str, given: Constraints, rows: sparse.csr_array, rigid_mod
     bad = np.flatnonzero(ratio > _RIGID)
     if bad.size:
         raise ModelError(
-            f"body '{body}': {given.labels[bad[0]]} (one of {bad.size}) holds the body against rigid motion, "
+            f"body '{body}': {given.labels[bad[0]]} (one of {bad.size}) resists rigid motion of the body, "
             f"by {ratio[bad[0]]:.1e} of its terms; a body must be free: correct the factors, or leave the "
-            "constraint out and hold the body by joints"
+            "constraint out and support the body by joints"
         )
 
 
 def _named(given: Constraints, expansion: sparse.csc_array) -> IntArray:
-    """The coordinate of each row's dependent freedom, or -1 where it is none of the coordinates."""
+    """The coordinate of each row's dependent freedom, or -1 if it is not a coordinate."""
     rows = sparse.csr_array(expansion)
     counts, wanted = np.diff(rows.indptr), given.dependent
     one = (wanted >= 0) & (counts[wanted] == 1)
@@ -104,9 +104,9 @@ def _named(given: Constraints, expansion: sparse.csc_array) -> IntArray:
 
 
 def together(rows: sparse.csr_array, named: IntArray, last: NDArray[np.bool_]) -> StaticallyTied:
-    """Rows C q = 0 solved group by group of those that share freedoms; each eliminates as its row is new.
+    """Rows C q = 0, solved in groups that share freedoms; each row eliminates one freedom.
 
-    named : (m,) coordinate that a row should eliminate, or -1;  last : (n,) those that it should not
+    named : (m,) coordinate that a row should eliminate, or -1;  last : (n,) coordinates to keep if possible
     """
     n = len(last)
     eliminated: list[IntArray] = []

@@ -1,10 +1,10 @@
-"""The coordinates of a body whose nodes are tied: what gives way to what, from nodal freedoms to q.
+"""The coordinates of a body with tied nodes: the eliminations from nodal freedoms to q.
 
     u = T q,    T = T_rigid T_constraints T_fixed T_massless
 
-Rigid pieces give their nodes' freedoms to six of a virtual node; constraints eliminate one freedom each;
-rotations that nothing stiffens rest (of the nodes of solids beside shells); freedoms without mass follow
-the others statically.
+Rigid pieces replace their nodes' freedoms by the six of a virtual node; constraints eliminate one freedom
+each; rotations without stiffness (of nodes of solids beside shells) are fixed; massless freedoms follow the
+others statically.
 """
 
 from __future__ import annotations
@@ -33,24 +33,24 @@ __all__ = ["Coordinates", "coordinates", "rigid_sets"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Of the stiffest rotation of a node: less is rounding.
+# Relative to the stiffest rotation of a node: smaller values are rounding.
 _NO_STIFFNESS = 1e-10
-# Numbers of a tie that is dense: 160 MB.
+# Largest size of a dense tie, in numbers: 160 MB.
 _LARGEST_TIE = 2e7
 
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """q of a body, and what its nodes do with them.
+    """Coordinates q of a body, and their expansion to its nodes.
 
-    whole : csc (n_nodal, n0)   u of coordinates q0: in threes of free nodes, then of rigid pieces; modal ones
-    rest : csc (n0, n)          q0 of q, the identity where nothing but rigid pieces ties nodes
+    whole : csc (n_nodal, n0)   u from coordinates q0: triples of free nodes, then of rigid pieces; modal ones
+    rest : csc (n0, n)          q0 from q; the identity where only rigid pieces tie nodes
     rigid_modes : (n, 6);  stiffness, mass : csc (n, n), T^T A T
-    freedoms : (n,) the nodal freedom that each is, for messages; modal ones count on
+    freedoms : (n,) the nodal freedom of each, for messages; modal ones are numbered after them
     sets : the rigid pieces
-    n_modal : coordinates of q0 that no node has
+    n_modal : number of coordinates of q0 without a node
     bare : nodal freedoms that have no mass and follow statically
-    n_fixed : rotations that nothing stiffens
+    n_fixed : number of fixed rotations without stiffness
     """
 
     whole: sparse.csc_array = field(repr=False)
@@ -66,7 +66,7 @@ class Coordinates:
 
     @property
     def n_massless(self) -> int:
-        """How many freedoms follow statically."""
+        """Number of freedoms that follow statically."""
         return len(self.bare)
 
     @property
@@ -75,14 +75,14 @@ class Coordinates:
         return self.whole if self.rest is None else sparse.csc_array(self.whole @ self.rest)
 
     def last_coordinates(self, k: int) -> sparse.csr_array:
-        """The motion (k, n) of the last k of q0 in threes, those of rigid interfaces."""
+        """The motion (k, n) of the last k coordinates of q0 in triples, those of rigid interfaces."""
         rows = self._rows
         end = rows.indptr.size - 1 - self.n_modal
         return sparse.csr_array(rows[end - k : end])
 
     @property
     def threes(self) -> sparse.csr_array | None:
-        """The coordinates in threes of q, (n0 - n_modal, n); None where they are q."""
+        """The coordinates in triples from q, (n0 - n_modal, n); None where they equal q."""
         if self.rest is None and not self.n_modal:
             return None
         rows = self._rows
@@ -90,13 +90,13 @@ class Coordinates:
 
     @property
     def _rows(self) -> sparse.csr_array:
-        """q0 of q."""
+        """q0 from q."""
         if self.rest is not None:
             return sparse.csr_array(self.rest)
         return sparse.csr_array(sparse.eye_array(self.whole.indptr.size - 1))
 
     def of(self, matrix: sparse.csc_array) -> sparse.csc_array:
-        """T^T A T of a nodal matrix."""
+        """T^T A T for a nodal matrix."""
         product = congruent(self.whole, matrix)
         return product if self.rest is None else congruent(self.rest, product)
 
@@ -107,9 +107,9 @@ def rigid_sets(
     interfaces: Sequence[tuple[str, IntArray, FloatArray]],
     attached: Attached,
 ) -> tuple[RigidSet, ...]:
-    """Nodes that move as one, and the place of the node they follow; those of interfaces last, in order.
+    """Rigid sets of nodes with the positions of their reference nodes; those of interfaces last, in order.
 
-    interfaces : (name, nodes, position) of rigid ones. Pieces that share a node are one piece.
+    interfaces : (name, nodes, position) of rigid interfaces. Pieces that share a node are merged.
 
     Raises
     ------
@@ -131,8 +131,8 @@ def rigid_sets(
         leader = first[np.searchsorted(own, of_given[number])]
         if leader != number:
             raise ModelError(
-                f"body '{body}': rigid ties make one piece of the interfaces '{given[leader][0]}' and "
-                f"'{given[number][0]}'; keep one of them, and give its joints a place on it"
+                f"body '{body}': rigid ties join the interfaces '{given[leader][0]}' and "
+                f"'{given[number][0]}'; keep one of them, and attach all joints to it"
             )
     order = [*first[first >= k], *first[first < k][np.argsort(first[first < k])]]
     return tuple((np.flatnonzero(of_nodes == of_given[each]), given[each][2]) for each in order)
@@ -152,16 +152,16 @@ def coordinates(
     tolerance: float,
     held: bool = False,
 ) -> Coordinates:
-    """The coordinates that ties, constraints, rotations without stiffness and freedoms without mass leave.
+    """The coordinates that remain after ties, constraints, fixed rotations and static condensation.
 
-    n_interfaces : the last of the sets are interfaces, whose coordinates stay
+    n_interfaces : the last sets are interfaces, whose coordinates are kept
     n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
-    tolerance : of what counts as no mass
-    held : whether constraints may hold the body; displacements that nothing stiffens then rest as well
+    tolerance : relative mass that counts as zero
+    held : whether constraints may support the body; displacements without stiffness are then fixed as well
 
     Raises
     ------
-    ModelError   constraints that hold the body; motions with neither mass nor stiffness
+    ModelError   constraints that resist rigid motion; motions with neither mass nor stiffness
     """
     whole = rigid_elimination(nodes, dofs_per_node, sets)
     if n_modal:
@@ -187,7 +187,7 @@ def coordinates(
     turns = np.concatenate([turns, np.zeros(n_modal, dtype=bool)])
     still = _without_stiffness(state.K, state.kept // 3, turns[state.kept] & ~last[state.kept])
     if still.nnz:
-        # A rigid motion of all else leaves them where they rest.
+        # In a rigid motion of the body these freedoms stay at zero.
         state = replace(state, R=state.R - still @ (still.T @ state.R)).after(_fixed(still, len(state.kept)))
     before = state.kept
     bare = _bare(body, state.M, ~last[state.kept], freedoms[state.kept], dofs_per_node)
@@ -212,7 +212,7 @@ def coordinates(
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Matrices and rigid motions of the coordinates that are left: `kept` of the first ones."""
+    """Matrices and rigid motions of the remaining coordinates: `kept`, among the first ones."""
 
     K: sparse.csc_array
     M: sparse.csc_array
@@ -221,7 +221,7 @@ class _State:
     rest: sparse.csc_array | None
 
     def after(self, tied: StaticallyTied, K: Any = None, M: Any = None) -> _State:
-        """When some of them follow the others; K and M where they are known."""
+        """The state after some coordinates follow the others; K and M if known."""
         T = tied.expansion
         rest = T if self.rest is None else sparse.csc_array(self.rest @ T)
         K = congruent(T, self.K) if K is None else sparse.csc_array(K)
@@ -230,7 +230,7 @@ class _State:
 
 
 def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array:
-    """T^T A T, symmetric to the last digit."""
+    """T^T A T, exactly symmetric."""
     product = T.T @ matrix @ T
     return sparse.csc_array(0.5 * (product + product.T))
 
@@ -238,9 +238,9 @@ def congruent(T: sparse.csc_array, matrix: sparse.csc_array) -> sparse.csc_array
 def _without_stiffness(
     stiffness: sparse.csc_array, triplet: IntArray, eligible: NDArray[np.bool_]
 ) -> sparse.csc_array:
-    """Directions (n, k), orthonormal, of three freedoms each, along which nothing is stiff.
+    """Orthonormal directions (n, k) in triples of freedoms, along which there is no stiffness.
 
-    Where the energy of a motion of some freedoms is none, so is its force on all: K is positive semidefinite.
+    A motion of zero energy has zero force on all freedoms, as K is positive semidefinite.
     """
     n = len(triplet)
     if not eligible.any():
@@ -258,7 +258,7 @@ def _without_stiffness(
     blocks[number[i[near]], slot[i[near]], slot[j[near]]] = entries.data[near]
     exists = np.zeros((len(numbers), 3), dtype=bool)
     exists[own, slot[there]] = True
-    # Places without a freedom are stiff, so that they are not found.
+    # Missing freedoms get a stiffness, so that they are not found.
     size = np.trace(blocks, axis1=1, axis2=2)
     blocks[:, range(3), range(3)] += np.where(exists, 0.0, np.where(size > 0, size, 1.0)[:, None])
     values, vectors = np.linalg.eigh(blocks)
@@ -276,7 +276,7 @@ def _without_stiffness(
 
 
 def _fixed(still: sparse.csc_array, n: int) -> StaticallyTied:
-    """Motion along no direction (n, k): of each three freedoms as many are eliminated as have none."""
+    """No motion along directions (n, k): each triple loses as many freedoms as it has directions."""
     rows = sparse.csr_array(still.T)
     return together(rows, np.full(rows.indptr.size - 1, -1), np.zeros(n, dtype=bool))
 
@@ -294,7 +294,7 @@ def _bare(
         remedy = (
             "mass cannot be negative"
             if diagonal[own] < 0
-            else "a rigid interface needs mass in every motion: give its nodes a density, or average them"
+            else "a rigid interface needs mass in every motion: give its material a density, or average it"
         )
         raise ModelError(
             f"body '{body}': node {node} {FREEDOM_NAMES[component]} has the mass {diagonal[own]:.3e} (one of "
@@ -311,7 +311,7 @@ def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.
     if not len(kept) or len(eliminated) * len(reached) > _LARGEST_TIE:
         raise ModelError(
             f"body '{body}': {len(eliminated)} of its {len(bare)} freedoms have no mass"
-            + (", too many to follow the others" if len(kept) else "")
+            + (", too many for static condensation" if len(kept) else "")
             + "; give its materials a density, or its nodes masses"
         )
     try:
@@ -319,7 +319,7 @@ def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.
     except AccuracyError:
         raise ModelError(
             f"body '{body}': among its {len(eliminated)} freedoms without mass are some without stiffness "
-            "against the others; give them mass, or tie them"
+            "relative to the others; give them mass, or tie them"
         ) from None
     solved = -np.asarray(solved).reshape(len(eliminated), len(reached))
     solved[np.abs(solved) < 1e-13 * np.abs(solved).max(initial=0.0)] = 0.0
@@ -330,6 +330,6 @@ def _follow_statically(body: str, stiffness: sparse.csc_array, bare: NDArray[np.
 
 
 def _condensed(stiffness: sparse.csc_array, tied: StaticallyTied) -> sparse.csc_array:
-    """K_kk + K_ke T_ek of freedoms in equilibrium: less work than T^T K T, and the same."""
+    """K_kk + K_ke T_ek for freedoms in equilibrium: equal to T^T K T, at less cost."""
     product = sparse.csc_array(stiffness[tied.kept] @ tied.expansion)
     return sparse.csc_array(0.5 * (product + product.T))

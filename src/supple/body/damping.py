@@ -27,15 +27,15 @@ __all__ = [
 
 @dataclass(frozen=True)
 class RayleighDamping:
-    """Kelvin and Voigt's material with a drag on the motion: D(q) = alpha P^T M P + beta K_mat(q).
+    """Kelvin-Voigt material with mass-proportional damping: D(q) = alpha P^T M P + beta K_mat(q).
 
         K_mat(q) = sum w A^T C A,     eps_dot = A(q) q_dot
 
-    is the stiffness of the material where it stands now, so that beta resists the rate of strain and no
+    is the stiffness of the material in its current configuration, so that beta damps the strain rate and no
     rotation. At rest it is Rayleigh's alpha M + beta K, of modal ratio
-    zeta(omega) = alpha / (2 omega) + beta omega / 2 for motions with the interface `held` at rest. P takes
-    away the rigid motion of that interface, so that the damping is the same in every frame. Without `held`,
-    alpha resists motion against the body's frame, and depends on the frame.
+    zeta(omega) = alpha / (2 omega) + beta omega / 2 for motions with the interface `held` fixed. P removes
+    the rigid motion of that interface, so that the damping is the same in every frame. Without `held`, alpha
+    damps motion relative to the body's frame, and depends on the frame.
 
     alpha in 1/s, beta in s; neither negative. held : name of an interface
     """
@@ -54,20 +54,20 @@ class RayleighDamping:
 
     @property
     def retardation_time(self) -> float:
-        """Viscous stress over the stress of the same strain in one second: beta, s."""
+        """Retardation time beta, s: viscous stress over the elastic stress of equal strain in 1 s."""
         return self.beta
 
     def linearized(self) -> LinearRayleighDamping:
-        """The damping of the undeformed body, whatever its deformation."""
+        """The damping of the undeformed body, for any deformation."""
         return LinearRayleighDamping(self.alpha, self.beta, self.held)
 
 
 @dataclass(frozen=True)
 class LinearRayleighDamping:
-    """C = alpha P^T M P + beta K, the stiffness that of the undeformed body, to compare with the literature.
+    """C = alpha P^T M P + beta K with the stiffness of the undeformed body, as in the literature.
 
-    Where a part of a stiff body has turned against the frame by theta, beta K resists its turning on with
-    forces of order theta^2; RayleighDamping does not. P as there.
+    Where a part of a stiff body has rotated by theta relative to the frame, beta K resists further rotation
+    with forces of order theta^2; RayleighDamping does not. P as there.
 
     alpha in 1/s, beta in s; neither negative. held : name of an interface
     """
@@ -86,7 +86,7 @@ class LinearRayleighDamping:
 
     @property
     def retardation_time(self) -> float:
-        """None: this damping does not follow the strain rate."""
+        """Zero: this damping does not follow the strain rate."""
         return 0.0
 
 
@@ -119,7 +119,7 @@ def rayleigh_from_ratios(
 def rayleigh_at_modes(
     stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any, ratio: float, modes: tuple[int, int]
 ) -> RayleighDamping:
-    """Rayleigh damping with one ratio on two modes of a body that a constraint holds; their numbers from 1.
+    """Rayleigh damping with one ratio on two modes, numbered from 1, of a body under a constraint.
 
     stiffness, mass, constraint : as for `lowest_modes`
     Raises ModelError as for `rayleigh_from_ratios`.
@@ -131,16 +131,16 @@ def rayleigh_at_modes(
 
 @dataclass(frozen=True, eq=False)
 class ModalDamping:
-    """A damping ratio for each mode of the body as it is simulated; its matrix does not change.
+    """A damping ratio for each mode of the simulated body; its matrix is constant.
 
         C = P^T M Phi diag(2 zeta omega) Phi^T M P
 
-    The modes are those with the interface `held` clamped, and P takes away the rigid motion of that
-    interface: the damping is the same in every frame. Without `held` they are motions against the body's
-    frame, P is the identity, and the damping depends on the frame.
+    The modes are those with the interface `held` clamped, and P removes the rigid motion of that interface:
+    the damping is the same in every frame. Without `held` they are motions relative to the body's frame, P is
+    the identity, and the damping depends on the frame.
 
     ratios : one for all modes, or one per mode from the lowest up; modes beyond the last take the last ratio
-    n_modes : how many are damped, from the lowest up; all when omitted, which a body in full must not
+    n_modes : number of damped modes, from the lowest up; by default all, which a full body does not allow
     held : name of an interface
     """
 
@@ -160,7 +160,7 @@ class ModalDamping:
 
     @property
     def retardation_time(self) -> float:
-        """None: this damping does not follow the strain rate."""
+        """Zero: this damping does not follow the strain rate."""
         return 0.0
 
     def matrix(self, stiffness: ArrayLike, mass: ArrayLike) -> NDArray[np.float64]:
@@ -173,7 +173,7 @@ class ModalDamping:
     def columns(
         self, stiffness: sparse.sparray, mass: sparse.sparray, constraint: Any
     ) -> NDArray[np.float64]:
-        """W (n, n_modes) of C = W W^T, from the lowest modes of sparse matrices on a constraint.
+        """W (n, n_modes) of C = W W^T, from the lowest modes of sparse matrices under a constraint.
 
         Parameters as for `lowest_modes`; ModelError when no number of modes is given, or one too large.
         """
@@ -186,7 +186,7 @@ class ModalDamping:
         return self._columns(found.values, found.vectors, mass)
 
     def _columns(self, squares: NDArray[np.float64], modes: NDArray[np.float64], mass: Any) -> Any:
-        """M phi sqrt(2 zeta omega) of the modes that are damped."""
+        """M phi sqrt(2 zeta omega) of the damped modes."""
         given, number = np.asarray(self.ratios), np.arange(len(squares))[: self.n_modes]
         ratios = given[np.minimum(number, given.size - 1)]
         omega = np.sqrt(np.maximum(squares[number], 0))
@@ -197,10 +197,10 @@ Damping = RayleighDamping | LinearRayleighDamping | ModalDamping
 
 
 def refuse_held(damping: Damping | None, what: str) -> None:
-    """ModelError for a damping against an interface, where the motion has no floating frame."""
+    """ModelError for a damping relative to an interface, where the motion has no floating frame."""
     if damping is not None and damping.held is not None:
         raise ModelError(
-            f"{what}: its damping acts against the interface '{damping.held}', as only that of a body in a "
+            f"{what}: its damping is relative to the interface '{damping.held}', which needs a body in a "
             "floating frame can; leave held out"
         )
 
@@ -210,7 +210,7 @@ def damping_matrix(
 ) -> NDArray[np.float64]:
     """D (k, k) of a body at rest that moves by some columns, by its option; zero without one.
 
-    Clamped at the interface that the option names, the columns move as P V, of mass V^T P^T M P V.
+    With the interface of the option clamped, the columns move as P V, of mass V^T P^T M P V.
 
     columns : V (n, k)          M-orthonormal
     stiffness : (k, k)          V^T K V

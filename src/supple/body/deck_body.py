@@ -1,4 +1,4 @@
-"""Bodies from decks: the mesh, elements, springs, masses and ties that another program's file describes."""
+"""Bodies from decks: mesh, elements, springs, masses and ties in another program's file."""
 
 from __future__ import annotations
 
@@ -58,9 +58,9 @@ __all__ = ["deck_body", "deck_connections", "deck_mesh", "deck_model", "refuse_l
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Of what cancels when the ends of a spring move rigidly.
+# Relative to the terms that cancel when the ends of a spring move rigidly.
 _RIGID = 1e-6
-# Sine of the angle between a wall and the direction of its material: less has no projection.
+# Smallest sine of the angle between a wall normal and its material direction for a usable projection.
 _ALONG = 2e-3
 
 
@@ -72,14 +72,14 @@ def deck_body(
     part: str | None = None,
     kinematics: ShellKinematics = GREEN_LAGRANGE,
 ) -> FlexibleBody:
-    """A free body of what a deck describes; its supports are left to joints.
+    """A free body from a deck; joints replace its supports.
 
-    interfaces : with node sets of the deck; None takes its rigid ties and weighted means, by their names
-    part : where the deck falls into several (`deck_parts`)
+    interfaces : with node sets of the deck; None: its rigid ties and weighted means, by their names
+    part : one of several disconnected parts (`deck_parts`)
 
     Raises
     ------
-    MeshError, ModelError   as for `deck_model` and `flexible_body`; springs that hold the body
+    MeshError, ModelError   as for `deck_model` and `flexible_body`; springs that resist rigid motion
     """
     own = named_part(deck, part)
     model = deck_model(own, kinematics=kinematics)
@@ -96,10 +96,10 @@ def deck_body(
 def deck_model(
     deck: Deck, *, kinematics: ShellKinematics = GREEN_LAGRANGE, held: bool = False
 ) -> FiniteElementModel:
-    """Finite-element model of a deck that is one part: its cells, springs, masses and ties.
+    """Finite-element model of a deck with a single part: its cells, springs, masses and ties.
 
-    held : with the deck's own supports as constraints; a body is free, and leaves them and springs to ground,
-        which are supports too, to joints
+    held : with the deck's own supports as constraints; in a free body, joints replace them and springs to
+        ground, which are supports too
 
     Raises
     ------
@@ -107,7 +107,7 @@ def deck_model(
     MeshError    inverted or degenerate cells
     Warns
     -----
-    SuppleWarning   springs and dashpots to ground, which are left out
+    SuppleWarning   springs and dashpots to ground, which are omitted
     """
     mesh = deck_mesh(deck)
     springs, dashpots = deck.springs, deck.dashpots
@@ -137,7 +137,7 @@ def deck_model(
 
 
 def deck_connections(deck: Deck) -> tuple[Connection, ...]:
-    """Its rigid ties and weighted means, which interfaces may be made of."""
+    """The rigid ties and weighted means of a deck, from which interfaces can be made."""
     rigid = (
         Connection(tie.name, np.unique(np.append(tie.nodes, tie.reference)), deck.nodes[tie.reference], None)
         for tie in deck.rigid
@@ -149,7 +149,7 @@ def deck_connections(deck: Deck) -> tuple[Connection, ...]:
 
 
 def refuse_left_out(deck: Deck, allowed: Sequence[str] = ()) -> None:
-    """ModelError where something that would change the body is not read, and is not allowed to be left out.
+    """ModelError for omitted cards that would change the body, unless they are allowed.
 
     allowed : names of cards
     """
@@ -166,7 +166,7 @@ def refuse_left_out(deck: Deck, allowed: Sequence[str] = ()) -> None:
 
 
 def deck_mesh(deck: Deck) -> Mesh:
-    """The mesh of a deck that is one part, with its node sets, element sets and properties as cell sets."""
+    """The mesh of a deck with a single part; node sets, element sets and properties are cell sets."""
     cells: dict[CellType, list[DeckElements]] = {}
     for each in deck.elements:
         cells.setdefault(each.kind, []).append(each)
@@ -198,7 +198,7 @@ def deck_mesh(deck: Deck) -> Mesh:
 
 
 def _numbered(own: Sequence[DeckElements]) -> Iterator[tuple[DeckElements, IntArray]]:
-    """Elements of one kind, and the numbers of their cells in the mesh."""
+    """Elements of one kind, and their cell numbers in the mesh."""
     first = 0
     for each in own:
         yield each, np.arange(first, first + len(each.ids))
@@ -238,7 +238,7 @@ def _sections(deck: Deck) -> tuple[Section, ...]:
 
 
 def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
-    """Directions of walls; where one is normal to its cell, the first side of the cell in its place."""
+    """Directions of walls; the first side of the cell replaces a direction normal to it."""
     if given.directions is None:
         return None
     corners, towards = deck.nodes[given.nodes], np.array(given.directions)
@@ -249,8 +249,8 @@ def _along_cells(deck: Deck, given: DeckElements) -> FloatArray | None:
     if across.any():
         number = int(np.argmax(across))
         warnings.warn(
-            f"{deck.path}, line {given.lines[number]}: the direction of the wall of {given.name} "
-            f"{given.ids[number]} (one of {across.sum()}) is normal to it; its first side is taken",
+            f"{deck.path}, line {given.lines[number]}: the material direction of {given.name} "
+            f"{given.ids[number]} (one of {across.sum()}) is normal to it; the first side is used",
             SuppleWarning,
             stacklevel=5,
         )
@@ -318,12 +318,12 @@ def _isotropic(material: IsotropicMaterial) -> Isotropic:
 
 
 def _has_shear(material: IsotropicMaterial) -> bool:
-    """Whether it resists shear: lines of materials that do not carry no torsion."""
+    """Whether a material resists shear; lines of other materials carry no torsion."""
     return material.shear_modulus is None or material.shear_modulus > 0
 
 
 def _of_lines(material: IsotropicMaterial) -> Isotropic:
-    """Of beams and rods E and G count alone: decks state G that no Poisson's ratio of solids gives."""
+    """Material of beams and rods, with independent E and G, even if their Poisson's ratio is invalid."""
     nu = material.poissons_ratio
     G = material.shear_modulus if _has_shear(material) else None
     if not -1 < nu < 0.5:
@@ -338,9 +338,9 @@ def _material(material: IsotropicMaterial | AnisotropicMaterial) -> Isotropic | 
 
 
 def _turns(deck: Deck) -> bool:
-    """Whether anything beside the elements has a freedom of rotation.
+    """Whether anything beside the elements has a rotational freedom.
 
-    A mean turns its reference node, and so what else is rigidly tied to it.
+    A weighted mean rotates its reference node, and so whatever else is rigidly tied to it.
     """
     turned = [mean.reference for mean in deck.means if any(mean.components[3:])]
     if any(np.isin(turned, [*tie.nodes, tie.reference]).any() for tie in deck.rigid):
@@ -391,7 +391,7 @@ def _matrix_terms(
 def _nodal_matrix(
     matrices: Sequence[NodalMatrix], scalars: Sequence[ScalarTerms], n_nodes: int, d: int
 ) -> sparse.csc_array | None:
-    """Sum (n, n) of matrices between freedoms and of scalar terms; None where there is none."""
+    """Sum (n, n) of matrices between freedoms and of scalar terms; None if empty."""
     rows, columns, values = [], [], []
     for matrix in matrices:
         freedoms, own = _rows(matrix)
@@ -423,7 +423,7 @@ def _matrix(terms: ScalarTerms, n_nodes: int, d: int) -> sparse.csr_array:
 
 
 def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object) -> Constraints | None:
-    """Sums that are zero, as rows."""
+    """Sums that are constrained to zero, as rows."""
     given = [each for each in given if len(each.lines)]
     if not given:
         return None
@@ -441,7 +441,7 @@ def _zero_sums(given: Sequence[ScalarTerms], n_nodes: int, d: int, path: object)
 
 
 def _constraints(deck: Deck, d: int, given: Sequence[ScalarTerms]) -> Constraints | None:
-    """Those of the deck, and those by which reference nodes follow weighted means."""
+    """Constraints of the deck, and those by which reference nodes follow weighted means."""
     n = len(deck.node_ids)
     found = [_zero_sums(given, n, d, deck.path)]
     means = [_mean_rows(deck, number, d) for number in range(len(deck.means))]
@@ -473,7 +473,7 @@ def _followed(components: Sequence[bool], d: int) -> list[int]:
 
 
 def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
-    """u_ref - (mean motion of the nodes) = 0, of the components that follow."""
+    """u_ref - (mean motion of the nodes) = 0, for the components that follow."""
     mean = deck.means[number]
     used = np.flatnonzero(mean.weights > 0)
     nodes = mean.nodes[used]
@@ -491,7 +491,7 @@ def _mean_rows(deck: Deck, number: int, d: int) -> sparse.csr_array:
 
 
 def _ground(terms: ScalarTerms) -> NDArray[np.bool_]:
-    """Rows of a single node, whatever its axes: springs to ground."""
+    """Rows of a single node, in any axes: springs to ground."""
     nodes = np.unique(np.column_stack([terms.rows, terms.freedoms // 6]), axis=0)
     return np.bincount(nodes[:, 0], minlength=len(terms.lines)) == 1
 
@@ -509,8 +509,8 @@ def _free(deck: Deck, terms: ScalarTerms) -> ScalarTerms:
     if bad.size:
         raise ModelError(
             f"{deck.path}, line {terms.lines[bad[0]]}: a spring or dashpot (one of {bad.size}) resists "
-            "rigid motion of its body: its ends lie apart, and it acts across them. Let it act along the "
-            "line between its nodes, or let both lie in one place"
+            "rigid motion of its body: it acts across the line between its nodes. Let it act along the "
+            "line between its nodes, or make both nodes coincide"
         )
     return own
 
@@ -520,7 +520,7 @@ def _warn_of_what_is_left(deck: Deck) -> None:
     if ground:
         warnings.warn(
             f"{deck.path}: {len(ground)} springs or dashpots to ground, first on line "
-            f"{min(ground)}, are supports: a free body leaves them to joints and springs of the machine",
+            f"{min(ground)}, are supports, which a free body omits: add joints and springs to the machine",
             SuppleWarning,
             stacklevel=4,
         )

@@ -1,4 +1,4 @@
-"""Mass and natural frequencies of a deck, of all its parts together, free or at its own supports."""
+"""Mass and natural frequencies of a deck with all its parts, free or at its own supports."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ __all__ = ["deck_frequencies", "deck_mass", "deck_models", "mass_of_models"]
 FloatArray = NDArray[np.float64]
 
 MORE_MODES = 6
-"""Beside the six rigid ones, of mechanisms that a part may have."""
+"""Number of modes beyond the six rigid ones, for mechanisms within a part."""
 
 
 def deck_models(deck: Deck, *, held: bool = False) -> dict[str, FiniteElementModel]:
-    """Of the parts of a deck, by their names, from the largest; springs may resist rigid motion.
+    """Models of the parts of a deck, by name, largest first; springs may resist rigid motion.
 
     Errors as for `deck_model`; its warnings are not given.
     """
@@ -58,7 +58,7 @@ def deck_mass(deck: Deck) -> MassProperties:
 def deck_frequencies(deck: Deck, n: int, *, held: bool = False) -> FloatArray:
     """The n lowest natural frequencies of all parts, cycles per unit of time, ascending.
 
-    Of a free deck those of elastic modes; at its own supports all, also of motions that these leave free.
+    For a free deck the elastic modes; at its own supports all modes, including any remaining rigid motion.
     Parts without mass have none.
 
     Raises
@@ -81,7 +81,7 @@ def _frequencies(model: FiniteElementModel, n: int, *, held: bool) -> FloatArray
     )
     if not len(made.freedoms):
         return np.zeros(0)
-    if abs(made.stiffness).max() <= RIGID_TOLERANCE * abs(model.stiffness).max():  # a part that is all rigid
+    if abs(made.stiffness).max() <= RIGID_TOLERANCE * abs(model.stiffness).max():  # a rigid part
         return np.zeros(min(n, len(made.freedoms)) if held else 0)
     wanted = min(n if held else n + 6 + MORE_MODES, len(made.freedoms))
     values = lowest_modes(made.stiffness, made.mass, wanted).values

@@ -1,4 +1,4 @@
-"""Parts of a deck: what cells, springs, constraints and ties hold together, each a deck of its own."""
+"""Parts of a deck, connected by cells, springs, constraints and ties, each as a deck of its own."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ IntArray = NDArray[np.int64]
 
 
 def deck_parts(deck: Deck) -> dict[str, Deck]:
-    """The parts of a deck, each whole, from the largest: {"part_1": .., "part_2": ..}; "" where it is one.
+    """The connected parts of a deck, largest first: {"part_1": .., "part_2": ..}; "" for a single part.
 
-    Nodes that nothing uses are in none of them, nor are scalar points.
+    Nodes without use and scalar points are in none of them.
     """
     deck = without_scalar_points(deck)
     n, links = len(deck.node_ids), deck_links(deck)
@@ -44,7 +44,7 @@ def deck_parts(deck: Deck) -> dict[str, Deck]:
 
 
 def without_scalar_points(deck: Deck) -> Deck:
-    """A deck without the freedoms that have no place, and without what acts on them: no body has such."""
+    """A deck without scalar points, which have no position, and without the terms that act on them."""
     n = len(deck.node_ids)
     if not len(deck.scalar_points):
         return deck
@@ -57,7 +57,7 @@ def without_scalar_points(deck: Deck) -> Deck:
 
 
 def with_scalar_points(deck: Deck) -> Deck:
-    """A deck at its own supports, where points of one freedom stand as nodes that move along x alone."""
+    """A deck at its own supports, with scalar points as nodes that move along x alone."""
     n, k = len(deck.node_ids), len(deck.scalar_points)
     if not k:
         return deck
@@ -74,7 +74,7 @@ def with_scalar_points(deck: Deck) -> Deck:
 
 
 def _without(given: ScalarTerms, refused: NDArray[np.bool_]) -> ScalarTerms:
-    """The rows that have none of the refused terms."""
+    """The rows without any of the refused terms."""
     kept = np.ones(len(given.lines), dtype=bool)
     kept[given.rows[refused]] = False
     return kept_terms(given, kept)
@@ -107,9 +107,9 @@ def named_part(deck: Deck, name: str | None) -> Deck:
 
 
 def deck_links(deck: Deck) -> IntArray:
-    """Pairs (L, 2) of nodes that something beside cells connects, ties and means from their reference node.
+    """Pairs (L, 2) of nodes connected by something beside cells; ties and means from their reference node.
 
-    A node is paired with itself where it is alone.
+    An isolated node is paired with itself.
     """
     stars = [np.array(nodes, dtype=np.int64) for nodes in _stars(deck)]
     pairs = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in stars]

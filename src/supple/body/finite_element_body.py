@@ -32,8 +32,8 @@ def flexible_body(
     ------
     MeshError    unknown node set
     ModelError   matrices that are not finite or symmetric, a mass that is not positive, a stiffness that
-                 resists rigid motion or leaves more than six motions free; interfaces that are empty, share a
-                 name, hold a node rigidly twice, or cannot carry a rotation
+                            resists rigid motion or leaves more than six motions free; interfaces that are
+                            empty, share a name, tie a node rigidly twice, or cannot carry a rotation
     """
     from supple.fem import nodal_rotation_operator
 

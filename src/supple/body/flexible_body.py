@@ -1,4 +1,4 @@
-"""FlexibleBody: the matrices, nodes and interfaces of a free elastic body, where every method starts."""
+"""FlexibleBody: the matrices, nodes and interfaces of a free elastic body, the input of every method."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ class FlexibleBody(Summarized):
     interfaces    : virtual nodes, in the order given
     rigid_modes   : (n, 6), R: translations e_i, rotations e_i x x_a about the mesh origin; K R = 0
     model         : the elements it is made of; None for a body from matrices
-    force         : how its internal force is evaluated, linear or from quadratic strains
+    force         : evaluation of its internal force, linear or from quadratic strains
     rotation_operator : csc (3 P, n_nodal), rotation vectors at P points; None where rotations are unknown
-    rotation_limit    : rad against the body's frame up to which its kinematics hold
-    threes : where more than rigid interfaces tie the nodes: coordinates q0 that come in threes, of free nodes
-        and rigid pieces, as q0 = rest @ q, and their mass (n0, n0); None where q0 = q
-    damping       : csc (n, n), N s/m, what its files say; None without. Options of a reduction add to it
-    linearized_from : the same body with quadratic strains, of one that was linearised; None of others
-    n_modal : modal coordinates among q, of a model that was condensed elsewhere: no node has them, they carry
-        mass that `nodal_mass` lacks, and only masses of recovered points among `threes` turn with the frame
+    rotation_limit    : rad, largest rotation relative to the body's frame for which its kinematics hold
+    threes : if more than rigid interfaces ties the nodes: coordinates q0 in triples, of free nodes and rigid
+        pieces, as q0 = rest @ q, and their mass (n0, n0); None where q0 = q
+    damping       : csc (n, n), N s/m, from its files; None without. Options of a reduction add to it
+    linearized_from : the same body with quadratic strains, if it was linearised; None otherwise
+    n_modal : modal coordinates among q, of a condensed model: no node has them, their mass is not in
+        `nodal_mass`, and only masses of recovered points among `threes` rotate with the frame
     """
 
     name: str
@@ -69,7 +69,7 @@ class FlexibleBody(Summarized):
     linearized_from: FlexibleBody | None = field(default=None, repr=False, compare=False)
 
     def summary(self) -> Summary:
-        """Coordinates, mass, elements, kind of its force, damping and interfaces."""
+        """Coordinates, mass, elements, kind of internal force, damping and interfaces."""
         kind = "linear" if self.is_linear else "geometrically nonlinear"
         rows = [
             ("coordinates", f"{self.n} of {self.n_nodal} freedoms of {len(self.nodes)} nodes; {kind}"),
@@ -95,7 +95,7 @@ class FlexibleBody(Summarized):
         return len(self.nodes) * self.dofs_per_node
 
     def interface(self, name: str) -> BodyInterface:
-        """The interface of that name; ModelError names the nearest, or those there are."""
+        """The interface of that name; ModelError lists the nearest names, or all."""
         return interface_named(self.name, name, self.interfaces)
 
     @property
@@ -114,7 +114,7 @@ class FlexibleBody(Summarized):
                 for interface in self.interfaces
             ),
         )
-        if "grounded_stiffness" in vars(self):  # the same K need not be factored twice
+        if "grounded_stiffness" in vars(self):  # K is the same, so its factor is shared
             vars(linear)["grounded_stiffness"] = self.grounded_stiffness
         return linear
 
@@ -130,15 +130,15 @@ class FlexibleBody(Summarized):
 
     @cached_property
     def grounded_stiffness(self) -> GroundedFactor:
-        """One sparse factor of K, fixed at six freedoms, that serves every static solution of the body."""
+        """One sparse factor of K, fixed at six freedoms, for every static solution of the body."""
         return checked_grounded_stiffness(self.name, self.stiffness, self.rigid_modes)
 
     def constrained(self, constraint: ArrayLike | sparse.sparray) -> ConstrainedFactor:
-        """Static equilibrium under D q = c, D (m, n); all share the factor of `grounded_stiffness`."""
+        """Static equilibrium under D q = c, D (m, n); all constraints share `grounded_stiffness`."""
         return constrained_factor(self.stiffness, constraint, grounded=self.grounded_stiffness)
 
     def lowest_modes(self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None) -> Eigenpairs:
-        """The lowest modes on D q = 0, D (m, n), proven complete; of the free body without D."""
+        """The lowest modes under D q = 0, D (m, n), proven complete; of the free body without D."""
         rows = constraint_rows(constraint, self.n)
         found = lowest_modes(
             self.stiffness, self.mass, n_modes, constraint=rows, grounded=self.grounded_stiffness
@@ -150,7 +150,7 @@ class FlexibleBody(Summarized):
     def lowest_frequencies(
         self, n_modes: int, constraint: ArrayLike | sparse.sparray | None = None
     ) -> NDArray[np.float64]:
-        """Those of the modes, (n_modes,), rad/s: of modes found before, where these are enough."""
+        """Lowest frequencies (n_modes,), rad/s, from modes computed earlier if these suffice."""
         values = self._known_values.get(_digest(constraint_rows(constraint, self.n)), np.zeros(0))
         if len(values) < n_modes:
             values = self.lowest_modes(n_modes, constraint).values
@@ -158,11 +158,11 @@ class FlexibleBody(Summarized):
 
     @cached_property
     def _known_values(self) -> dict[bytes, NDArray[np.float64]]:
-        """By the rows that constrain them: the eigenvalues that were found."""
+        """Computed eigenvalues, by a digest of the constraint rows."""
         return {}
 
     def __getstate__(self) -> dict[str, Any]:
-        # Factors live in the memory of a solver library and cannot travel between processes: made anew.
+        # Factors are in the memory of a solver library and cannot be pickled: they are rebuilt.
         made_anew = ("grounded_stiffness", "_known_values")
         return {key: value for key, value in self.__dict__.items() if key not in made_anew}
 

@@ -1,4 +1,4 @@
-"""Kinematics of a floating frame: from the motion of the frame and its body's deformation to space."""
+"""Kinematics of a floating frame: positions in space from the frame's motion and the body's deformation."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ __all__ = ["floating_positions", "in_space", "node_displacements"]
 
 Array = NDArray[np.float64]
 
-# Numbers of the displacement field held at a time (32 MiB), for a long run of a large body would not fit.
+# Numbers of the displacement field in memory at a time (32 MiB): a long run of a large body would not fit.
 _FIELD_NUMBERS = 2**22
 
 
 class Deforming(Protocol):
-    """What the kinematics need of a body: its nodes, and what its coordinates displace."""
+    """A body as the kinematics need it: its nodes, and their displacements by coordinates."""
 
     @property
     def nodes(self) -> np.ndarray:
@@ -33,7 +33,7 @@ class Deforming(Protocol):
         ...
 
     def expand(self, coordinates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /) -> np.ndarray:
-        """Displacements (..., k, 3) of some nodes or all by coordinates (..., r), in the body's frame.
+        """Displacements (..., k, 3) of all or some nodes for coordinates (..., r), in the body's frame.
 
         At most quadratic in the coordinates.
         """
@@ -42,24 +42,24 @@ class Deforming(Protocol):
     def expand_rates(
         self, coordinates: np.ndarray, rates: np.ndarray, nodes: NDArray[np.intp] | slice = ..., /
     ) -> np.ndarray:
-        """Their rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
+        """Displacement rates (..., k, 3) at coordinates and rates (..., r); linear in the rates."""
         ...
 
 
 def in_space(position: Array, rotation: Array, local: Array) -> Array:
-    """Points r = R + A y of places y in a moving frame.
+    """Positions r = R + A y of points y in a moving frame.
 
     Parameters
     ----------
     position : array (t, 3)       R, of the frame's origin
     rotation : array (t, 3, 3)    A, frame to space
-    local : array (t, k, 3)       y, in the frame; (1, k, 3) for places that stay
+    local : array (t, k, 3)       y, in the frame; (1, k, 3) for fixed points
 
     Returns
     -------
     array (t, k, 3)
     """
-    # By BLAS, a sixth of the time of an einsum.
+    # With BLAS, a sixth of the time of an einsum.
     return position[:, None] + local @ np.ascontiguousarray(np.swapaxes(rotation, 1, 2))
 
 
@@ -125,6 +125,6 @@ def node_numbers(nodes: ArrayLike, n_nodes: int) -> NDArray[np.int64]:
     numbers = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
     if numbers.size and not (0 <= numbers.min() and numbers.max() < n_nodes):
         raise ModelError(
-            f"recovery: node numbers {numbers.min()} to {numbers.max()} in a body of {n_nodes} nodes"
+            f"recovery: node numbers {numbers.min()} to {numbers.max()}; the body has {n_nodes} nodes, from 0"
         )
     return numbers

@@ -1,4 +1,4 @@
-"""Defaults of the members of a form of body."""
+"""Default members of the body forms."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Array = NDArray[np.float64]
 
 
 class _Form(Protocol):
-    """What the defaults are made of."""
+    """Members on which the defaults depend."""
 
     @property
     def mass(self) -> float:
-        """Of the whole body, kg."""
+        """Mass of the body, kg."""
         ...
 
     @property
@@ -37,11 +37,11 @@ class _Form(Protocol):
 
 
 class FormDefaults:
-    """Members of `BodyForm` that most forms answer alike."""
+    """Members of `BodyForm` that are alike in most forms."""
 
     @property
     def is_seen_by_interfaces(self) -> bool:
-        """False: a machine's equations hold its coordinates."""
+        """False: its coordinates are unknowns of the machine's equations."""
         return False
 
     @property
@@ -56,7 +56,7 @@ class FormDefaults:
 
     @property
     def has_linear_strains(self: _Form) -> bool:
-        """Whether strains are linear in the nodal displacements: those of a linear body."""
+        """Whether strains are linear in the nodal displacements, as in a linear body."""
         return self.is_linear
 
     @property
@@ -71,22 +71,22 @@ class FormDefaults:
 
     @property
     def rotation_rows(self) -> Any:
-        """None: no rotation against a frame is watched."""
+        """None: no rotation relative to a frame is checked."""
         return None
 
     @property
     def missing_centrifugal_stiffness(self) -> Array:
-        """(3,) none."""
+        """Zeros (3,)."""
         return np.zeros(3)
 
     def expand_rates(
         self: _Form, _coordinates: Array, rates: Array, nodes: NDArray[np.intp] | slice = slice(None), /
     ) -> Array:
-        """Rates (..., k, 3) of displacements that are linear in the coordinates, whatever these are."""
+        """Displacement rates (..., k, 3), for displacements that are linear in the coordinates."""
         return self.expand(rates, nodes)
 
     def node_rotations(self: Any, motion: Motion) -> Array:
-        """(t, N, 3, 3) those of the frame, times that of the rotation vector of a node that has one."""
+        """(t, N, 3, 3) rotation of the frame, times that of the node's rotation vector, if it has one."""
         own = motion.of_type(FramedMotion)
         n_times, n_nodes = len(own.coordinates), len(self.nodes)
         of_frame = np.broadcast_to(own.rotation[:, None], (n_times, n_nodes, 3, 3))
@@ -98,12 +98,12 @@ class FormDefaults:
         return of_frame @ local.reshape(n_times, n_nodes, 3, 3)
 
     def sections(self: Any, _model: FiniteElementModel | None, /) -> Sections:
-        """ModelError: it has no section forces."""
+        """ModelError, as the form has no section forces."""
         raise ModelError(
             f"body '{self.name}' is {self.kind}, which has no section forces; read the force of a joint, or "
             "split the body there"
         )
 
     def section_softness(self, _interface: str, /) -> Array:
-        """(3,) none."""
+        """Zeros (3,)."""
         return np.zeros(3)

@@ -1,4 +1,4 @@
-"""Floating frames: the six conditions that tell a body's rigid motion from its deformation."""
+"""Floating frames: the six conditions that separate a body's rigid motion from its deformation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Frame(Protocol):
 
 @dataclass(frozen=True)
 class NodalFixedFrame:
-    """The frame rides on an interface: q_v = 0 there. [Wu2019 (11)]"""
+    """The frame is fixed to an interface: q_v = 0 there. [Wu2019 (11)]"""
 
     interface: str
 
@@ -51,16 +51,16 @@ class MeanAxisFrame:
 
 
 def smaller_rotations(frame: Frame | None) -> str:
-    """What makes a body turn less against its frame, in words; frame : None of one without."""
+    """Remedy that reduces a body's rotation relative to its frame; frame : None for one without."""
     split = "split the body (split = { parts = 2 } in a case file, split_body in Python)"
     return split if isinstance(frame, MeanAxisFrame) else f"choose a mean-axis frame, or {split}"
 
 
 def frame_projector(body: FlexibleBody, frame: Frame) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """The map x -> x - R (D R)^-1 D x: motions of shape (n,) or (n, k) as seen from the frame."""
+    """The map x -> x - R (D R)^-1 D x: motions of shape (n,) or (n, k) relative to the frame."""
     D, R = frame.constraint(body), body.rigid_modes
     fixed = D @ R
     if np.linalg.matrix_rank(fixed / np.linalg.norm(fixed, axis=1)[:, None]) < 6:
-        raise ModelError(f"{frame} does not hold the rigid motion of body '{body.name}'")
+        raise ModelError(f"{frame} does not fix the rigid motion of body '{body.name}'; choose another frame")
     rigid_part = R @ np.linalg.inv(fixed)
     return lambda x: x - rigid_part @ (D @ x)

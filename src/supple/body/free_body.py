@@ -1,4 +1,4 @@
-"""From nodal matrices and interfaces to a checked FlexibleBody: the step that all builders share."""
+"""The step shared by all builders: a checked FlexibleBody from nodal matrices and interfaces."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ def free_body(
     rotation_limit: float = np.inf,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """Coordinates that ties leave, M = T^T M_nodal T and K likewise, and what every free body obeys.
+    """A checked free body: coordinates after ties, M = T^T M_nodal T and K likewise.
 
     n_modal : the last rows of the matrices are modal coordinates, which rigid motions do not move
-    recovery : of points that become nodes without mass of their own
+    recovery : of points that become nodes without own mass
     """
     node_ids = None if model is None else model.mesh.node_ids
     attached = Attached() if model is None else model.attached
@@ -71,7 +71,7 @@ def free_body(
             )
     sets = rigid_sets(name, len(nodes), rigid, attached)
     if len(sets) == 1 and len(sets[0][0]) == len(nodes) and not n_modal:
-        raise ModelError(f"body '{name}': its interfaces hold every node rigidly; describe it by a RigidBody")
+        raise ModelError(f"body '{name}': its interfaces tie every node rigidly; use a RigidBody")
     made = coordinates(
         *(name, nodes, dofs_per_node, K_nodal, M_nodal, sets, attached),
         n_interfaces=len(rigid),
@@ -79,7 +79,7 @@ def free_body(
         tolerance=rigid_tolerance,
     )
     M, K = made.mass, made.stiffness
-    # Before freedoms follow others: forces that have cancelled do not show their size.
+    # Before elimination: afterwards the size of cancelled forces is lost.
     R = np.vstack([nodal_rigid_modes(nodes, dofs_per_node), np.zeros((n_modal, 6))])
     check_moves_rigidly(name, "stiffness", K_nodal, R, dofs_per_node, rigid_tolerance)
     C = None
@@ -126,14 +126,14 @@ def free_body(
         n_modal=n_modal,
         damping=None if C is None else made.of(C),
     )
-    _ = body.grounded_stiffness  # made now, so that a mechanism is named where the body is built
+    _ = body.grounded_stiffness  # computed now, so that a mechanism is reported when the body is built
     return body
 
 
 def _threes(
     made: Coordinates, nodal_mass: sparse.csc_array
 ) -> tuple[sparse.csc_array, sparse.csc_array] | None:
-    """Coordinates in threes of the body's, and their mass: of nodes, so that modal ones turn with nothing."""
+    """Coordinates in triples from the body's, and their mass without modal ones, which do not rotate."""
     rest = made.threes
     if rest is None:
         return None

@@ -23,7 +23,7 @@ __all__ = ["FullBody"]
 
 @dataclass(frozen=True, eq=False)
 class FullBody(FloatingForm):
-    """All coordinates of a flexible body in a floating frame, fixed to the frame by six multipliers.
+    """All coordinates of a flexible body in a floating frame, attached to the frame by six multipliers.
 
     body : FlexibleBody    nonlinear where it has quadratic strains; `body.linearized()` otherwise
     frame : NodalFixedFrame | MeanAxisFrame
@@ -49,13 +49,13 @@ class FullBody(FloatingForm):
 
     @property
     def mass(self) -> float:
-        """Of the whole body, kg: of a rigid translation."""
+        """Mass of the body, kg, from a rigid translation."""
         along_x = self.body.rigid_modes[:, 0]
         return float(along_x @ (self.body.mass @ along_x))
 
     @property
     def centre_of_mass(self) -> np.ndarray:
-        """(3,) undeformed, in the body's frame, m."""
+        """Centre of mass (3,), undeformed, in the body's frame, m."""
         return rigid_mass_properties(self.body.nodal_mass, self.body.nodes, self.body.dofs_per_node).centre
 
     @property
@@ -65,7 +65,7 @@ class FullBody(FloatingForm):
 
     @property
     def nodes(self) -> np.ndarray:
-        """(N, 3) rest positions."""
+        """(N, 3) undeformed positions."""
         return self.body.nodes
 
     @property
@@ -74,12 +74,12 @@ class FullBody(FloatingForm):
         return self.body.interfaces
 
     def interface(self, name: str) -> BodyInterface:
-        """The interface of that name; ModelError names the nearest, or those there are."""
+        """The interface of that name; ModelError lists the nearest names, or all."""
         return self.body.interface(name)
 
     @property
     def is_seen_by_interfaces(self) -> bool:
-        """True: its other freedoms are those of a sparse method alone."""
+        """True: its other freedoms are unknowns of a sparse method only."""
         return True
 
     @property
@@ -89,7 +89,7 @@ class FullBody(FloatingForm):
         return csr_array(vstack(motions)) if motions else csr_array((0, self.n_coordinates))
 
     def expand(self, coordinates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> np.ndarray:
-        """Displacements (..., k, 3) of some nodes or all by coordinates (..., n), in the body's frame."""
+        """Displacements (..., k, 3) of all or some nodes for coordinates (..., n), in the body's frame."""
         nodal = np.asarray(coordinates) @ self.body.expansion.T
         shape = (*nodal.shape[:-1], len(self.nodes), self.body.dofs_per_node)
         return nodal.reshape(shape)[..., nodes, :3]
@@ -102,7 +102,7 @@ class FullBody(FloatingForm):
     def nodal_fields(
         self, coordinates: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[np.ndarray, None]:
-        """Nodal freedoms (n_nodal, t) of coordinates (t, n); nothing is condensed."""
+        """Nodal freedoms (n_nodal, t) for coordinates (t, n); nothing is condensed."""
         return self.body.expansion.tocsr()[freedoms] @ coordinates.T, None
 
     @property
@@ -111,7 +111,7 @@ class FullBody(FloatingForm):
         return float(np.sqrt(len(self.nodes)))
 
     def section_softness(self, interface: str) -> np.ndarray:
-        """Softness c / C (3,) of the section of an averaging interface; zeros of any other."""
+        """Softness c / C (3,) of the section of an averaging interface; zeros for any other."""
         return section_softness(self.body, self.interface(interface))
 
     @property
@@ -120,13 +120,13 @@ class FullBody(FloatingForm):
         return self.body.is_linear
 
     def lowest_frequency(self) -> float:
-        """Of the undeformed body fixed in its frame, rad/s."""
+        """Lowest frequency of the undeformed body fixed in its frame, rad/s."""
         constraint = self.frame.constraint(self.body)
         return float(self.body.lowest_frequencies(1, constraint)[0])
 
     @property
     def rotation_limit(self) -> float:
-        """Largest rotation against the frame that the kinematics describe, rad."""
+        """Largest rotation relative to the frame for which the kinematics hold, rad."""
         return self.body.rotation_limit
 
     @property

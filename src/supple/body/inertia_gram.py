@@ -13,15 +13,15 @@ from supple.errors import ModelError
 __all__ = ["inertia_gram"]
 
 HELD = 2**22
-"""Numbers of the nine fields of some columns that are held at once."""
+"""Numbers of the nine fields of a block of columns in memory at once."""
 
 
 def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
-    """The matrix of the kinetic energy of a body that moves as a basis allows.
+    """The matrix of the kinetic energy of a body that moves in the columns of a basis.
 
         z = (v, w, gamma_1 w, ..., gamma_r w, gamma'),    T = 1/2 z^T G z
 
-    Of masses at nodes alone it is the Gram matrix W^T M W of the fields
+    With nodal point masses alone it is the Gram matrix W^T M W of the fields
     W = [Phi_t | Phi_w0 | Phi_1 ... Phi_r | V]: unit translations, unit rotations, e_i x V_k (three columns
     each) and the basis. Rotary inertia adds to its blocks, to second order in the rotations
     (`InertiaPolynomial`).
@@ -54,7 +54,7 @@ def inertia_gram(body: FlexibleBody, basis: ArrayLike) -> NDArray[np.float64]:
         among[:, :, some] = np.tensordot(V, energy.spin_products(fields), axes=(0, 2)).swapaxes(2, 3)
     rigid, turned = R.T @ (body.mass @ R), turned.reshape(6, 3 * r)
     among, rates = among.reshape(3 * r, 3 * r), rates.reshape(3 * r, r)
-    # From the nodes, which shows where the two masses disagree; modal coordinates are no part of it.
+    # From the nodal mass, which reveals where the two masses disagree; it excludes modal coordinates.
     nodal = V if body.n_modal else body.expansion @ V
     own = nodal.T @ ((body.mass if body.n_modal else body.nodal_mass) @ nodal)
     gram = np.block([[rigid, turned, by_basis], [turned.T, among, rates], [by_basis.T, rates.T, own]])

@@ -1,17 +1,17 @@
 """Kinetic energy of a body in a floating frame: a polynomial of degree two in its coordinates and rates.
 
-Nodes and rigid interfaces move by `u` and turn by the rotation vector `theta` against the frame, whose
-angular velocity is `w`. A node with the inertia J in its own axes turns at
+Nodes and rigid interfaces move by `u` and rotate by the rotation vector `theta` relative to the frame, whose
+angular velocity is `w`. The angular velocity of a node with the inertia J in its own axes is
 `exp(-theta~) w + (I - theta~/2 + ..) theta'`, so that
 
     w_n = w + (w x theta + theta') + 1/2 theta x (theta x w) - 1/2 theta x theta'
     T_J = 1/2 w J w + w J (w x theta + theta') + 1/2 (w x theta + theta') J (w x theta + theta')
           + 1/2 w J (theta x (theta x w) - theta x theta')                           + O(|theta|^3)
 
-The third power is left out; `w x theta` carries the gyroscopic moment. A mass that couples the rotations of
-two nodes, consistent or condensed, is a bilinear form: theta of the one node stands in the first place, of
-the other in the second. A mass that couples translations to rotations is that of a point beside its node, at
-u + theta x c.
+The third power is omitted; `w x theta` represents the gyroscopic moment. A mass that couples the rotations of
+two nodes, consistent or condensed, is a bilinear form: theta of one node is its first argument, of the other
+its second. A mass that couples translations to rotations is that of a point beside its node, at u + theta x
+c.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
 __all__ = ["SPIN_PAIRS", "InertiaPolynomial"]
 
 SPIN_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-"""Which products of the angular velocity the matrices of `by_spin` are of."""
+"""Index pairs of angular velocity components of the matrices of `by_spin`."""
 
 _AXES = np.eye(3)
 _CROSS = np.array([cross_matrix(axis) for axis in _AXES])
 _TWICE = np.einsum("ica,jcb->ijab", _CROSS, _CROSS)
 """`(e_i x a) . (e_j x b)`"""
 _ROUNDING = 1e-14
-"""By which blocks of a mass that is the same in all directions may differ from a multiple of the identity."""
+"""Relative deviation from a multiple of the identity up to which a mass block counts as isotropic."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,15 +49,15 @@ class InertiaPolynomial:
         T = 1/2 q' M q' + w_i (P_i . q' + q B_i q') + 1/2 w_i w_j (J_ij + 2 k_ij . q + q Z_ij q)
 
     with `P_i` the columns of M R of the rotations. All come from the 3 x 3 blocks of the mass matrix. Blocks
-    m I of two translations, those of points, have B_i = - m e_i x and Z_ij = - m e_i x e_j x: products with
-    them need one with M alone.
+    m I between two translations, those of points, have B_i = - m e_i x and Z_ij = - m e_i x e_j x: their
+    products need one product with M only.
     """
 
     body: FlexibleBody
 
     @property
     def _rest(self) -> Any:
-        """Coordinates in threes from the body's; None where these are in threes themselves."""
+        """Coordinates in triples from the body's; None where the body's are in triples."""
         return None if self.body.threes is None else self.body.threes[0]
 
     @property
@@ -69,11 +69,11 @@ class InertiaPolynomial:
         return self.body.rigid_modes if self._rest is None else self._rest @ self.body.rigid_modes
 
     def _reduced(self, matrix: csr_array) -> csr_array:
-        """A matrix of coordinates in threes as one of the body's."""
+        """A matrix for coordinates in triples, transformed to those of the body."""
         return matrix if self._rest is None else csr_array(self._rest.T @ matrix @ self._rest)
 
     def _gathered(self, fields: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-        """Forces on coordinates in threes, along one axis, as forces on the body's."""
+        """Forces on coordinates in triples, along one axis, transformed to the body's."""
         if self._rest is None:
             return fields
         ahead = np.moveaxis(fields, axis, 0)
@@ -91,7 +91,7 @@ class InertiaPolynomial:
 
     @cached_property
     def _points(self) -> csr_array:
-        """Blocks m I of two translations, (n, n)."""
+        """Blocks m I between two translations, (n, n)."""
         return self._blocks.matrix(self._blocks.mass.data, self._blocks.points)
 
     @cached_property
@@ -131,7 +131,7 @@ class InertiaPolynomial:
         data[blocks.of_rotation] = mass[blocks.of_rotation] @ _TWICE[i, j]
         if not blocks.rotary.any():
             return blocks.matrix(data, chosen)
-        # Symmetric in i, j and in the two places: nothing else counts in the energy.
+        # Symmetric in i, j and in both arguments: nothing else contributes to the energy.
         inertia, second = mass[blocks.rotary], np.zeros_like(data)
         for a, b in ((i, j), (j, i)):
             turned = _AXES[b][:, None] * inertia[:, None, a] - inertia[:, a, b, None, None] * _AXES
@@ -140,7 +140,7 @@ class InertiaPolynomial:
         return csr_array(blocks.matrix(data, chosen) + (added + added.T) / 2)
 
     def rate_products(self, fields: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """`B_i^T q` and `B_i q`, (3, n, ...) each, of fields (n, ...)."""
+        """`B_i^T q` and `B_i q`, (3, n, ...) each, for fields (n, ...)."""
         fields = fields if self._rest is None else self._rest @ fields
         turned = self._over_blocks("iab,nb...->ina...", _CROSS, fields)
         transposed, plain = turned, -turned
@@ -150,7 +150,7 @@ class InertiaPolynomial:
         return self._gathered(transposed, 1), self._gathered(plain, 1)
 
     def spin_products(self, fields: NDArray[np.float64]) -> NDArray[np.float64]:
-        """`Z_ij q`, (3, 3, n, ...), of fields (n, ...)."""
+        """`Z_ij q`, (3, 3, n, ...), for fields (n, ...)."""
         fields = fields if self._rest is None else self._rest @ fields
         result = self._over_blocks("ijab,nb...->ijna...", _TWICE, fields)
         for (i, j), matrix in zip(SPIN_PAIRS, self._spins_beside_points, strict=False):
@@ -160,17 +160,17 @@ class InertiaPolynomial:
         return self._gathered(result, 2)
 
     def _over_blocks(self, sums: str, turns: NDArray[np.float64], fields: NDArray[np.float64]) -> Any:
-        """Turned momenta of the points."""
+        """Rotated momenta of the points."""
         momenta = self._points @ fields
         found = np.einsum(sums, turns, momenta.reshape(-1, 3, *fields.shape[1:]), optimize=True)
         return found.reshape(*turns.shape[:-2], *fields.shape)
 
     @cached_property
     def by_both(self) -> NDArray[np.float64]:
-        """`k_ij` (3, 3, n); k_ii is the load of a unit spin about i at rest.
+        """`k_ij` (3, 3, n); k_ii is the load of a unit angular velocity about i at rest.
 
-        Of the energy k_ij + k_ji counts. What is skew is chosen so that 2 w_j k_ij . q' is the moment of
-        Coriolis, J' w + w x (P . q'), as of points e_i x x and e_j x q.
+        Only k_ij + k_ji enters the energy. The skew part is chosen so that 2 w_j k_ij . q' is the Coriolis
+        moment, J' w + w x (P . q'), as for points e_i x x and e_j x q.
         """
         blocks, mass = self._blocks, self._blocks.mass.data
         rotations = self._rigid_modes[:, 3:]
@@ -180,11 +180,12 @@ class InertiaPolynomial:
         own = (rotary @ rotations).reshape(-1, 3, 3)
         turns, result = blocks.turns[:, None, None], np.zeros((3, 3, len(rotations)))
         for j, cross in enumerate(_CROSS):
-            # (e_j x u) . p = u . (p x e_j); of a rotation, J e_i alone is turned: the rest is of places.
+            # (e_j x u) . p = u . (p x e_j); for a rotation only J e_i is rotated: the rest depends on
+            # positions.
             places = np.where(turns, 0.0, cross.T @ rotations.reshape(-1, 3, 3))
             through = (beside.T @ places.reshape(-1, 3)).reshape(-1, 3, 3)
             result[:, j] = np.where(turns, cross.T @ own + through, cross.T @ momenta).reshape(-1, 3).T
-        # Of all the body's mass: also of modal coordinates, which are not in threes.
+        # From the whole mass of the body, including modal coordinates, which are not in triples.
         skew = np.einsum("aij,na->ijn", _CROSS, self.body.mass @ self.body.rigid_modes[:, 3:])
         return (self._gathered(result + result.swapaxes(0, 1), 2) - skew) / 2
 
@@ -194,18 +195,18 @@ class _Blocks(NamedTuple):
 
     mass: Any
     turns: NDArray[np.bool_]
-    """Which rows of blocks are rotations"""
+    """True for block rows that are rotations"""
     by_rotation: NDArray[np.bool_]
-    """Which blocks are of a translation (row) by a rotation (column)"""
+    """True for blocks of a translation (row) by a rotation (column)"""
     of_rotation: NDArray[np.bool_]
-    """Which are of a rotation by a translation"""
+    """True for blocks of a rotation by a translation"""
     rotary: NDArray[np.bool_]
-    """Which are of a rotation by a rotation"""
+    """True for blocks of a rotation by a rotation"""
     points: NDArray[np.bool_]
-    """Which are m I of a translation by a translation"""
+    """True for blocks m I of a translation by a translation"""
 
     def matrix(self, data: NDArray[np.float64], chosen: NDArray[np.bool_] | None = None) -> csr_array:
-        """Sparse (n, n) with other numbers in the blocks, or in some of them."""
+        """Sparse (n, n) with new values in all or some blocks."""
         if chosen is not None:
             data = np.where(chosen[:, None, None], data, 0.0)
         blocks = bsr_array((data, self.mass.indices, self.mass.indptr), shape=self.mass.shape)

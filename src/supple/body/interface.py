@@ -1,4 +1,4 @@
-"""Interfaces: where a body meets joints and loads, each with the six freedoms of a virtual node."""
+"""Interfaces: the points of a body for joints and loads, each with the six freedoms of a virtual node."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ __all__ = [
 class RigidInterface:
     """Nodes that move as one rigid body with a virtual node (RBE2): u_a = u_v + theta_v x (x_a - x_v).
 
-    On shells the nodes also turn with it, theta_a = theta_v. Their own freedoms are eliminated. The elements
-    at the nodes see them turn to second order (`second_order_tie`).
+    On shells the nodes also rotate with it, theta_a = theta_v. Their own freedoms are eliminated. The strains
+    of adjacent elements include their rotation to second order (`second_order_tie`).
 
     nodes    : name of a node set, or node numbers
     position : (3,) of the virtual node; the centroid of the nodes when omitted
@@ -45,13 +45,13 @@ class RigidInterface:
 
 @dataclass(frozen=True, eq=False)
 class AveragingInterface:
-    """A virtual node that follows the mean rigid motion of its nodes (RBE3), adding no stiffness.
+    """A virtual node that follows the mean rigid motion of its nodes (RBE3), without added stiffness.
 
     The mean is a weighted least-squares fit; see `averaged_motion`.
 
     nodes    : name of a node set, or node numbers
     position : (3,) of the virtual node; the weighted centroid of the nodes when omitted
-    weights  : (k,) positive, one per node; equal when omitted. Where the mesh is uneven, give nodal areas.
+    weights  : (k,) positive, one per node; equal by default. Where the mesh is uneven, give nodal areas.
     """
 
     name: str
@@ -64,7 +64,7 @@ class AveragingInterface:
 
 
 def _check_interface(given: RigidInterface | AveragingInterface, *numbers: ArrayLike | None) -> None:
-    """ArgumentError for a name that is none, and for words where numbers are meant."""
+    """ArgumentError for an invalid name, and for text in place of numbers."""
     check_text(f"{type(given).__name__}, name", given.name)
     for values in (None if isinstance(given.nodes, str) else given.nodes, *numbers):
         if values is not None:
@@ -73,17 +73,18 @@ def _check_interface(given: RigidInterface | AveragingInterface, *numbers: Array
 
 @dataclass(frozen=True, eq=False)
 class BodyInterface:
-    """A virtual node of a body: its place, and its motion as a linear map of the body's coordinates.
+    """A virtual node of a body: its position, and its motion as a linear map of the body's coordinates.
 
     position : (3,) in the mesh axes
     motion   : csr (6, n), q_v = (u_v, theta_v) = motion @ q
-    node_ids : (k,) numbers of the nodes it is made of
-    cubic_turn : c of the rotation vector theta_v (1 + c theta_v.theta_v) by which a joint there has turned
-    tied_nodes : numbers of the nodes that move rigidly with it to second order (`second_order_tie`)
+    node_ids : (k,) numbers of its nodes
+    cubic_turn : c of the rotation vector theta_v (1 + c theta_v.theta_v) of a joint there
+    tied_nodes : numbers of the nodes tied rigidly to it, to second order (`second_order_tie`)
 
-    A rigid interface stands as the elements beside it, turned by phi, want it where |theta_v| = tan(phi), for
-    their strains are cut back to quadratic ones (`second_order_tie`): c = -1/3. Where nodes turn by phi, an
-    averaging one sees sin(phi): c = 1/6. Where theta_v is that of the nodes themselves, c = 0.
+    The strains of the elements at a rigid interface are truncated to second order (`second_order_tie`), so
+    that their energy is least where |theta_v| = tan(phi) for a rotation phi: c = -1/3. Where nodes rotate by
+    phi, the mean motion of an averaging interface is sin(phi): c = 1/6. Where theta_v is that of the nodes, c
+    = 0.
     """
 
     name: str
@@ -95,11 +96,11 @@ class BodyInterface:
 
 
 class UntiedInterface:
-    """What holds of an interface that ties no nodes to itself."""
+    """Properties of an interface without tied nodes."""
 
     @property
     def cubic_turn(self) -> float:
-        """None: its rotation vector is that of its motion."""
+        """Zero: its rotation vector is that of its motion."""
         return 0.0
 
     @property
@@ -110,7 +111,7 @@ class UntiedInterface:
 
 @dataclass(frozen=True, eq=False)
 class PointInterface(UntiedInterface):
-    """A point of a rigid body: no coordinate moves it against the body.
+    """A point of a rigid body, independent of coordinates.
 
     position : (3,) in the body's axes
     """
@@ -144,17 +145,17 @@ class Interface(Protocol):
 
     @property
     def cubic_turn(self) -> float:
-        """Of its rotation vector theta (1 + c theta.theta)."""
+        """Coefficient c of its rotation vector theta (1 + c theta.theta)."""
         ...
 
     @property
     def tied_nodes(self) -> np.ndarray:
-        """Numbers of the nodes that move rigidly with it to second order."""
+        """Numbers of the nodes tied rigidly to it, to second order."""
         ...
 
 
 def place_in_frame(interface: Interface, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where an interface stands in its body's frame: x + u (t, 3), and exp(phi) (t, 3, 3).
+    """Pose of an interface in its body's frame: x + u (t, 3), and exp(phi) (t, 3, 3).
 
         phi = theta (1 + c theta.theta),      (u, theta) = motion q
 
@@ -170,7 +171,7 @@ _Interface = TypeVar("_Interface", bound=Interface)
 
 
 def interface_named(body: str, name: str, interfaces: Sequence[_Interface]) -> _Interface:
-    """The interface of that name; ModelError names the nearest of the body's, or all."""
+    """The interface of that name; ModelError lists the nearest of the body's names, or all."""
     for interface in interfaces:
         if interface.name == name:
             return interface

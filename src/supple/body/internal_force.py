@@ -1,6 +1,6 @@
-"""How the internal force of a body is evaluated: from its stiffness alone, or from quadratic strains.
+"""Evaluation of the internal force of a body: from its stiffness alone, or from quadratic strains.
 
-What a body is made of is another question: a linearised body keeps its elements.
+This is independent of the elements of the body: a linearised body keeps its elements.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LinearForce:
-    """f = K q, of small displacements.
+    """f = K q, for small displacements.
 
     stiffness : csc (n, n)
     """
@@ -46,11 +46,11 @@ class LinearForce:
         return self.stiffness @ q
 
     def tangent(self, q: Array) -> sparse.csc_array:  # noqa: ARG002
-        """Tangent stiffness (n, n): K, whatever q."""
+        """Tangent stiffness (n, n): K for every q."""
         return self.stiffness
 
     def strain_rate_force(self, q: Array, rates: Array) -> Array:  # noqa: ARG002
-        """Force K q_dot (n,), whatever q."""
+        """Force K q_dot (n,) for every q."""
         return self.stiffness @ rates
 
     def energies(self, Q: Array) -> Array:
@@ -64,8 +64,8 @@ class QuadraticStrainForce:
 
     model : FiniteElementModel
     expansion : csc (n_nodal, n)    T of the nodal freedoms u = T q; rows of virtual nodes may follow
-    rigid_sets : tied to second order in their rotation, virtual nodes last among the coordinates; none:
-        linearly, as T says
+    rigid_sets : tied to second order in their rotation, virtual nodes last among the coordinates; empty:
+        tied linearly by T
     """
 
     model: FiniteElementModel = field(repr=False)
@@ -79,7 +79,7 @@ class QuadraticStrainForce:
 
     @cached_property
     def blocks(self) -> tuple[QuadraticStrain, ...]:
-        """Of the elements, in nodal freedoms and those of virtual nodes; made on first use."""
+        """Strains of the elements, in nodal and virtual-node freedoms; created on first use."""
         model = self.model
         if not self.rigid_sets:
             return model.strains
@@ -113,5 +113,5 @@ class QuadraticStrainForce:
         return self.assembly.energies(Q)
 
     def __getstate__(self) -> dict[str, Any]:
-        # Between processes they travel worse than they are made.
+        # Cheaper to rebuild than to send between processes.
         return {key: value for key, value in self.__dict__.items() if key not in ("assembly", "blocks")}

@@ -1,6 +1,6 @@
-"""Superelements from labelled matrices: rows found by node id and component, and turned to the mesh axes.
+"""Superelements from labelled matrices: rows identified by node id and component, in the mesh axes.
 
-Freedoms that no node has (scalar points, QSET) are modal coordinates of a model that was condensed elsewhere.
+Freedoms without a node (scalar points, QSET) are modal coordinates of a condensed model.
 """
 
 from __future__ import annotations
@@ -45,20 +45,20 @@ __all__ = [
 
 IntArray = NDArray[np.int64]
 
-# Rounded entries: rows of some hundred of them cancel to this many times the error of one.
+# Rounding of printed entries: a row of some hundred entries cancels to this many times the error of one.
 ROUNDED_ROWS = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class NodalMatrices:
-    """Stiffness and mass node by node, in the mesh axes, on the nodes that carry any; then modal coordinates.
+    """Stiffness and mass by node, in the mesh axes, for the nodes that have any; then modal coordinates.
 
     nodes           : (N, 3);  node_ids : (N,) labels
     stiffness, mass : csc (n, n), n = N * dofs_per_node + n_modal;  damping : likewise, or None
     node_sets       : {name: node numbers};  connections : on these nodes
     resolution      : relative error of an entry
-    modal           : (n_modal, 2) id and component of modal coordinates, 0 of scalar points
-    recovery        : of points inside; None without
+    modal           : (n_modal, 2) id and component of modal coordinates, component 0 for scalar points
+    recovery        : of interior points; None without
     """
 
     source: str
@@ -76,27 +76,27 @@ class NodalMatrices:
 
     @property
     def all_ids(self) -> IntArray:
-        """Labels of the nodes of a body of it, recovered points behind the others."""
+        """Labels of the nodes of its body, with recovered points after the others."""
         return self.node_ids if self.recovery is None else np.concatenate([self.node_ids, self.recovery.ids])
 
     @property
     def rigid_tolerance(self) -> float:
-        """Largest |K R| that digits cut off in printing explain."""
+        """Largest |K R| that the rounding of printed digits explains."""
         return max(RIGID_TOLERANCE, ROUNDED_ROWS * self.resolution)
 
 
 @dataclass(frozen=True)
 class MatrixFiles:
-    """Files of a linear body from another program, whole or condensed.
+    """Files of a linear body from another program, full or condensed.
 
-    Condensed: boundary grids and modal coordinates (Craig-Bampton), which QSET and SPOINT cards of the mesh
-    file name, or the component 0 in the matrix file. See `superelement`.
+    Condensed: boundary grids and modal coordinates (Craig-Bampton), defined by QSET and SPOINT cards of the
+    mesh file, or by the component 0 in the matrix file. See `superelement`.
 
     nodes           : Abaqus or CalculiX .inp, Nastran .bdf, or HDF5
     stiffness, mass : DMIG .pch, OUTPUT4 .op4, OUTPUT2 .op2, HDF5, Abaqus .mtx, CalculiX .sti and .mas
     damping         : as stiffness and mass; None without
-    recovery        : HDF5 or OUTPUT4 file of displacements of points inside, which become nodes of the body
-    stiffness_name, mass_name, damping_name, recovery_name : where a file holds several (DMIG, OUTPUT4)
+    recovery        : HDF5 or OUTPUT4 file of displacements of interior points, which become nodes of the body
+    stiffness_name, mass_name, damping_name, recovery_name : for files with several matrices (DMIG, OUTPUT4)
     """
 
     nodes: str | Path
@@ -115,10 +115,10 @@ def read_labelled_superelement(
     files: MatrixFiles,
     interfaces: Sequence[RigidInterface | AveragingInterface] | None = None,
 ) -> FlexibleBody:
-    """A linear body from the matrices of another program and the file with its nodes, whole or condensed.
+    """A linear body from the matrices of another program and the file of its nodes, full or condensed.
 
-    interfaces : with node sets of the mesh file, or node numbers; None takes its RBE2 and RBE3, and where it
-        has none each boundary grid of a condensed model (grid_ID)
+    interfaces : with node sets of the mesh file, or node numbers; None: its RBE2 and RBE3 elements, or
+        without any, each boundary grid of a condensed model (grid_ID)
     Raises
     ------
     ImportFormatError   files that cannot be read
@@ -128,7 +128,7 @@ def read_labelled_superelement(
 
 
 def read_nodal_matrices(files: MatrixFiles) -> NodalMatrices:
-    """The matrices of `read_labelled_superelement`, before any body is made of them."""
+    """The matrices of `read_labelled_superelement`, before a body is built."""
     table = read_nodes(files.nodes)
 
     def matrix(path: str | Path, role: MatrixRole, name: str | None) -> LabelledMatrix:
@@ -151,7 +151,7 @@ def labelled_superelement(
     *,
     rigid_tolerance: float | None = None,
 ) -> FlexibleBody:
-    """A linear body from nodal matrices; without interfaces given, with those of the mesh file.
+    """A linear body from nodal matrices; interfaces default to those of the mesh file.
 
     Raises
     ------
@@ -189,19 +189,19 @@ def nodal_matrices(
     recovery: RecoveryMatrix | None = None,
     damping: LabelledMatrix | None = None,
 ) -> NodalMatrices:
-    """Rows of labelled matrices in the order of the nodes, three or six to each, in the mesh axes.
+    """Labelled matrices in node order, three or six rows per node, in the mesh axes.
 
-    Modal coordinates stand last.
+    Modal coordinates come last.
 
     Nodes without stiffness and mass (reference points) are left out, and so are rotations when none has any
-    (solids, in programs whose nodes always have six freedoms). A node without a rotation beside others with
-    theirs keeps it, at rest.
+    (solids, in programs whose nodes always have six freedoms). A node without a rotational entry, beside
+    nodes with one, keeps the rotation, fixed at zero.
 
     Raises
     ------
     ModelError   freedoms of nodes that the mesh file lacks; nodes with some of their translations only; modal
-                 coordinates alone, of a model whose boundary was held
-    ImportFormatError   a recovery matrix by other freedoms
+                 coordinates alone, from a model with a clamped boundary
+    ImportFormatError   a recovery matrix for other freedoms
     """
     given = [stiffness, mass, *([] if damping is None else [damping])]
     modal = _modal_freedoms(nodes, *given)
@@ -212,9 +212,9 @@ def nodal_matrices(
     if not kept.any():
         raise ModelError(
             f"{stiffness.source}: {len(modal)} modal coordinates, and no freedom of a node: the model was "
-            "held at its boundary. Condense it again with its boundary grids free and kept (BSET, ASET)"
+            "clamped at its boundary. Condense it again with its boundary grids free and kept (BSET, ASET)"
             if len(modal)
-            else f"{stiffness.source}: no freedom has any stiffness or mass; is the right matrix named?"
+            else f"{stiffness.source}: no freedom has any stiffness or mass; check the name of the matrix"
         )
     dofs_per_node = 6 if used[:, 3:].any() else 3
     missing = np.argwhere(kept[:, None] & ~used[:, :3])
@@ -224,7 +224,7 @@ def nodal_matrices(
             f"{stiffness.source}: {freedom_name(int(nodes.ids[node]), int(component) + 1)} has neither "
             f"stiffness nor mass, while other freedoms have ({len(missing)} such in all). A body needs all "
             "translations of every node: export the matrices free, without supports, and name modal "
-            "coordinates that grids bear in a QSET"
+            "coordinates on grids in a QSET"
         )
     of_nodes = np.flatnonzero(np.repeat(kept, 6) & np.tile(np.arange(6) < dofs_per_node, len(kept)))
     freedoms = np.concatenate([of_nodes, n_all + np.arange(len(modal))])
@@ -255,30 +255,30 @@ def nodal_matrices(
 
 
 def _modal_freedoms(nodes: NodeTable, *matrices: LabelledMatrix) -> IntArray:
-    """Freedoms (k, 2) of the matrices that no node has: scalar points, and those of a QSET."""
+    """Freedoms (k, 2) of the matrices without a node: scalar points, and those of a QSET."""
     labels = np.unique(np.concatenate([matrix.freedoms for matrix in matrices]), axis=0)
     width = 7
     is_modal = np.isin(labels @ [width, 1], nodes.modal @ [width, 1]) | (labels[:, 1] == 0)
     modal = labels[is_modal]
     grids = np.flatnonzero((modal[:, 1] == 0) & numbers_of(nodes.ids, modal[:, 0])[1])
-    # HDF5 files number their modal coordinates as they like.
+    # The numbers of modal coordinates in HDF5 files are arbitrary.
     if grids.size and len(nodes.modal):
         raise ModelError(
-            f"{matrices[0].source}: component 0 of grid {modal[grids[0], 0]}, which is no scalar point; "
+            f"{matrices[0].source}: component 0 of grid {modal[grids[0], 0]}, which is not a scalar point; "
             "correct it"
         )
     return modal
 
 
 def _on_all_freedoms(nodes: NodeTable, modal: IntArray, labelled: LabelledMatrix) -> sparse.csr_array:
-    """The matrix on six freedoms of every node of the table, and on the modal coordinates."""
+    """The matrix for six freedoms of every node of the table, and for the modal coordinates."""
     n_nodes, width = len(nodes.ids), 7
     key, modal_key = labelled.freedoms @ [width, 1], modal @ [width, 1]
     own = np.isin(key, modal_key)
     number, known = numbers_of(nodes.ids, labelled.freedoms[~own, 0])
     if not known.all():
         raise ModelError(
-            f"{labelled.source}: names node {labelled.freedoms[~own][~known][0, 0]}, which {nodes.source} "
+            f"{labelled.source}: has node {labelled.freedoms[~own][~known][0, 0]}, which {nodes.source} "
             "does not define; take nodes and matrices from the same model"
         )
     place = np.empty(len(key), dtype=np.int64)
@@ -290,7 +290,7 @@ def _on_all_freedoms(nodes: NodeTable, modal: IntArray, labelled: LabelledMatrix
 
 
 def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) -> Connection | None:
-    """The connection on the kept nodes: an average lacks none of its nodes, or it would be another one."""
+    """The connection on the kept nodes; None for an average that would lose a node."""
     members = kept[connection.nodes]
     is_rigid = connection.weights is None
     if not (members.any() if is_rigid else members.all()):
@@ -299,7 +299,7 @@ def _on_kept(connection: Connection, kept: NDArray[np.bool_], number: IntArray) 
 
 
 def _turned(axes: NDArray[np.float64], dofs_per_node: int) -> sparse.csr_array:
-    """Block diagonal matrix from freedoms along each node's own axes to those along the mesh axes."""
+    """Block diagonal matrix from freedoms in each node's own axes to those in the mesh axes."""
     blocks = np.repeat(axes, dofs_per_node // 3, axis=0)
     return sparse.csr_array(sparse.bsr_array((blocks, np.arange(len(blocks)), np.arange(len(blocks) + 1))))
 

@@ -1,4 +1,4 @@
-"""Mass, centre and inertia: of a mass matrix, from its rigid motions, and of the volume of a mesh."""
+"""Mass, centre and inertia of a mass matrix, from its rigid motions, and of a mesh, by volume integrals."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
     -------
     MassProperties   centre and inertia are zero where the mass is
     """
-    # About the middle of the nodes, so that the inertia is no small difference of large numbers.
+    # About the centroid of the nodes, so that the inertia is not a small difference of large numbers.
     middle = nodes.mean(axis=0)
     R = nodal_rigid_modes(nodes - middle, dofs_per_node)
     gram = R.T @ (mass[: len(R), : len(R)] @ R)
@@ -63,7 +63,7 @@ def rigid_mass_properties(mass: Any, nodes: FloatArray, dofs_per_node: int) -> M
 
 
 def centre_of_gram(gram: FloatArray) -> FloatArray:
-    """Centre of mass (3,) of R^T M R (6, 6), about the point that the rotations are about.
+    """Centre of mass (3,) from R^T M R (6, 6), relative to the point of the rotations.
 
     The coupling of u_i with theta_j is m (e_j x r)_i: its skew part holds m times the centre.
     """
@@ -76,7 +76,7 @@ def mesh_mass_properties(model: FiniteElementModel) -> MassProperties:
 
     A simplex of k corners x_a and size V has
         int 1 = V,   int x = V s / k,   int x x^T = V / (k (k + 1)) (sum_a x_a x_a^T + s s^T),   s = sum_a x_a
-    Solid cells are integrated over their own map, which curves with their middle nodes. Shells count as
+    Solid cells are integrated over their isoparametric map, curved with their mid-side nodes. Shells count as
     sheets and beams as lines through their mass centres, with the rotary inertia of their sections.
     """
     middle = model.mesh.nodes.mean(axis=0)
@@ -128,7 +128,7 @@ def _moments(
 def _beam_moments(
     line: BeamLine, x: FloatArray, section: LineSection
 ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
-    """The same over beams between nodes x (E, 2, 3), from the inertia of the section at three places."""
+    """The same for beams between nodes x (E, 2, 3), from the inertia of the section at three positions."""
     s, weights = np.polynomial.legendre.leggauss(3)
     s = (1 + s) / 2
     ends = x + line.arms @ line.axes
@@ -165,7 +165,7 @@ def _solid_moments(kind: CellType, x: FloatArray) -> tuple[float, FloatArray, Fl
 
 
 def _simplex_moments(x: FloatArray, share: FloatArray | None = None) -> tuple[float, FloatArray, FloatArray]:
-    """The same over lines (E, 2, 3) or triangles (E, 3, 3), of which a share (E,) counts, or all."""
+    """The same for lines (E, 2, 3) or triangles (E, 3, 3), weighted by a share (E,) if given."""
     k, sizes, s = x.shape[1], _sizes(x), x.sum(axis=1)
     if share is not None:
         sizes = share * sizes

@@ -1,13 +1,13 @@
-"""Motions of a body that carry no mass: found, and made to follow the others statically.
+"""Motions of a body without mass: their detection and static condensation.
 
-Too few integration points leave a consistent mass matrix positive semidefinite: four in a ten-node
-tetrahedron see no mass in some motions of nodes that belong to one cell alone. Where the stiffness is regular
-on these motions Z (M Z = 0), their inertia-free equilibrium ties them to the rest:
+Too few integration points leave a consistent mass matrix positive semidefinite: with four in a ten-node
+tetrahedron, some motions of nodes of a single cell have no mass. Where the stiffness is regular on these
+motions Z (M Z = 0), static equilibrium ties them to the rest:
 
     Z^T K u = 0,    u_e = - (Z^T K_e)^-1 Z^T K_k u_k,    u = T u_k
 
-of as many eliminated freedoms e as there are columns in Z, and the kept ones k. T^T M T is positive definite,
-and T maps the rigid motions of the kept freedoms to those of all.
+for as many eliminated freedoms e as there are columns in Z, and the kept ones k. T^T M T is positive
+definite, and T maps the rigid motions of the kept freedoms to those of all.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ __all__ = ["StaticallyTied", "massless_motions", "tie_statically"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Of the energy of freedoms that move alone: less is none.
+# Relative to the energy of freedoms that move alone: a smaller energy is zero.
 _REGULAR = 1e-9
-# Of the largest entry: rounding of ties that are none.
+# Relative to the largest entry: smaller entries of a tie are rounding.
 _NO_TIE = 1e-11
 
 
 def massless_motions(mass: sparse.csc_array, tolerance: float) -> FloatArray:
     """Motions Z (n, k) with M Z = 0, in the units of each freedom: k = 0 where M is positive definite.
 
-    tolerance : of an eigenvalue of the mass scaled to a unit diagonal, for what counts as none; mass on every
-        freedom is assumed
+    tolerance : eigenvalue of the mass scaled to a unit diagonal below which it counts as zero; every freedom
+        must have mass
 
     Raises
     ------
@@ -62,7 +62,7 @@ def massless_motions(mass: sparse.csc_array, tolerance: float) -> FloatArray:
 
 
 class StaticallyTied(NamedTuple):
-    """The kept freedoms (m,), and the expansion T (n, m) from them to all."""
+    """The kept freedoms (m,), and the expansion T (n, m) to all."""
 
     kept: IntArray
     expansion: sparse.csc_array
@@ -77,11 +77,11 @@ def tie_statically(
 
     Raises
     ------
-    ModelError  motions that have no stiffness either, or that eligible freedoms cannot stand for
+    ModelError  motions without stiffness, or that the eligible freedoms cannot represent
     """
     n, k = motions.shape
     forces = motions.T @ stiffness
-    # Against the energy of freedoms that move alone, so that none of the motions need have stiffness.
+    # Relative to the energy of freedoms that move alone, so that a motion without stiffness is allowed.
     alone = motions.T @ (stiffness.diagonal()[:, None] * motions)
     soft = int((linalg.eigvalsh(forces @ motions, alone) <= _REGULAR).sum())
     if soft:

@@ -1,5 +1,7 @@
-"""Model check: is an imported stiffness and mass that of one free elastic body? Said in numbers, with "
-"remedies."""
+"""Model check: whether an imported stiffness and mass are those of one free elastic body.
+
+Findings have numbers and remedies.
+"""
 
 from __future__ import annotations
 
@@ -29,25 +31,25 @@ __all__ = ["Finding", "ModelCheck", "Verdict", "check_elements", "check_model", 
 FloatArray = NDArray[np.float64]
 
 LOWEST_FREQUENCIES = "lowest free frequencies"
-"""Names the finding that lists them, in cycles per unit of time."""
+"""Name of the finding that lists them, in cycles per unit of time."""
 
-# Against the highest eigenvalue looked at: rigid modes come out at some 1e-9 of it, the slowest elastic modes
-# of slender parts at some 1e-4.
+# Relative to the highest eigenvalue computed: rigid modes come out at some 1e-9 of it, the slowest elastic
+# modes of slender parts at some 1e-4.
 ZERO_MODE = 1e-6
-# The mass matrix against the mass of the mesh: far more than quadrature on curved cells errs.
+# Difference of the mass matrix from the mass of the mesh: far more than quadrature on curved cells errs.
 MASS_AGREEMENT = 0.02
-# The three masses of R^T M R, against each other: apart by rounding of entries printed with few digits.
+# Difference between the three masses of R^T M R: rounding of entries printed with few digits.
 SAME_MASS = 1e-4
 # h sqrt(K_ii / M_ii) is some 2 to 6 times the speed of sound: 30 m/s (rubber) to 2e4 m/s, or a thousand times
 # that in mm. Outside the narrow range units are doubtful (as in mm with ms), outside the wide one wrong.
 USUAL_SPEEDS = (30.0, 3e8)
 POSSIBLE_SPEEDS = (0.3, 1e11)
-# Kilograms with mm and MPa fall in between, so the reader gets the numbers to compare with.
+# Kilograms with mm and MPa are within the range, so the report gives the values for steel to compare with.
 WAVES_IN_STEEL = "in steel some 2e4 m/s, 8e5 in/s, 2e7 mm/s by this measure"
 
 
 class Verdict(Enum):
-    """What a finding means for the model."""
+    """Consequence of a finding for the model."""
 
     OK = auto()
     DOUBTFUL = auto()
@@ -56,7 +58,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of a check: what was looked at, what was seen, and the remedy where it is not in order."""
+    """One line of a check: the quantity, its value, and the remedy if it is wrong."""
 
     what: str
     seen: str
@@ -66,10 +68,10 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class ModelCheck:
-    """Everything that was found; the model is accepted unless a finding refuses it.
+    """All findings; the model is accepted unless one of them refuses it.
 
-    mass         : mass, centre and inertia that the mass matrix gives to rigid motion
-    rigid_energy : (6,) strain energy of the six rigid motions against that of their nodes moving alone
+    mass         : mass, centre and inertia of the mass matrix in rigid motion
+    rigid_energy : (6,) strain energy of the six rigid motions relative to that of their nodes moving alone
     n_zero_modes : modes without strain energy, 6 for a free body; None where they could not be counted
     frequencies  : cycles per unit of time, of the lowest elastic modes of the free body
     """
@@ -82,7 +84,7 @@ class ModelCheck:
 
     @property
     def is_accepted(self) -> bool:
-        """Whether nothing refuses the model."""
+        """Whether no finding refuses the model."""
         return all(finding.verdict is not Verdict.REFUSED for finding in self.findings)
 
     def raise_if_refused(self, name: str) -> None:
@@ -105,17 +107,17 @@ def check_model(
     rigid_tolerance: float = RIGID_TOLERANCE,
     attached: Attached | None = None,
 ) -> ModelCheck:
-    """Everything to say about the nodal matrices of a body: what is wrong is a finding, not an exception.
+    """All findings on the nodal matrices of a body; errors are findings, not exceptions.
 
     Parameters
     ----------
     nodes           : (N, 3)
     stiffness, mass : sparse (n, n), n >= N * dofs_per_node, node by node, then modal coordinates
-    n_frequencies   : elastic modes to compute; 0 leaves modes out, which is cheap
-    node_ids        : (N,) labels for messages; node numbers from 0 when omitted
-    mesh_mass       : what the mass should be, from the mesh
-    rigid_tolerance : largest |K R| against the forces that cancel in it
-    attached        : what ties nodes
+    n_frequencies   : number of elastic modes to compute; 0 skips the modes, which is cheap
+    node_ids        : (N,) labels for messages; by default node numbers from 0
+    mesh_mass       : expected mass, from the mesh
+    rigid_tolerance : largest |K R| relative to the forces that cancel in it
+    attached        : ties between nodes
     Returns
     -------
     ModelCheck
@@ -127,7 +129,7 @@ def check_model(
     _check_sizes(len(nodes) * dofs_per_node, K, M)
     if not (np.isfinite(K.data).all() and np.isfinite(M.data).all()):
         broken = Finding(
-            "finite entries", "infinite, or no numbers", Verdict.REFUSED, "export the matrices anew"
+            "finite entries", "infinite, or not numbers", Verdict.REFUSED, "export the matrices again"
         )
         return ModelCheck((broken,), MassProperties(0.0, np.zeros(3), np.zeros((3, 3))), np.zeros(6))
     labels = np.arange(len(nodes)) if node_ids is None else node_ids
@@ -155,10 +157,10 @@ def check_model(
 
 
 def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> ModelCheck:
-    """`check_model` of finite elements, their mass against that of the mesh, and how their cells meet."""
+    """`check_model` for finite elements, with the mass of the mesh and the compatibility of the cells."""
     expected = mesh_mass_properties(model)
     if model.mass_of is not consistent_mass:
-        # Mass at the nodes has an inertia of its own, of the order of the size of the cells.
+        # Concentrated nodal masses have an extra inertia, of the order of the cell size squared.
         found = rigid_mass_properties(model.mass, model.mesh.nodes, model.dofs_per_node)
         expected = replace(expected, inertia=found.inertia)
     check = check_model(
@@ -177,7 +179,7 @@ def check_elements(model: FiniteElementModel, *, n_frequencies: int = 6) -> Mode
 def check_nodal_matrices(
     matrices: NodalMatrices, *, n_frequencies: int = 6, rigid_tolerance: float | None = None
 ) -> ModelCheck:
-    """`check_model` of the matrices of another program, naming its nodes, as exact as their digits are."""
+    """`check_model` for the matrices of another program, with its node ids, to their printed precision."""
     check = check_model(
         matrices.nodes,
         matrices.stiffness,
@@ -191,12 +193,12 @@ def check_nodal_matrices(
 
 
 def _points_inside(matrices: NodalMatrices) -> Iterator[Finding]:
-    """What is known of a condensed model between its boundary grids."""
+    """Findings on the interior of a condensed model, between its boundary grids."""
     what = "points inside"
     if matrices.recovery is None:
         if len(matrices.modal):
             yield Finding(
-                what, "none: nothing but the boundary is drawn and sensed; a recovery matrix gives them"
+                what, "none: pictures and sensors have only the boundary; a recovery matrix adds points"
             )
         return
     n = matrices.stiffness.indptr.size - 1
@@ -210,23 +212,23 @@ def _points_inside(matrices: NodalMatrices) -> Iterator[Finding]:
 
 
 def _cells_twice(mesh: Mesh) -> Finding:
-    """Two cells on the same nodes: two shells or beams side by side, or a part that was copied by mistake."""
+    """Cells with identical nodes: two shells or beams side by side, or a part copied by mistake."""
     for kind, cells in mesh.cells.items():
         _, first, count = np.unique(np.sort(cells, axis=1), axis=0, return_index=True, return_counts=True)
         again = first[count > 1]
         if again.size:
             return Finding(
                 "cells on the same nodes",
-                f"{again.size} places with several {kind.name} cells, first at cell "
+                f"{again.size} node groups with several {kind.name} cells, first at cell "
                 f"{mesh.cell_ids[kind][again.min()]}",
                 Verdict.DOUBTFUL,
-                "their mass and stiffness add up; if a part lies there twice, remove it once",
+                "their mass and stiffness add up; if a part is duplicated, remove the copy",
             )
     return Finding("cells on the same nodes", "none")
 
 
 def _middle_nodes(mesh: Mesh) -> list[Finding]:
-    """Where linear and quadratic solids meet: the linear ones do not follow the middle node of an edge."""
+    """Edges between linear and quadratic solids: linear cells do not follow the mid-side node."""
     linear, quadratic = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     for kind, cells in mesh.cells.items():
         if kind.dimension < 3:
@@ -244,21 +246,21 @@ def _middle_nodes(mesh: Mesh) -> list[Finding]:
     return [
         Finding(
             "linear cells on quadratic ones",
-            f"{shared.size} edges with a middle node on one side only, first at nodes {first} and {second}",
+            f"{shared.size} edges with a mid-side node on one side only, first at nodes {first} and {second}",
             Verdict.DOUBTFUL,
-            "the cells part along these edges; give both sides middle nodes, or neither",
+            "the cells separate along these edges; give both sides mid-side nodes, or neither",
         )
     ]
 
 
 def _check_sizes(n: int, K: sparse.csc_array, M: sparse.csc_array) -> None:
-    """Square, of one size, and at least the nodes' freedoms."""
+    """Check that both are square, of one size, and cover at least the nodes' freedoms."""
     for what, matrix in (("stiffness", K), ("mass", M)):
         columns, rows = matrix.indptr.size - 1, matrix.tocsr().indptr.size - 1
         if rows != columns or rows < n or (what == "mass" and K.shape != M.shape):
             raise ModelError(
                 f"the {what} has shape {matrix.shape}, but its nodes need ({n}, {n}), or more with modal "
-                "coordinates, in both matrices; export both anew"
+                "coordinates, in both matrices; export both again"
             )
 
 
@@ -305,7 +307,7 @@ def _mass(
             inertia.what,
             inertia.seen,
             Verdict.REFUSED,
-            "impossible for a mass distribution: are nodes and matrix of the same model, in the same units?",
+            "impossible for a mass distribution: use nodes and matrix of the same model, in the same units",
         )
     return [total, inertia] + ([] if expected is None else [_against_mesh(found, expected)])
 
@@ -337,7 +339,7 @@ def _coordinates(
     labels: NDArray[np.int64],
     tolerance: float,
 ) -> tuple[Coordinates | None, list[Finding]]:
-    """The coordinates that ties leave, and what was found on the way."""
+    """The coordinates after ties, and the findings on the way."""
     beside = Attached() if attached is None else attached
     try:
         sets = rigid_sets("model", len(nodes), (), beside)
@@ -355,8 +357,8 @@ def _coordinates(
         return None, [Finding("positive mass", seen, Verdict.REFUSED, remedy)]
     found = [_positive_mass(made, M, labels, dofs_per_node)]
     if made.n_fixed:
-        seen = f"{made.n_fixed} of nodes, which rest against the body"
-        found.append(Finding("rotations that nothing stiffens", seen))
+        seen = f"{made.n_fixed} of nodes, which are fixed to the body"
+        found.append(Finding("rotations without stiffness", seen))
     if beside.rigid or beside.constraints is not None:
         rows = 0 if beside.constraints is None else len(beside.constraints.labels)
         found.append(Finding("ties within the body", f"{len(sets)} rigid pieces, {rows} constraints"))
@@ -364,7 +366,7 @@ def _coordinates(
 
 
 def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np.int64], d: int) -> Finding:
-    """What carries no mass and follows the others, where anything does."""
+    """Finding on massless motions that follow the others, if there are any."""
     n, bare = mass.indptr.size - 1, made.bare
     if not made.n_massless:
         return Finding("positive mass", f"all {len(made.freedoms)} eigenvalues")
@@ -378,7 +380,7 @@ def _positive_mass(made: Coordinates, mass: sparse.csc_array, labels: NDArray[np
 
 
 def _rigid_energy(K: sparse.csc_array, R: FloatArray) -> FloatArray:
-    """r^T K r against r^T diag(K) r, of each rigid motion about the middle of the body."""
+    """r^T K r relative to r^T diag(K) r, for each rigid motion about the centroid of the body."""
     alone = np.einsum("ij,i,ij->j", R, np.abs(K.diagonal()), R)
     energy = np.einsum("ij,ij->j", R, K @ R)
     return np.divide(np.abs(energy), alone, out=np.zeros(6), where=alone > 0)
@@ -392,27 +394,27 @@ def _grounding(
     worst = float(ratios[row, motion])
     if worst <= tolerance:
         return Finding("free of supports", f"rigid-body residual {worst:.0e} of the forces that cancel")
-    seen = f"{RIGID_NAMES[motion]} meets {worst:.1e}, most at {_freedom(int(row), labels, dofs_per_node)}"
+    seen = f"{RIGID_NAMES[motion]} leaves {worst:.1e}, most at {_freedom(int(row), labels, dofs_per_node)}"
     factor = _unit_of_nodes(K, R, dofs_per_node, tolerance)
     if factor is not None:
         return Finding(
             "free of supports",
-            f"{seen}, and none would if all coordinates were {factor:.6g} times as large",
+            f"{seen}, and would leave none if all coordinates were {factor:.6g} times as large",
             Verdict.REFUSED,
-            "nodes and matrices are in different units of length: write both in the same",
+            "nodes and matrices are in different units of length: use the same for both",
         )
     return Finding(
         "free of supports",
         seen,
         Verdict.REFUSED,
-        "leave supports and springs to ground out of the model, and hold it by joints; are the nodes those "
-        "of the matrix, and along its axes (CD)? Does a grid bear modal coordinates, which QSET names? "
+        "leave supports and springs to ground out of the model, and support it by joints; use the nodes "
+        "of the matrix, in its axes (CD), and list modal coordinates on grids in QSET. "
         f"For entries printed with few digits, raise rigid_tolerance above {worst:.0e}",
     )
 
 
 def _unit_of_nodes(K: sparse.csc_array, R: FloatArray, dofs_per_node: int, tolerance: float) -> float | None:
-    """By which factor the coordinates of nodes that turn must grow for K R = 0; None where none does."""
+    """Factor on the coordinates of nodes with rotations that makes K R = 0; None if there is none."""
     if dofs_per_node == 3:
         return None
     turning = R.copy()
@@ -448,21 +450,21 @@ def _units(
     K, M = K[:n, :n], M[:n, :n]
     speed = wave_speed(nodes, K, M, dofs_per_node=dofs_per_node)
     extent = float(np.ptp(nodes, axis=0).max())
-    seen = f"size {extent:.3g}, waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
+    seen = f"size {extent:.3g}, wave speed about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
     if USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
         return Finding("units", seen)
     possible = POSSIBLE_SPEEDS[0] <= speed <= POSSIBLE_SPEEDS[1]
     return Finding(
         "units",
         seen,
-        # The distance of boundary grids is no measure of the waves between them.
+        # The distance of boundary grids is no measure of the wave speed between them.
         Verdict.DOUBTFUL if possible or n_modal else Verdict.REFUSED,
         "use one consistent set: m, kg, s, Pa or mm, t, s, MPa",
     )
 
 
 def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[Finding]:
-    """How far a model with modal coordinates reaches: it is to turn slowly against the lowest of them."""
+    """Validity of a model with modal coordinates: rotation must be slow relative to the lowest of them."""
     if not n_modal:
         return
     n = K.indptr.size - 1
@@ -475,14 +477,14 @@ def _modal(K: sparse.csc_array, M: sparse.csc_array, n_modal: int) -> Iterator[F
             "modal coordinates",
             f"{n_modal}, number {int(np.argmin(rates)) + 1} without stiffness",
             Verdict.REFUSED,
-            "modes of a held boundary all have stiffness: leave rigid body modes out of the set, and name "
+            "modes of a clamped boundary all have stiffness: remove rigid body modes from the set, and list "
             "all boundary grids as kept",
         )
         return
     yield Finding(
         "modal coordinates",
-        f"{n_modal}, from {lowest / (2 * np.pi):.4g} cycles per unit of time; matrices do not say which way "
-        f"they move, so spins should stay well below {lowest:.3g} rad per unit of time",
+        f"{n_modal}, from {lowest / (2 * np.pi):.4g} cycles per unit of time; matrices lack the direction "
+        f"of their motion, so angular velocities should stay well below {lowest:.3g} rad per unit of time",
     )
 
 
@@ -524,9 +526,9 @@ def _zero_modes(
 ) -> Finding:
     what = "modes without energy"
     if zero == 6:
-        return Finding(what, "6, as many as a free body has")
+        return Finding(what, "6, as for a free body")
     if zero < 6:
-        return Finding(what, f"{zero} of 6", Verdict.REFUSED, "the model is held: leave its supports out")
+        return Finding(what, f"{zero} of 6", Verdict.REFUSED, "the model is supported: remove its supports")
     loads = M @ R
     rest = vectors - R @ np.linalg.solve(R.T @ loads, loads.T @ vectors)
     row = int(np.argmax(np.abs(rest).max(axis=1)))
@@ -546,7 +548,7 @@ def _freedom(row: int, labels: NDArray[np.int64], dofs_per_node: int) -> str:
 
 
 def _point(found: MassProperties) -> str:
-    """The centre, with round-off against the size of the body written as 0."""
+    """The centre, with round-off relative to the size of the body written as 0."""
     size = np.sqrt(abs(np.trace(found.inertia)) / found.mass) if found.mass > 0 else 0.0
     centre = np.where(np.abs(found.centre) < 1e-9 * size, 0.0, found.centre)
     return "(" + ", ".join(f"{value:.4g}" for value in centre) + ")"

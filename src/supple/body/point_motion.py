@@ -1,4 +1,4 @@
-"""Motion of nodes and interfaces of a body in space: what joints, sensors and films see of any form."""
+"""Motion of nodes and interfaces of a body in space, for joints, sensors and animations of any form."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class InterfaceMotion(NamedTuple):
     """Motion of an interface over time, global components.
 
     position : (t, 3)
-    rotation : (t, 3, 3)            the axes of the mesh as the interface turns them, as columns
+    rotation : (t, 3, 3)            the mesh axes, rotated with the interface, as columns
     velocity, acceleration : (t, 3)
     angular_velocity : (t, 3)
     """
@@ -53,12 +53,12 @@ class InterfaceMotion(NamedTuple):
 
 
 class FloatingForm(FormDefaults):
-    """What rigid, reduced and full bodies share: points that a floating frame carries."""
+    """Members shared by rigid, reduced and full bodies: points in a floating frame."""
 
     def positions(
         self: Deforming, motion: Motion, nodes: ArrayLike | slice = slice(None)
     ) -> NDArray[np.float64]:
-        """Positions r = R + A (x + u) (t, k, 3) in space of some nodes, or all."""
+        """Positions r = R + A (x + u) (t, k, 3) of all or some nodes in space."""
         return floating_positions(self, motion.of_type(FloatingMotion), nodes)
 
     def node_motion(self: Deforming, motion: Motion, nodes: ArrayLike) -> NodeMotion:
@@ -70,12 +70,12 @@ class FloatingForm(FormDefaults):
         return floating_interface_motion(self.interface(name), motion.of_type(FloatingMotion))
 
     def sections(self: Any, model: FiniteElementModel | None, /) -> Sections:
-        """Those that its elements carry; ModelError of a rigid body, and without elements."""
+        """Sections by its elements; ModelError for a rigid body, and without elements."""
         if not self.n_coordinates:
             return FormDefaults.sections(self, model)
         if model is None:
             raise ModelError(
-                f"the elements of body '{self.name}' are not known, and section forces are theirs; give its "
+                f"section forces need the elements of body '{self.name}', which are not known; give its "
                 "model, or read the force of a joint or a spring"
             )
         return Sections(f"axes of {self.name}", partial(section_loads, self, model))
@@ -83,7 +83,7 @@ class FloatingForm(FormDefaults):
     def motion_near(
         self, position: Array, rotation: Array, coordinates: Array, displacement: Array, rates: Array
     ) -> FloatingMotion:
-        """Instants displaced by p (t, 6 + r), at rates p' (t, 6 + r) as at p = 0."""
+        """Motion displaced by p (t, 6 + r), at rates p' (t, 6 + r) as at p = 0."""
         frames = frames_near(position, rotation, displacement, rates)
         still, q = np.zeros_like(frames[2]), coordinates + displacement[:, 6:]
         return FloatingMotion(*frames[:2], q, *frames[2:], rates[:, 6:], still, still, np.zeros_like(q))
@@ -92,7 +92,7 @@ class FloatingForm(FormDefaults):
 def frames_near(
     position: Array, rotation: Array, displacement: Array, rates: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Positions, rotations, velocities and angular velocities of frames moved by p = (A^T dR, psi, ..).
+    """Positions, rotations, velocities and angular velocities of frames displaced by p = (A^T dR, psi, ..).
 
     displacement, rates : (t, 6 + r)    rates as at p = 0
     """
@@ -144,7 +144,7 @@ def floating_interface_motion(interface: Interface, motion: FloatingMotion) -> I
 
 
 def _turning(cubic_turn: float, theta: Array, rate: Array) -> Array:
-    """T(phi) dphi (t, 3), the angular velocity in the turned axes:
+    """T(phi) dphi (t, 3), the angular velocity in the rotated axes:
 
     T(phi) dphi = dphi - (1 - cos p)/p^2 phi x dphi + (p - sin p)/p^3 phi x (phi x dphi),   p = |phi|
     """
@@ -175,7 +175,7 @@ def _of_frame(
 
 
 def _in_space(motion: FloatingMotion, place: Array, rate: Array, second: Array) -> NodeMotion:
-    """Of points (t, k, 3) of the frame, with their rates there."""
+    """Motion of points (t, k, 3) of the frame, with their rates in the frame."""
     w, dw = motion.angular_velocity[:, None], motion.angular_acceleration[:, None]
     turning = np.cross(w, place)
     velocity = turning + rate

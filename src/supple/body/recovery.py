@@ -1,9 +1,10 @@
-"""Recovery: points inside a condensed model, whose displacements follow its freedoms by a matrix.
+"""Recovery: interior points of a condensed model, whose displacements follow its freedoms by a matrix.
 
     u_points = T [u_boundary; eta],      T R = R_points
 
-Masses on these points and on the nodes tell what the matrices do not: which way modal coordinates move the
-mass. They are those, none negative, whose sum is nearest the mass matrix, in the scale of its diagonal:
+Masses on these points and on the nodes add information that the matrices lack: in which direction modal
+coordinates move the mass. They are the nonnegative masses whose sum is nearest to the mass matrix, scaled by
+its diagonal:
 
     M  ~  sum_a m_a T_a^T T_a + sum_a J_a Theta_a^T Theta_a,      m_a, J_a >= 0
 """
@@ -25,7 +26,7 @@ __all__ = ["Recovery"]
 
 FloatArray = NDArray[np.float64]
 
-# Of a rigid motion, against the size of the body: rounding of matrices printed with few digits.
+# Of a rigid motion, relative to the size of the body: rounding of matrices printed with few digits.
 _MOVES_RIGIDLY = 1e-4
 _MOST_MASSES = 1500
 _LARGEST_MISS = 0.05
@@ -36,7 +37,7 @@ class Recovery:
     """Displacements of points from the freedoms of a condensed model.
 
     points : (P, 3), m;  ids : (P,) labels
-    matrix : (3 P, n) ux uy uz of each point by the freedoms of the nodes and the modal coordinates
+    matrix : (3 P, n) ux uy uz of each point from the freedoms of the nodes and the modal coordinates
     """
 
     points: FloatArray
@@ -44,7 +45,7 @@ class Recovery:
     matrix: FloatArray
 
     def check(self, body: str, nodes: FloatArray, dofs_per_node: int, n: int) -> None:
-        """ModelError for matrices of another size, or such as do not move rigidly with the nodes."""
+        """ModelError for matrices of the wrong size, or that do not move rigidly with the nodes."""
         if self.matrix.shape != (3 * len(self.points), n):
             raise ModelError(
                 f"body '{body}': the recovery matrix has shape {self.matrix.shape}; {len(self.points)} "
@@ -60,7 +61,7 @@ class Recovery:
         worst = int(np.argmax(miss)) if miss.size else 0
         if miss.size and not miss[worst] <= _MOVES_RIGIDLY:  # NaN fails too
             raise ModelError(
-                f"body '{body}': the recovery matrix misses rigid motion by {miss[worst]:.1e} at "
+                f"body '{body}': the recovery matrix deviates from rigid motion by {miss[worst]:.1e} at "
                 f"point {self.ids[worst // 3]} u{'xyz'[worst % 3]}; give it for absolute displacements, its "
                 "columns in the order of the matrices, boundary freedoms and modal coordinates alike, in "
                 "basic axes"
@@ -71,8 +72,8 @@ class Recovery:
     ) -> tuple[FloatArray, FloatArray] | None:
         """Masses (N, 1 or 2) of the nodes, of translations and rotations, and of the points (P,).
 
-        None where they miss the body's mass, or its centre, by more than 5 %, as those of points in a part
-        of it do, or where the points are too many.
+        None where they differ from the body's mass, or its centre, by more than 5 %, as for points in only a
+        part of it, or where there are too many points.
         """
         n, n_nodes, parts = len(mass), len(nodes), dofs_per_node // 3
         if n_nodes * parts + len(self.points) > _MOST_MASSES:

@@ -19,7 +19,7 @@ from supple.summary import Summarized, Summary, point
 
 __all__ = ["RigidBody"]
 
-# Inertias typed with a few digits may break the triangle inequality in the last one (thin discs, rods).
+# Inertias given with few digits may violate the triangle inequality in the last one (thin discs, rods).
 ROUNDING = 1e-6
 
 
@@ -35,7 +35,7 @@ class RigidBody(FloatingForm, Summarized):
     points     : name -> (3,) position of an interface in body axes, m
     Raises
     ------
-    ModelError   mass or inertia that no matter can have; positions that are not three finite numbers
+    ModelError   impossible mass or inertia; positions that are not three finite numbers
     """
 
     name: str
@@ -91,7 +91,7 @@ class RigidBody(FloatingForm, Summarized):
         return tuple(PointInterface(name, position) for name, position in self.points.items())
 
     def interface(self, name: str) -> PointInterface:
-        """The interface of that name; ModelError names the nearest, or those there are."""
+        """The interface of that name; ModelError lists the nearest names, or all."""
         return interface_named(self.name, name, self.interfaces)
 
     def expand(
@@ -112,12 +112,12 @@ class RigidBody(FloatingForm, Summarized):
         return True
 
     def lowest_frequency(self) -> float:
-        """Infinite: nothing vibrates."""
+        """Infinite: a rigid body has no vibration."""
         return np.inf
 
     @property
     def rotation_limit(self) -> float:
-        """None, for nothing turns against the frame."""
+        """None: there is no rotation relative to the frame."""
         return np.inf
 
     def _position(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
@@ -133,11 +133,11 @@ class RigidBody(FloatingForm, Summarized):
         if inertia.shape != (3, 3) or not np.all(np.isfinite(inertia)):
             raise ModelError(f"{where} must be a (3, 3) array of finite numbers, not {self.inertia}")
         if np.max(np.abs(inertia - inertia.T)) > ROUNDING * np.max(np.abs(inertia)):
-            raise ModelError(f"{where} is not symmetric: {inertia.tolist()}")
+            raise ModelError(f"{where} is not symmetric; correct it: {inertia.tolist()}")
         smallest, middle, largest = np.linalg.eigvalsh(0.5 * (inertia + inertia.T))
         if smallest <= 0:
             raise ModelError(
-                f"{where} is not positive definite: its smallest principal value is {smallest:.6g}"
+                f"{where} is not positive definite, smallest principal value {smallest:.6g}; correct it"
             )
         if largest > (smallest + middle) * (1 + ROUNDING):
             raise ModelError(

@@ -1,4 +1,4 @@
-"""Rigid interfaces (RBE2): the nodes' freedoms give way to those of a virtual node."""
+"""Rigid interfaces (RBE2): elimination of the nodes' freedoms in favour of a virtual node."""
 
 from __future__ import annotations
 

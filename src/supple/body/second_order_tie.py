@@ -1,17 +1,17 @@
-"""Rigid interfaces to second order in their rotation: what the elements that touch them feel of it.
+"""Rigid interfaces to second order in their rotation: the strains of the adjacent elements.
 
-A set of nodes tied linearly, u_a = u_v + theta x r_a, grows by theta^2 / 2 where it turns, and resists.
+A set of nodes tied linearly, u_a = u_v + theta x r_a, expands by theta^2 / 2 when it rotates, and resists.
 To second order it moves as a rigid piece,
 
     u_a = u_v + theta x r_a + 1/2 theta x (theta x r_a):       u = T q + 1/2 Q(q, q)
 
-Put into eps = B u + 1/2 N(Gu, Gu) and cut back to what is quadratic in q, so that the force stays a cubic
-polynomial and the energy a sum of squares:
+This is inserted into eps = B u + 1/2 N(Gu, Gu) and truncated to the terms quadratic in q, so that the force
+remains a cubic polynomial and the energy a sum of squares:
 
     eps = B T q + 1/2 [ N(GTq, GTq) + B Q(q, q) ]
 
-Where the interface turns, the elements beside it keep a strain of order theta^3, an energy of order theta^6.
-It is least where they have turned by arctan |theta|, to third order: the angle of a joint at the interface
+When the interface rotates, the elements beside it keep a strain of order theta^3, an energy of order theta^6.
+It is least where they have rotated by arctan |theta|, to third order: the angle of a joint at the interface
 (`BodyInterface.cubic_turn`).
 """
 
@@ -40,8 +40,8 @@ def second_order_strains(
 ) -> tuple[QuadraticStrain, ...]:
     """The strains of a body with second-order ties, in the freedoms of its nodes and of its virtual nodes.
 
-    Elements that touch no rigid set stay as they are. The others gain the virtual nodes of their sets, whose
-    rotations theta are three more gradients each, with N_theta,theta = B Q.
+    Elements without nodes of a rigid set are unchanged. The others gain the virtual nodes of their sets,
+    whose rotations theta are three more gradients each, with N_theta,theta = B Q.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def second_order_strains(
     rigid_sets : (node numbers (k,), position of the virtual node (3,)) each; no node in two of them
     Returns
     -------
-    QuadraticStrain of dofs of N + (sets) nodes, as `with_virtual_nodes` gives them
+    QuadraticStrain of dofs of N + (sets) nodes, in the order of `with_virtual_nodes`
     """
     return tuple(part for block in blocks for _, part in tied_parts(block, nodes, dofs_per_node, rigid_sets))
 
@@ -58,18 +58,18 @@ def second_order_strains(
 def tied_parts(
     block: QuadraticStrain, nodes: FloatArray, dofs_per_node: int, rigid_sets: Sequence[RigidSet]
 ) -> Iterator[tuple[IntArray, QuadraticStrain]]:
-    """For one block: parts that touch as many sets each, and the numbers of their elements in it."""
+    """For one block: parts by number of touching sets, with the numbers of their elements in it."""
     set_of = np.full(len(nodes), -1)
     arms = np.zeros((len(nodes), 3))
     for number, (node_ids, position) in enumerate(rigid_sets):
         own = nodes[node_ids] - position
-        if own.any():  # a single node where the virtual one is has nothing to turn
+        if own.any():  # a single node at the virtual one has no arm
             set_of[node_ids], arms[node_ids] = number, own
     return _parts(block, dofs_per_node, set_of, arms)
 
 
 def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: int) -> sparse.csc_array:
-    """The expansion T, and behind it rows for the virtual nodes, whose coordinates stand last.
+    """The expansion T, followed by rows for the virtual nodes, whose coordinates come last.
 
     A virtual node has the freedoms (u_v, theta_v) where nodes have six, theta_v where they have three.
 
@@ -87,7 +87,7 @@ def with_virtual_nodes(expansion: sparse.csc_array, dofs_per_node: int, n_sets: 
 def _parts(
     block: QuadraticStrain, dofs_per_node: int, set_of: IntArray, arms: FloatArray
 ) -> Iterator[tuple[IntArray, QuadraticStrain]]:
-    """The elements of a block by the number of sets that they touch."""
+    """The elements of a block by the number of sets at their nodes."""
     element_nodes = cell_nodes(block.dofs, dofs_per_node)
     sets = np.sort(set_of[element_nodes], axis=1)
     first = np.concatenate([sets[:, :1] >= 0, (np.diff(sets) > 0) & (sets[:, 1:] >= 0)], axis=1)
@@ -105,7 +105,7 @@ def _parts(
 
 
 def _tied(block: QuadraticStrain, virtual: IntArray, arms: FloatArray, dofs_per_node: int) -> QuadraticStrain:
-    """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not held.
+    """Elements with c virtual nodes (E, c) and the arms (E, c, k, 3) of their nodes, 0 where not tied.
 
     Solids beside shells have 3 of the 6 freedoms of their nodes, and the rotations of virtual nodes.
     """

@@ -22,7 +22,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
 
     Parameters
     ----------
-    n_elements : int    of equal lengths; one between each two sections of the table when omitted
+    n_elements : int    of equal lengths; by default one between each two sections of the table
 
     Returns
     -------
@@ -33,7 +33,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
     ModelError      no element
     """
     if n_elements is not None and n_elements < 1:
-        raise ModelError(f"a chain of beams needs one element at least, not {n_elements}")
+        raise ModelError(f"a chain of beams needs at least one element, not {n_elements}")
     ends = table.lengths if n_elements is None else np.linspace(0, table.lengths[-1], n_elements + 1)
     points, axes, stiffness, inertia = table.at(ends)
     n = len(ends) - 1
@@ -45,7 +45,7 @@ def section_beams(table: SectionTable, n_elements: int | None = None) -> FiniteE
     beam = np.stack([x, np.cross(z, x), z], axis=1)
 
     def along_beams(matrices: Array, end: int) -> Array:
-        """Of the sections at one end of the beams, along the axes of these."""
+        """Matrices of the sections at one end of the beams, in the axes of these."""
         own = slice(end, n + end)
         turn = np.zeros((n, 6, 6))
         turn[:, :3, :3] = turn[:, 3:, 3:] = beam @ axes[own]

@@ -22,10 +22,10 @@ __all__ = ["CuttingPlane", "Sections", "section_loads"]
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""Of the size of the body: what lies nearer to the plane lies on it."""
+"""Relative to the size of the body: points nearer to the plane count as on it."""
 
 ROOM = 2**22
-"""Numbers of forces held at a time."""
+"""Numbers of forces in memory at a time."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class CuttingPlane:
     """A plane across an undeformed body, in the axes of its mesh.
 
     point : (3,)     on it, m; moments are about this point of the section
-    normal : (3,)    towards what lies beyond; of any length
+    normal : (3,)    towards the far side; of any length
     """
 
     point: tuple[float, float, float]
@@ -48,23 +48,23 @@ class CuttingPlane:
             )
 
     def heights(self, places: Array) -> Array:
-        """Of places (..., 3) over the plane, towards the normal; zero where rounding alone parts them."""
+        """Heights (...) of points (..., 3) over the plane, along the normal; zero within rounding."""
         heights = (places - self.point) @ (np.asarray(self.normal) / np.linalg.norm(self.normal))
         size = np.ptp(places.reshape(-1, 3), axis=0).max(initial=0.0)
         return np.where(abs(heights) <= ROUNDING * size, 0.0, heights)
 
 
 class _Layer(NamedTuple):
-    """The elements that touch a section."""
+    """The elements at a section."""
 
     freedoms: NDArray[np.int64]
-    """(m,) nodal freedoms of the body that they have"""
+    """(m,) nodal freedoms of these elements in the body"""
     blocks: tuple[QuadraticStrain, ...]
-    """in numbers of these"""
+    """renumbered to these freedoms"""
     shares: tuple[Array, ...]
-    """(E,) of each block: a half before the section, minus a half beyond it"""
+    """(E,) per block: plus one half before the section, minus one half beyond it"""
     cut: NDArray[np.int64]
-    """(k, d) where the freedoms of the nodes of the section stand among them"""
+    """(k, d) positions of the freedoms of the section's nodes among them"""
     places: Array
     """(k, 3) of these nodes, undeformed"""
 
@@ -73,30 +73,30 @@ class Sections(NamedTuple):
     """The sections of a body, across which it carries forces."""
 
     axes: str
-    """What these are along, in words"""
+    """Name of the axes of the forces"""
     loads: Callable[[Motion, CuttingPlane], Array]
-    """Force and moment (t, 6) in a motion, of what lies beyond a plane on what lies before it"""
+    """Force and moment (t, 6) in a motion, exerted by the far side of a plane on the near side"""
 
 
 def section_loads(body: Any, model: FiniteElementModel, motion: Motion, plane: CuttingPlane) -> Array:
-    """Force and moment (t, 6) of what lies beyond a plane on what lies before it, in the body's axes.
+    """Force and moment (t, 6) of the far side of a plane on the near side, in the body's axes.
 
         F = sum_n f_n,   M = sum_n (x_n + u_n - p) x f_n + m_n
 
     over the nodes n that elements on both sides share, where f, m are the internal forces of the elements
-    before the plane, and those beyond with the other sign: their mean, which differs by the loads on these
-    very nodes. So the balance of either part is met however coarse the mesh, and loads spread over the body
-    cost an error of second order. An element is where the mean of its nodes is. `p` is the point of the
-    plane, moved by the mean displacement of the nodes.
+    before the plane, and those beyond with the other sign, averaged; the two differ by the loads on these
+    very nodes. Either part is thus in equilibrium for any mesh, and distributed loads cause an error of
+    second order. The position of an element is the mean of its nodes. `p` is the point of the plane, moved by
+    the mean displacement of the nodes.
 
     Parameters
     ----------
     body : BodyForm                 reduced or full
-    model : FiniteElementModel      the one the body was made of
+    model : FiniteElementModel      of the body
 
     Raises
     ------
-    ModelError   a model of other nodes; a plane that cuts nothing, or cuts beside a rigid interface
+    ModelError   another model; a plane that cuts nothing, or cuts beside a rigid interface
     """
     if len(model.mesh.nodes) != len(body.nodes) or not np.array_equal(model.mesh.nodes, body.nodes):
         raise ModelError(f"body '{body.name}' was not made of this model; give the model it was made of")
@@ -146,13 +146,13 @@ def _refuse_tied(body: Any, pieces: Sequence[RigidPiece], around: NDArray[np.int
     for interface in body.interfaces:
         if np.isin(interface.tied_nodes, around).any():
             raise ModelError(
-                f"body '{body.name}': the section lies beside interface '{interface.name}', whose nodes move "
-                "as one. Move it by an element, or read the force of the joint there"
+                f"body '{body.name}': the section is at interface '{interface.name}', whose nodes move "
+                "as one. Move it by an element, or use the force of the joint there"
             )
     for piece in pieces:
         if np.isin(piece.nodes, around).any():
             raise ModelError(
-                f"body '{body.name}': the section lies beside the rigid tie '{piece.name}', whose nodes "
+                f"body '{body.name}': the section is at the rigid tie '{piece.name}', whose nodes "
                 "move as one. Move it by an element"
             )
 
@@ -164,7 +164,7 @@ def _renumbered(block: QuadraticStrain, freedoms: NDArray[np.int64], *, linear: 
 
 
 def _resultants(layer: _Layer, plane: CuttingPlane, moved: Array, condensed: Array | None) -> Array:
-    """(t, 6) of displacements (m, t)."""
+    """Resultants (t, 6) for displacements (m, t)."""
     condensed = np.zeros_like(moved) if condensed is None else condensed
     forces = np.zeros_like(moved)
     for block, shares in zip(layer.blocks, layer.shares, strict=True):

@@ -32,22 +32,24 @@ def superelement(
     recovery: Recovery | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """A linear body from nodes and matrices, whole or condensed.
+    """A linear body from nodes and matrices, full or condensed.
 
-    Rows beyond those of the nodes are modal coordinates of a model that was condensed elsewhere
-    (Craig-Bampton): rigid motions do not move them, K R = 0 of the others. Matrices do not say which way a
-    modal coordinate moves, so its motion does not turn with the body's frame, nor change its inertia: spins
-    are to stay well below its frequency. Points of a recovery all over the body tell it (`Recovery`).
+    Rows after those of the nodes are modal coordinates of a condensed model (Craig-Bampton): rigid motions do
+    not change them, and K R = 0 for the others. Matrices do not contain the direction in which a modal
+    coordinate moves the mass, so its motion does not rotate with the body's frame, nor change its inertia:
+    angular velocities must be well below its frequency. Recovered points throughout the body supply the
+    direction (`Recovery`).
 
     Parameters
     ----------
-    nodes           : (N, 3) m, where the freedoms sit
+    nodes           : (N, 3) m, positions of the freedoms
     stiffness, mass : sparse or dense (n, n), n >= N * dofs_per_node, node by node: ux uy uz [rx ry rz]
     dofs_per_node   : 3 or 6
     damping         : (n, n) N s/m, likewise; None without
     interfaces      : as for `flexible_body`, with node numbers
-    recovery        : points inside, which become nodes of the body after the others
-    rigid_tolerance : largest |K R| against the forces that cancel in it; about the last digit of the matrices
+    recovery        : interior points, which become nodes of the body after the others
+    rigid_tolerance : largest |K R| relative to the forces that cancel in it; about the last digit of the
+        matrices
     Raises
     ------
     ModelError   as for `flexible_body`
@@ -94,9 +96,9 @@ def read_superelement(
     points: str | Path | None = None,
     rigid_tolerance: float = RIGID_TOLERANCE,
 ) -> FlexibleBody:
-    """A linear body from Matrix Market files; `nodes` holds a dense (N, 3) array.
+    """A linear body from Matrix Market files; `nodes` is a file with a dense (N, 3) array.
 
-    recovery, points : (3 P, n) and (P, 3), of points inside a model that was condensed elsewhere
+    recovery, points : (3 P, n) and (P, 3), of interior points of a condensed model
 
     Raises
     ------

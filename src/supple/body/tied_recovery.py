@@ -1,7 +1,7 @@
-"""Stress beside rigid interfaces: recovery from the strains that their second-order ties leave the elements.
+"""Stress at rigid interfaces: recovery from the strains that include their second-order ties.
 
-Nodes tied linearly move apart by theta^2 / 2 where their interface turns by theta against the frame. The
-elements that touch them do not feel it (`second_order_tie`), so what is recovered there must not either.
+Nodes tied linearly move apart by theta^2 / 2 when their interface rotates by theta relative to the frame. The
+strains of adjacent elements do not include this (`second_order_tie`), so the recovered ones must not either.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 class Tied(Protocol):
-    """What the recovery needs of an interface, full or reduced."""
+    """Interface data for the recovery, full or reduced."""
 
     @property
     def position(self) -> np.ndarray:
@@ -34,13 +34,13 @@ class Tied(Protocol):
 
     @property
     def tied_nodes(self) -> np.ndarray:
-        """Numbers of the nodes that move rigidly with it to second order."""
+        """Numbers of the nodes tied rigidly to it, to second order."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class InnerPiece:
-    """A rigid piece within a body, which is no interface: its motion is that of its nodes.
+    """A rigid piece within a body that is not an interface: its motion is that of its nodes.
 
     position : (3,);  tied_nodes : (k,);  motion : csr (6, n_nodal) of the nodal freedoms
     """
@@ -54,7 +54,7 @@ class InnerPiece:
 def inner_pieces(
     pieces: Sequence[RigidPiece], nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
 ) -> tuple[InnerPiece, ...]:
-    """The rigid pieces of a body that none of its interfaces has taken; those that share nodes are one."""
+    """The rigid pieces of a body that are in no interface; pieces that share nodes are merged."""
     if not pieces:
         return ()
     taken = np.concatenate([np.empty(0, dtype=np.int64), *(each.tied_nodes for each in interfaces)])
@@ -75,9 +75,9 @@ def inner_pieces(
 def tied_recovery(
     recovery: StressRecovery, nodes: Array, dofs_per_node: int, interfaces: Sequence[Tied]
 ) -> StressRecovery:
-    """The recovery for freedoms of the nodes and, behind them, of the virtual nodes that tie some of them.
+    """The recovery for freedoms of the nodes, followed by those of the virtual nodes that tie them.
 
-    Elements that touch no tied node stay as they are; the others see the rotation of the virtual node too.
+    Elements without tied nodes are unchanged; the others include the rotation of the virtual node.
     """
     sets = [(each.tied_nodes, each.position) for each in interfaces if each.tied_nodes.size]
     if not sets:
@@ -93,9 +93,9 @@ def tied_recovery(
 def with_virtual_freedoms(
     nodal: Array, motions: Sequence[Array], interfaces: Sequence[Tied], dofs_per_node: int
 ) -> Array:
-    """Nodal freedoms (n_nodal, m), and below them those of the virtual nodes that tie some of the nodes.
+    """Nodal freedoms (n_nodal, m), followed by those of the virtual nodes that tie some of the nodes.
 
-    motions : (6, m) of each interface, of which nodes without rotations have the last three alone
+    motions : (6, m) of each interface; for nodes without rotations only the last three are used
     """
     own = [
         motion[6 - dofs_per_node :]

@@ -1,14 +1,14 @@
-"""The internal force of a body whose elements and ties turn exactly: each element in axes that turn with it.
+"""Internal force of a body whose elements and ties rotate exactly, each element in corotated axes.
 
-Strains are quadratic in the freedoms: a turn of an element against the body's frame leaves a strain of its
-third order; what a rigid interface does to the elements beside it is of that order, too. Here every element
-is seen from axes turned by the mean rotation R of its nodes, in which only its deformation is left,
+Strains are quadratic in the freedoms: a rotation of an element relative to the body's frame leaves a strain
+of third order, and so does the truncation at a rigid interface. Here every element is described in axes
+rotated by the mean rotation R of its nodes, which leaves only its deformation,
 
     u_a' = R^T (x_a - mean x) - (X_a - mean X),      phi_a' = log(R^T exp(phi_a)),
 
-and the nodes of a rigid interface stand where its rotation puts them. The force is that of the element at
-u', phi', turned back. With the force of the body itself it shows the error of its kinematics. Solids are
-invariant as they are: of theirs only the ties count.
+and a rigid interface positions its nodes by its exact rotation. The force is that of the element at u', phi',
+rotated back. Its difference from the body's own force is the error of the body's kinematics. Solids are
+invariant already: for them only the ties matter.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ Array = NDArray[np.float64]
 
 
 def turned_force(body: FlexibleBody, q: Array) -> Array:
-    """Internal force (n,) of elements and ties that turn exactly, at the body's coordinates (n,).
+    """Internal force (n,) of elements and ties that rotate exactly, at the body's coordinates (n,).
 
     Raises ModelError for a body without elements.
     """
     if body.model is None:
-        raise ModelError(f"body '{body.name}' has no elements that could be turned")
+        raise ModelError(f"body '{body.name}' has no elements; give a body of finite elements")
     nodal = (body.expansion @ q).reshape(len(body.nodes), body.dofs_per_node)
     pieces = _pieces(body)
     moved = [piece.motion @ q for piece in pieces]
@@ -65,7 +65,7 @@ def turned_force(body: FlexibleBody, q: Array) -> Array:
 
 
 class _Piece(NamedTuple):
-    """Nodes that move as one with a place: (u, theta) = motion @ q, turned by theta (1 + c theta.theta)."""
+    """Nodes tied to a point: (u, theta) = motion @ q, rotated by theta (1 + c theta.theta)."""
 
     nodes: NDArray[np.int64]
     position: Array
@@ -75,7 +75,7 @@ class _Piece(NamedTuple):
 
 def _pieces(body: FlexibleBody) -> list[_Piece]:
     """The rigid interfaces of a body, and the rigid pieces within it."""
-    assert body.model is not None  # turned_force has refused others
+    assert body.model is not None  # checked in turned_force
     found = [
         _Piece(
             each.tied_nodes if len(each.tied_nodes) else each.node_ids,
@@ -109,14 +109,14 @@ def _element_forces(block: QuadraticStrain, corners: Array, freedoms: Array) -> 
     left = Rotation.from_matrix((back[:, None] @ nodal).reshape(-1, 3, 3)).as_rotvec().reshape(-1, k, 3)
     local = internal_force(block, np.concatenate([seen, left], axis=2).reshape(n_elements, -1))
     local = local.reshape(n_elements, k, 6)
-    # Moments belong to changes of rotation vectors; to turn them they must belong to spins.
+    # Moments are conjugate to changes of rotation vectors; to rotate them they must be conjugate to spins.
     spin = _solved(_left_jacobian(left).swapaxes(2, 3), local[..., 3:])
     moments = (_left_jacobian(freedoms[..., 3:]).swapaxes(2, 3) @ (spin @ back)[..., None])[..., 0]
     return np.concatenate([local[..., :3] @ back, moments], axis=2)
 
 
 def _is_rigid(interface: BodyInterface) -> bool:
-    """Whether its freedoms are coordinates of the body, and its nodes go where it does."""
+    """Whether its freedoms are coordinates of the body and its nodes follow it."""
     return interface.motion.nnz == 6 and bool((interface.motion.data == 1).all())
 
 
@@ -126,14 +126,14 @@ def _moved(interface: BodyInterface) -> NDArray[np.int64]:
 
 
 def _turn(piece: _Piece, motion: Array) -> tuple[Array, Array]:
-    """Rotation vector (3,) by which a piece has turned, and its derivative by that of the freedoms."""
+    """Rotation vector (3,) of a piece, and its derivative with respect to that of the freedoms."""
     theta, c = motion[3:], piece.cubic_turn
     factor = 1 + c * theta @ theta
     return factor * theta, factor * np.eye(3) + 2 * c * np.outer(theta, theta)
 
 
 def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
-    """Put the nodes of a rigid piece where its motion does."""
+    """Move the nodes of a rigid piece with its motion."""
     phi, _ = _turn(piece, motion)
     arms = nodes[piece.nodes] - piece.position
     nodal[piece.nodes, :3] = motion[:3] + Rotation.from_rotvec(phi).apply(arms) - arms
@@ -141,7 +141,7 @@ def _place(nodal: Array, nodes: Array, piece: _Piece, motion: Array) -> None:
 
 
 def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) -> Array:
-    """Force and moment (6,), the latter by the rotational freedoms of the piece."""
+    """Force and moment (6,); the moment is conjugate to the rotational freedoms of the piece."""
     phi, by_freedom = _turn(piece, motion)
     own = forces[piece.nodes]
     arms = Rotation.from_rotvec(phi).apply(nodes[piece.nodes] - piece.position)
@@ -152,7 +152,7 @@ def _on_virtual_node(forces: Array, nodes: Array, piece: _Piece, motion: Array) 
 
 
 def _left_jacobian(phi: Array) -> Array:
-    """T (.., 3, 3) with spin = T dphi, in space, of exp(phi)."""
+    """T (.., 3, 3) with angular velocity = T dphi/dt, in space, for exp(phi)."""
     angle = np.sqrt((phi**2).sum(axis=-1))[..., None, None]
     small = angle < 1e-4
     safe = np.where(small, 1.0, angle)

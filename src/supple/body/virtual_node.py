@@ -1,4 +1,4 @@
-"""Virtual nodes: interfaces resolved to node numbers, places and motions, with everything checked."""
+"""Virtual nodes: interfaces resolved to node numbers, positions and motions, fully checked."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ARCTAN, ARCSIN = -1 / 3, 1 / 6
 
 @dataclass(frozen=True, eq=False)
 class VirtualNode:
-    """An interface with its nodes and place known; without weights it is rigid."""
+    """An interface with known nodes and position; without weights it is rigid."""
 
     name: str
     node_ids: NDArray[np.int64]
@@ -30,7 +30,7 @@ class VirtualNode:
 
     @property
     def is_rigid(self) -> bool:
-        """Whether its nodes move with it, rather than it with them."""
+        """Whether its nodes follow it (rigid) instead of it following them (averaging)."""
         return self.weights is None
 
 
@@ -42,10 +42,10 @@ def virtual_nodes(
     labels: NDArray[np.int64] | None = None,
     tied: NDArray[np.int64] | None = None,
 ) -> tuple[VirtualNode, ...]:
-    """Resolve interfaces given by node numbers; ModelError for each way in which one can be impossible.
+    """Resolve interfaces given by node numbers; ModelError for each kind of invalid interface.
 
-    labels : (N,) ids of the nodes, for messages; their numbers when omitted
-    tied : nodes of rigid pieces of the body, which turn with these
+    labels : (N,) ids of the nodes, for messages; by default their numbers
+    tied : nodes of rigid pieces of the body, which rotate with these
     """
     labels = np.arange(len(nodes)) if labels is None else labels
     held_by: dict[int, str] = {}
@@ -91,8 +91,8 @@ def interface_motions(
 ) -> tuple[BodyInterface, ...]:
     """The motion (6, n) of each virtual node.
 
-    rigid_motions : (6 k, n) of the k rigid ones, in order;  pieces : the nodes that move with each
-    turns_finitely : whether the body's strains let its parts turn against the frame
+    rigid_motions : (6 k, n) of the k rigid ones, in order;  pieces : the nodes tied to each
+    turns_finitely : whether the body's strains allow finite rotation of its parts relative to the frame
     """
     n_nodal = dofs_per_node * len(nodes)
     number = 0
@@ -112,7 +112,7 @@ def interface_motions(
             rows = np.repeat(np.arange(6), dofs.size)
             nodal = sparse.csr_array((averages.ravel(), (rows, columns)), shape=(6, n_nodal))
             motion = sparse.csr_array(nodal @ expansion)
-        # On a line or point, rotations are those of the nodes themselves.
+        # On a line or at a point, the rotations are those of the nodes themselves.
         by_displacement = turns_finitely and not are_collinear(nodes[node.node_ids])
         cubic_turn = (ARCTAN if node.is_rigid else ARCSIN) if by_displacement else 0.0
         result.append(BodyInterface(node.name, node.position, motion, node.node_ids, cubic_turn, tied))
@@ -122,7 +122,7 @@ def interface_motions(
 def _check_turns(
     node: VirtualNode, nodes: NDArray[np.float64], dofs_per_node: int, expansion: sparse.csc_array
 ) -> None:
-    """About a line that all nodes lie on, the mean rotation is that of the nodes: they must have one."""
+    """Check for nodal rotations about a line of collinear nodes, whose mean is the rotation about it."""
     if dofs_per_node == 3 or not are_collinear(nodes[node.node_ids]):
         return
     rotations = (node.node_ids[:, None] * 6 + np.arange(3, 6)).ravel()
@@ -140,7 +140,7 @@ def _node_ids(
     n_nodes = len(labels)
     given = np.atleast_1d(np.asarray(interface.nodes))
     if given.size == 0:
-        raise ModelError(f"{where}: it has no nodes")
+        raise ModelError(f"{where}: it has no nodes; give at least one")
     if given.ndim != 1 or not np.issubdtype(given.dtype, np.integer):
         raise ModelError(
             f"{where}: nodes must be a list of node numbers, not {given.dtype} of shape {given.shape}"

@@ -1,4 +1,4 @@
-"""The case file: one file per section, its tables and their build; the case they describe, and its run."""
+"""The case file: its sections with their tables and rules, the case that they describe, and its run."""
 
 from supple.cases.case import *
 from supple.cases.examples import *

@@ -1,4 +1,4 @@
-"""The bodies of a case: what they are made of, how they are reduced, and where they start."""
+"""The bodies of a case: kind, reduction, and initial position and velocity."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ Frame = Annotated[Made, OneOf(MeanAxis, NodalFixed)]
 
 
 class Body(CheckedTable):
-    """A rigid or elastic body and where it starts."""
+    """A rigid or elastic body and its initial state."""
 
     name: str = Field(min_length=1, description="used as NAME.INTERFACE by joints, loads and output")
     mesh: FileName | None = Field(
@@ -134,14 +134,14 @@ class Body(CheckedTable):
 
     @property
     def kind(self) -> str:
-        """The key of what the body is made of."""
+        """The key of the kind of the body."""
         return next(key for key in KINDS if getattr(self, key) is not None)
 
     @property
     def elastic(self) -> ElasticKind | None:
-        """What an elastic body is made of that the case builds; None of any other.
+        """The kind of an elastic body that the case builds; None otherwise.
 
-        None also of what is a line already: it makes no body but one in intrinsic modes.
+        None also for a line from a file: it can only be a body in intrinsic modes.
         """
         if self.is_line:
             return None
@@ -152,17 +152,17 @@ class Body(CheckedTable):
 
     @property
     def is_line(self) -> bool:
-        """True of a section table, and of matrices that another program condensed on a load path."""
+        """True for a section table, and for matrices condensed on a load path by another program."""
         return self.condense is not None and (self.section_table is not None or self.matrices is not None)
 
     @property
     def is_explicit(self) -> bool:
-        """True of a body that marches explicitly, in modes or in finite elements."""
+        """True for a body in explicit integration, modal or of finite elements."""
         return self.modal is not None or self.explicit is not None
 
     @property
     def corrects_itself(self) -> bool:
-        """True of an elastic body whose reduction has no fixed size."""
+        """True for an elastic body whose reduction has no fixed size."""
         if self.reduction is None:
             return self.elastic is not None and self.condense is None and not self.is_explicit
         return self.reduction.corrects_itself
@@ -172,7 +172,7 @@ class Body(CheckedTable):
 
         Raises
         ------
-        ModelError   whatever is wrong with the model: all findings of its check, if that refuses it
+        ModelError   errors of the model: all findings of its check, if they refuse it
         """
         try:
             connections = source.connections()
@@ -195,19 +195,19 @@ class Body(CheckedTable):
         notify: Notify,
         elements: FiniteElementModel | None = None,
     ) -> Placed:
-        """The body where it starts; in full if its basis is "none", or if its reduction is to correct itself.
+        """The body in its initial state; full if its basis is "none", or if its reduction corrects itself.
 
-        flexible : from `flexible`; None of a body that is not elastic, or is a file
-        folder : where that file lies
+        flexible : from `flexible`; None for a body that is not elastic, or is read from a file
+        folder : folder of that file
         notify : called at each long step
-        elements : of a body that is to march in them
+        elements : for a body of explicit elements
         """
         if self.is_explicit:
             return self.placed(self._part(flexible, elements, notify))
         return self.placed(self._form(flexible, folder, notify))
 
     def placed(self, form: BodyForm) -> Placed:
-        """The body, made already, where it starts."""
+        """A given form of the body in its initial state."""
         given = {key: getattr(self, key) for key in _START}
         start: dict[str, Any] = {key: np.array(value) for key, value in given.items() if value is not None}
         placed = Placed(form, **start)
@@ -216,7 +216,7 @@ class Body(CheckedTable):
     def _part(
         self, flexible: FlexibleBody | None, elements: FiniteElementModel | None, notify: Notify
     ) -> ModalSubdomain | ExplicitSubdomain | ExplicitShell:
-        """The body as it marches explicitly."""
+        """The body in explicit integration."""
         damping = self.damping.build() if isinstance(self.damping, LinearRayleigh) else None
         if self.modal is not None:
             assert flexible is not None
@@ -237,7 +237,7 @@ class Body(CheckedTable):
             return made_of.body(self.name, places)
         if self.condense is not None:
             damped = self.damping
-            # A rule of the case file: kinds that ask for neither a body nor its frame.
+            # By a rule of the case file, these kinds need neither a body nor its frame.
             own = damped.build() if isinstance(damped, Rayleigh | Modal) else None
             if self.is_line:
                 notify(f"reading body '{self.name}', condensed already")
@@ -266,13 +266,13 @@ class Body(CheckedTable):
             flexible,
             frame,
             self.reduction.recipe(lambda detail: notify(step, detail)),
-            loads=NoLoads,  # the recipe has them, if they are selected
+            loads=NoLoads,  # the recipe contains them, if selected
             derivatives=derivative_choice(self.reduction.derivatives),
             damping=damped,
             quartic=quartic_choice(self.reduction.condensed, CondensedQuartic()),
         )
         proven = body.report.certificate
-        if proven is not None:  # the numbers tried last are not those that were kept
+        if proven is not None:  # the last trial is not the one kept
             notify(step, search_words(proven.n_fixed_interface_modes, proven.largest_error))
         return body
 
@@ -283,7 +283,7 @@ _ELASTIC_ONLY = ("frame", "reduction", "damping", "split", "linear", "condense")
 
 
 def checked_line(body: FlexibleBody) -> str:
-    """What the checks of a body found, in a line: they refuse all but free, symmetric, positive models."""
+    """The result of the checks of a body in one line: only free, symmetric, positive models pass."""
     found = rigid_mass_properties(body.nodal_mass, body.nodes, body.dofs_per_node)
     return f"checked body '{body.name}': free, no mechanism, symmetric, mass {found.mass:.5g}"
 
@@ -308,7 +308,7 @@ def _is_of_one_kind(path: KeyPath, body: Raw) -> Mistakes:
     if kind.is_elastic and "frame" not in body and not is_condensed(body) and not is_explicit(body):
         yield path, f'a {key} body needs frame; for example frame = {{kind = "mean-axis"}}'
     if "cells" in body and kind not in _MADE_OF_CELLS:
-        yield (*path, "cells"), f"a {key} body is all of its file; remove the key, or give shell or solid"
+        yield (*path, "cells"), f"a {key} body has all of its file; remove the key, or give shell or solid"
     if not kind.is_elastic:
         for needless in (each for each in _ELASTIC_ONLY if each in body):
             yield (*path, needless), f"a {key} body takes no {needless}; remove the key"
@@ -321,9 +321,7 @@ def _has_one_velocity(path: KeyPath, body: Raw) -> Mistakes:
         message = "give the velocity of the mesh origin or that of the centre of mass, not both"
         yield (*path, "centre_velocity"), message
     if "split" in body:
-        message = (
-            "each part of a split body has a centre of its own; give velocity, of the mesh origin of all"
-        )
+        message = "each part of a split body has its own centre; give velocity, of the common mesh origin"
         yield (*path, "centre_velocity"), message
 
 

@@ -1,4 +1,4 @@
-"""What the bodies of a case are made of, one table a kind: elements, matrices, nothing that bends, a file."""
+"""The kinds of bodies in a case, one table each: elements, matrices, rigid, a file."""
 
 from __future__ import annotations
 
@@ -53,28 +53,28 @@ _KINEMATICS = {"green-lagrange": GREEN_LAGRANGE, "von-karman": VON_KARMAN}
 
 
 class BodyKind(CheckedTable):
-    """What a body is made of. The class states what a body of this kind has, and what its table must hold."""
+    """A kind of body. Class attributes state its properties and the requirements on its table."""
 
     mesh_suffixes: ClassVar[tuple[str, ...]] = ()
-    """Of its mesh file; none if it takes no mesh."""
+    """Suffixes of its mesh file; none without a mesh."""
     is_elastic: ClassVar[bool] = False
-    """True of what the case builds, and may reduce: it has a frame, a reduction and a damping."""
+    """True for kinds that the case builds, and may reduce: with a frame, a reduction and a damping."""
     has_elements: ClassVar[bool] = False
-    """True of what has node sets to load, stress and nonlinear strains."""
+    """True for kinds with node sets, stress and nonlinear strains."""
     has_connections: ClassVar[bool] = False
-    """True of what may bring RBE2 and RBE3 elements as interfaces."""
+    """True for kinds whose RBE2 and RBE3 elements can be interfaces."""
 
 
 class ElasticKind(BodyKind, ABC):
-    """What an elastic body is made of."""
+    """A kind of elastic body."""
 
     is_elastic = True
 
     @abstractmethod
     def source(self, folder: Path, mesh: str, cells: str | None = None, /) -> BodySource:
-        """What the files hold, which lie in `folder`; a superelement has no mesh file.
+        """The source of the body from files in `folder`; a superelement has no mesh file.
 
-        cells : cell set of the mesh that is the body, of `Homogeneous` ones; None: all
+        cells : cell set of the mesh that is the body, for `Homogeneous` kinds; None: all
         """
 
 
@@ -132,7 +132,7 @@ class Solid(Homogeneous):
 
 
 class DeckKind(ElasticKind):
-    """What another program's file describes: elements, materials, sections, masses, springs and ties."""
+    """A file of another program: elements, materials, sections, masses, springs and ties."""
 
     has_elements = True
     has_connections = True
@@ -166,7 +166,7 @@ class Abaqus(DeckKind):
 
 
 class Matrices(ElasticKind):
-    """A linear body from matrices of another program, whole or condensed, with the nodes of its mesh file."""
+    """A linear body from matrices of another program, full or condensed, with the nodes of its mesh file."""
 
     mesh_suffixes = NODE_SUFFIXES
     has_connections = True
@@ -207,7 +207,7 @@ class Matrices(ElasticKind):
 
 
 class Superelement(ElasticKind):
-    """A linear body from matrices made elsewhere; rows beyond those of the nodes are modal coordinates."""
+    """A linear body from matrices of another program; rows after those of the nodes are modal coordinates."""
 
     stiffness: FileName = Field(
         description="Matrix Market file of the stiffness matrix, beside the case file"
@@ -257,11 +257,11 @@ class Rigid(BodyKind):
 
 
 class ReducedFile(BodyKind):
-    """The file of a reduced body: its key holds a name instead of a table."""
+    """The file of a reduced body: its key has a name instead of a table."""
 
 
 class SectionTableFile(ElasticKind):
-    """The file of a section table: beams, or with condense a line. Its key holds a name, no table."""
+    """The file of a section table: beams, or with condense a line. Its key has a name, not a table."""
 
     has_elements = True
 
@@ -285,7 +285,7 @@ KINDS: Mapping[str, type[BodyKind]] = MappingProxyType(
         "section_table": SectionTableFile,
     }
 )
-"""The kinds by their key in the table of a body, which has just one of them."""
+"""The kinds by key; the table of a body has exactly one of these keys."""
 
 
 def kind_of(body: Raw) -> type[BodyKind] | None:
@@ -294,27 +294,27 @@ def kind_of(body: Raw) -> type[BodyKind] | None:
 
 
 def is_elastic(body: Raw) -> bool:
-    """True of a body that the case builds, and may reduce; also where no key states what it is made of."""
+    """True for a body that the case builds, and may reduce; also if no key states its kind."""
     kind = kind_of(body)
     return (kind is None or kind.is_elastic) and not is_explicit(body)
 
 
 def is_explicit(body: Raw) -> bool:
-    """True of a body that marches explicitly, in modes or in finite elements."""
+    """True for a body in explicit integration, modal or of finite elements."""
     return "modal" in body or "explicit" in body
 
 
 def kinds_that(fact: str) -> list[str]:
-    """Keys of the kinds of which a fact is true, such as `has_elements`."""
+    """Keys of the kinds with a property, such as `has_elements`."""
     return [key for key, kind in KINDS.items() if getattr(kind, fact)]
 
 
 def at_elements(
     raw: Raw, given: Iterable[tuple[KeyPath, Raw]], kinds: Mapping[str, tuple[str, str]]
 ) -> Mistakes:
-    """The rule that tables of some kinds are at node sets of bodies with elements.
+    """The rule that tables of some kinds refer to node sets of bodies with elements.
 
-    kinds : by kind, what it would be of a body without elements, and what it is
+    kinds : by kind, two phrases for its messages
     """
     bodies = {str(body.get("name")): body for _, body in tables(raw, "body")}
     for path, each in given:
@@ -329,6 +329,6 @@ def at_elements(
         elif where in names(bodies[name], "interface"):
             yield (
                 (*path, "at"),
-                f"{where!r} is an interface, and {is_of} elements: this is no node set of a body with "
-                "elements; name one",
+                f"{where!r} is an interface, and {is_of} elements: it is not a node set of a body with "
+                "elements; give one",
             )

@@ -1,4 +1,4 @@
-"""A case: a checked case file, and the system, the run and the meshes that it describes."""
+"""A case: a checked case file, with its system, run and meshes."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ __all__ = ["Case"]
 class Case:
     """A checked case file. Its parts are read and built once, on first use.
 
-    path : Path             of the file; the files it names are relative to it
-    text : str              what stands in it
+    path : Path             of the file; its file names are relative to it
+    text : str              text of the file
     tables : CaseTables     the same, checked
-    lines : LineIndex       the way back from a table to its line
+    lines : LineIndex       line of each table
     notify                  called at each long step of the build, with its progress
-    made : Mapping          bodies that need not be built, by name: those of a sweep, reduced once
+    made : Mapping          bodies that exist already, by name: those of a sweep, reduced once
     """
 
     path: Path
@@ -58,7 +58,7 @@ class Case:
     made: Mapping[str, BodyForm] = field(default_factory=dict, repr=False)
 
     def varied(self, tables: CaseTables, made: Mapping[str, BodyForm]) -> Case:
-        """The case with other numbers, its bodies made already: meshes are not read again."""
+        """The case with other numbers and existing bodies: meshes are not read again."""
         other = replace(self, tables=tables, made=made)
         vars(other).update({name: vars(self)[name] for name in _OF_MESHES if name in vars(self)})
         return other
@@ -70,28 +70,28 @@ class Case:
 
     @property
     def units(self) -> UnitSystem:
-        """The units of its numbers, as far as stated."""
+        """The units of its numbers, as far as given."""
         return UnitSystem.stated(self.tables.units)
 
     @property
     def folder(self) -> Path:
-        """Where the file lies, and those it names."""
+        """Folder of the case file and of the files in it."""
         return self.path.parent
 
     @property
     def made_here(self) -> frozenset[str]:
-        """Names of the bodies that the case makes, not read as reduced."""
+        """Names of the bodies that the case builds, not those read as reduced."""
         return frozenset(body.name for body in self.parts.body if body.reduced is None)
 
     @property
     def files(self) -> tuple[str, ...]:
-        """Names of the files that it reads, as its tables have them."""
+        """Names of the files that it reads, as in its tables."""
         given = self.tables.model_dump(mode="json")
         return tuple(name for _, name in files_named(given) if isinstance(name, str))
 
     @property
     def inputs(self) -> Inputs:
-        """All that the motion depends on, by name: keys of the case, digests of its files as they are now.
+        """All inputs of the motion by name: keys of the case, digests of its files in their present state.
 
         Raises
         ------
@@ -108,21 +108,21 @@ class Case:
         return Place(name, tuple(self.meshes[name].nodes_of(place).tolist()))
 
     def error(self, mistakes: Iterable[tuple[KeyPath, str]]) -> CaseError:
-        """One error that lists mistakes found after reading, such as a node set missing in a mesh."""
+        """An error with all mistakes found after reading, such as a node set missing in a mesh."""
         return CaseError(listed_mistakes(self.path, self.lines, mistakes))
 
     @cached_property
     def run(self) -> Run:
-        """The span of time, and how it is stepped through."""
+        """The time span, and the steps."""
         return self.tables.simulation.build()
 
     @cached_property
     def _whole(self) -> Mapping[str, BodySource]:
-        """What each elastic body is made of, also those that are split.
+        """The source of each elastic body, with split bodies as a whole.
 
         Raises
         ------
-        CaseError   interfaces, loads or output that name a node set no mesh has: all, with their lines
+        CaseError   node sets of interfaces, loads or output that no mesh has: all, with their lines
         """
         self.notify("reading meshes")
         sources = {
@@ -141,7 +141,7 @@ class Case:
 
     @cached_property
     def _split(self) -> Mapping[str, SplitSource]:
-        """The parts of the bodies that are split, by the names of these."""
+        """The parts of the bodies that are split, by the names of the bodies."""
         return {
             body.name: split_source(body.name, self._whole[body.name], body.split)
             for body in self.tables.body
@@ -150,12 +150,12 @@ class Case:
 
     @cached_property
     def parts(self) -> CaseTables:
-        """The case with the parts of split bodies instead of these.
+        """The case with the parts of split bodies in place of these.
 
         Raises
         ------
         CaseError    as for `sources`
-        SuppleError  a body that cannot be split this way
+        SuppleError  a body that cannot be split in this way
         """
         bodies = []
         for body in self.tables.body:
@@ -165,7 +165,7 @@ class Case:
 
     @cached_property
     def _unsplit(self) -> Mapping[str, FlexibleBody]:
-        """The bodies that are split, as one each."""
+        """The split bodies, as a whole."""
         return {
             body.name: body.flexible(self._whole[body.name])
             for body in self.tables.body
@@ -174,11 +174,11 @@ class Case:
 
     @cached_property
     def sources(self) -> Mapping[str, BodySource]:
-        """What each elastic body is made of, by body name; of a split one its parts.
+        """The source of each elastic body, by body name; for a split body those of its parts.
 
         Raises
         ------
-        CaseError   interfaces, loads or output that name a node set no mesh has: all, with their lines
+        CaseError   node sets of interfaces, loads or output that no mesh has: all, with their lines
         """
         parts = {name: source for split in self._split.values() for name, source in split.parts.items()}
         return {name: made for name, made in self._whole.items() if name not in self._split} | parts
@@ -190,17 +190,17 @@ class Case:
 
     @cached_property
     def elements(self) -> Mapping[str, FiniteElementModel]:
-        """The elements of each body that has any, by body name; of a linear one too."""
+        """The elements of each body with elements, by body name; also of linear bodies."""
         return {name: source.model() for name, source in self.sources.items() if source.model is not None}
 
     @cached_property
     def flexible(self) -> Mapping[str, FlexibleBody]:
-        """The elastic bodies that are made here, not yet reduced, by body name.
+        """The elastic bodies built by the case, before reduction, by body name.
 
         Raises
         ------
         CaseError    as for `sources`
-        SuppleError  whatever is wrong with a model: all findings of its check, if that refuses it
+        SuppleError  errors of a model: all findings of its check, if they refuse it
         """
         flexible = {}
         for table in self.parts.body:
@@ -215,7 +215,7 @@ class Case:
 
     @cached_property
     def bases(self) -> Mapping[str, At]:
-        """By name of a part of a split body: the first interface of the whole, from which it is seen."""
+        """By name of a part of a split body: the first interface of the whole, for its deflections."""
         found = {}
         for body in self.tables.body:
             base = base_of(body, self._split[body.name]) if body.split is not None else None
@@ -227,12 +227,12 @@ class Case:
     def system(self) -> System:
         """The bodies, reduced if their reduction has a fixed size, with joints, loads, springs and elements.
 
-        Without controllers, which `controlled` adds: they run code.
+        Without controllers, which `controlled` adds, as they run code.
 
         Raises
         ------
-        CaseError    as for `sources`; stress to draw of elements that have none
-        SuppleError  whatever the meshes, bodies, reductions and joints find wrong
+        CaseError    as for `sources`; stress to draw for elements without stress
+        SuppleError  errors of meshes, bodies, reductions and joints
         """
         tables = self.parts
         if tables.output.colour == "von-mises":
@@ -262,7 +262,7 @@ class Case:
         )
 
     def check_control(self, *, allow_code: bool) -> None:
-        """CaseError where the controllers of the case may not run, or cannot: before anything is computed."""
+        """CaseError, before any computation, if the case has controllers that may not run, or cannot."""
         control = self.tables.control
         check_code_allowed(control, allow_code=allow_code)
         if control is not None and self.starts:
@@ -273,7 +273,7 @@ class Case:
             )
 
     def controlled(self, system: System, *, allow_code: bool) -> System:
-        """The system with the controllers that the case names.
+        """The system with the controllers of the case.
 
         Raises CaseError for code that is not allowed to run, or that fails.
         """
@@ -283,7 +283,7 @@ class Case:
 
     @cached_property
     def starts(self) -> Mapping[str, ReductionStart]:
-        """Of the bodies that stand in the system in full, to be reduced as far as their accuracy allows."""
+        """For the bodies that are full in the system, to be reduced to the accuracy of the case."""
         return {
             table.name: reduction_start(table.reduction, self.flexible[table.name], self._of_interest(table))
             for table in self.parts.body
@@ -299,11 +299,11 @@ class Case:
 
     @cached_property
     def sensors(self) -> tuple[Quantity, ...]:
-        """What is read off its motion.
+        """The quantities read from its motion.
 
         Raises
         ------
-        CaseError   as for `sources`; what sensors find wrong with the machine, each with its line
+        CaseError   as for `sources`; errors of sensors, each with its line
         """
         named = zip(
             (*self.parts.spring, *self.parts.element), self.system.loads[len(self.parts.load) :], strict=True
@@ -328,10 +328,10 @@ class Case:
 
     @cached_property
     def study(self) -> ErrorStudy:
-        """Which parts of the error are estimated, and in which quantities.
+        """The parts of the error to estimate, and the quantities of interest.
 
-        Bases of a fixed size on request; the integration of machines with bodies in full too,
-        for each of the two runs costs as much as the first.
+        Bases of a fixed size on request; for machines with full bodies also the integration, as each of the
+        two runs costs as much as the first.
         """
         given = self.parts.error
         in_full = any(name not in self.starts for name in self.system.bodies_of(FullBody))
@@ -344,12 +344,12 @@ class Case:
 
     @cached_property
     def fulls(self) -> Mapping[str, FullBody]:
-        """The bodies that are made here in a floating frame, with all their coordinates, by name."""
+        """The bodies built here in a floating frame, with all their coordinates, by name."""
         return known_fulls(self.system) | self.system.bodies_of(FullBody)
 
     @cached_property
     def held_modes(self) -> Mapping[str, BodyModes]:
-        """Of bodies reduced here, with all coordinates: held at the first interface, or in the frame."""
+        """Modes of bodies reduced here in full, clamped at the first interface, or in the frame."""
         found = {}
         for name, full in self.fulls.items():
             held = full.interfaces[0].motion if full.interfaces else full.frame.constraint(full.body)
@@ -358,7 +358,7 @@ class Case:
 
     @cached_property
     def drawn(self) -> Mapping[str, Mesh | FiniteElementModel | None]:
-        """What bodies are drawn by: their meshes, their elements where these have beams, or None: points."""
+        """What bodies are drawn from: meshes, elements if they have beams, or None for points."""
         found: dict[str, Mesh | FiniteElementModel | None] = {
             table.name: None for table in self.parts.body if table.name not in self.meshes
         }
@@ -370,9 +370,9 @@ class Case:
         return found
 
     def _check_stress(self) -> None:
-        """CaseError where what is drawn has no stress: better now than when the run is over.
+        """CaseError if drawn bodies have no stress, before the run.
 
-        Bodies of beams that do not say where their stress acts are drawn plain beside others.
+        Bodies of beams without recovery points are drawn plain beside others.
         """
         mistakes, beams = [], []
         shown = [name for name, look in self.drawn.items() if look is not None]
@@ -388,7 +388,7 @@ class Case:
             raise self.error((("output", "colour"), mistake) for mistake in mistakes)
 
     def _node_sets_named(self) -> Iterator[tuple[KeyPath, str, str]]:
-        """Where a node set is named: key path, body, set. Loads and output may name interfaces instead."""
+        """All names of node sets: key path, body, set. Loads and output may name interfaces instead."""
         tables = self.tables
         for i, body in enumerate(tables.body):
             for j, interface in enumerate(body.interface):
@@ -402,7 +402,7 @@ class Case:
 
 
 _OF_MESHES = ("_whole", "_split", "_unsplit", "sources", "meshes", "elements")
-"""What is read or built of the meshes, once, and does not depend on other numbers."""
+"""Parts read or built once from the meshes, independent of other numbers."""
 
 
 def _missing(name: str, mesh: Mesh | None) -> str:

@@ -1,4 +1,4 @@
-"""A case file and its variants: the same tables with other numbers, checked as a case file is."""
+"""A case file and its variants: the same tables with other numbers, with the same checks."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["CaseFamily", "case_family"]
 
 @dataclass(frozen=True, eq=False)
 class CaseFamily:
-    """A case file whose numbers are varied.
+    """A case file with varied numbers.
 
     path, text : of the file
     raw : its tables, with those of a machine file and the interfaces of reduced bodies
@@ -36,7 +36,7 @@ class CaseFamily:
 
     @cached_property
     def case(self) -> Case:
-        """The case as its file has it."""
+        """The case of the file itself."""
         return read_case(self.path)
 
     def variant(
@@ -48,13 +48,13 @@ class CaseFamily:
     ) -> Case:
         """The case with other values.
 
-        values : by place in its tables
-        like : a variant with the same bodies, whose meshes are not read again
-        made : bodies that need not be built, by name
+        values : by path in its tables
+        like : a variant with the same bodies, whose meshes are reused
+        made : existing bodies, by name
 
         Raises
         ------
-        CaseError   values that the case file could not have either
+        CaseError   values that a case file cannot have
         """
         raw = self.raw_variant(values)
         beyond = [each for place, value in values.items() for each in values_beyond_any_use(value, place)]
@@ -73,12 +73,12 @@ class CaseFamily:
         return raw
 
     def files(self, values: Mapping[KeyPath, Any]) -> tuple[str, ...]:
-        """Names of the files that a variant reads."""
+        """Names of the files of a variant."""
         return tuple(name for _, name in files_named(self.raw_variant(values)) if isinstance(name, str))
 
 
 def case_family(path: Path) -> CaseFamily:
-    """Of a case file; CaseError for one with mistakes."""
+    """The family of a case file; CaseError for one with mistakes."""
     family = CaseFamily(path, *raw_tables(path))
     _ = family.case
     raw, _ = with_machine(family.raw, path.parent)

@@ -1,4 +1,4 @@
-"""What the motion of a case depends on: its checked tables, and the files they name with all they include."""
+"""Inputs of the motion of a case: its checked tables, and its files with all that they include."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from supple.importers.toml import CheckedTable
 from supple.storage.run_inputs import Inputs, digest_of
 
 FILE = "the file "
-"""Before the name of a file among inputs."""
+"""Prefix of a file name among inputs."""
 _SAID_NOT_COMPUTED = {"title", "units", "output"}
 
 
 def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> Inputs:
-    """Values of all keys that the motion depends on, defaults too, and digests of all files, by name.
+    """Values of all keys that the motion depends on, with defaults, and digests of all files, by name.
 
     Raises
     ------
@@ -28,7 +28,7 @@ def inputs_of_case(tables: CheckedTable, files: Iterable[str], folder: Path) -> 
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
-    """Every number and word below a key, by its path; tables in a list by their names where they have any."""
+    """Every number and text below a key, by its path; tables in a list by their names, if they have any."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from _leaves(f"{name}.{key}" if name else key, item)
@@ -54,5 +54,5 @@ def digests_of_files(files: Iterable[str], folder: Path) -> dict[str, str]:
 
 
 def _shown(path: Path, folder: Path) -> str:
-    """From the case file: the same words wherever the command is given."""
+    """Path relative to the case file: the same text for any working directory."""
     return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.as_posix()

@@ -111,16 +111,16 @@ RULES: tuple[Rule, ...] = (
     *parameters.RULES,
     units_are_one_set,
 )
-"""What one key demands of another; each section states its own."""
+"""Rules between keys; each section defines its own."""
 
 
 def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
-    """Every broken rule of a case: the path of the key to look at, and what is wrong with the remedy.
+    """Every violated rule of a case: the path of its key, and the message with the remedy.
 
     Parameters
     ----------
     raw : mapping    the case as the TOML reader returns it
-    folder : Path    where the case file lies: its file names are relative to it
+    folder : Path    folder of the case file, to which its file names are relative
     """
     broken = [mistake for rule in RULES for mistake in rule(raw)]
     broken += [mistake for place in places_named(raw) for mistake in place_exists(raw, *place)]
@@ -130,17 +130,17 @@ def broken_rules(raw: Raw, folder: Path) -> list[tuple[KeyPath, str]]:
 def _files_exist(raw: Raw, folder: Path) -> Mistakes:
     for path, name in files_named(raw):
         if path[-1] == "reduced":
-            continue  # looked into already, for the interfaces it brings
+            continue  # read already, for its interfaces
         if isinstance(name, str) and not is_file(folder / name):
             yield path, f"there is no file {folder / name}; file names are relative to the case file"
 
 
 def places_named(raw: Raw) -> Iterator[tuple[KeyPath, Any, str]]:
-    """Every key of a case that names a place, what stands there, and what may."""
+    """Every key of a case with a place: path, value, and kind of place."""
     return (each for each in named_in(CaseTables, raw) if each[-1] != "file")
 
 
 def files_named(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
-    """Every key of a case that names a file, and what stands there."""
+    """Every key of a case with a file name, and its value."""
     yield from ((path, name) for path, name, what in named_in(CaseTables, raw) if what == "file")
     yield ("control",), control_file(raw.get("control"))

@@ -1,4 +1,4 @@
-"""A slender elastic body in its intrinsic modes: any rotation, instead of a reduction in a floating frame."""
+"""A slender elastic body in intrinsic modes: for any rotation, instead of a floating-frame reduction."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Condense(CheckedTable):
     def on_line(
         self, line: CondensedLine, stations: Mapping[str, int], damping: Damping | None
     ) -> IntrinsicBody:
-        """The body in its intrinsic modes, on the stations that another program condensed it on."""
+        """The body in its intrinsic modes, on the stations of a condensation by another program."""
         support = self._support()
         return self._held(intrinsic_body(line, support, self.modes, stations=stations, damping=damping))
 
@@ -126,7 +126,7 @@ class Condense(CheckedTable):
 def with_modes_enough(
     system: System, run: Run, tables: Mapping[str, Condense], notify: Callable[[str, float], None]
 ) -> System:
-    """The machine whose condensed bodies have as many modes as their accuracy takes, by runs of it.
+    """The machine with the number of modes that the accuracy of its condensed bodies needs, from trial runs.
 
     tables : by body name
     Raises ModelError as `enough_modes`.
@@ -137,7 +137,7 @@ def with_modes_enough(
 
     def simulated(machine: System) -> Solution:
         numbers = ", ".join(str(p.body.n_coordinates) for p in machine.bodies if p.body.name in asked)
-        words = f"looking for enough modes: {numbers}"
+        words = f"finding the number of modes: {numbers}"
         notify(words, 0.0)
         return simulate(machine, replace(run, validity=Validity()), progress=lambda done: notify(words, done))
 
@@ -145,7 +145,7 @@ def with_modes_enough(
 
 
 def is_condensed(body: Raw) -> bool:
-    """True of a body in its intrinsic modes, which has no floating frame."""
+    """True for a body in intrinsic modes, which has no floating frame."""
     return "condense" in body
 
 
@@ -201,24 +201,24 @@ def _joints_suit_the_supports(raw: Raw) -> Mistakes:
             f'set released = true in its condense; support = "{given.get("support", "clamped")}" may stay'
         )
         if len(joints) > 1:
-            yield (*path, "condense"), f"{len(joints)} joints hold {name!r}: {remedy}"
+            yield (*path, "condense"), f"{len(joints)} joints support {name!r}: {remedy}"
             continue
         if not joints:
             yield (
                 (*path, "condense"),
-                f'no joint holds {name!r}: set support = "free", or join {root!r} to ground',
+                f'no joint supports {name!r}: set support = "free", or join {root!r} to ground',
             )
         for at, joint in joints:
             own = _ends(joint)
             if set(own) != {"ground", root}:
                 other = next((end for end in own if end not in ("ground", root)), root)
-                yield at, f"it holds {name!r} by more than its root and the ground ({other!r}): {remedy}"
+                yield at, f"it connects {name!r} by more than its root and the ground ({other!r}): {remedy}"
             elif joint.get("kind") not in _HELD_BY[given.get("support", "clamped")]:
                 fitting = [key for key, kinds in _HELD_BY.items() if joint.get("kind") in kinds]
                 better = f'set support = "{fitting[0]}", or ' if fitting else ""
                 yield (
                     (*at, "kind"),
-                    f"a {joint.get('kind')} joint does not hold a {given.get('support', 'clamped')} root: "
+                    f"a {joint.get('kind')} joint does not fit a {given.get('support', 'clamped')} root: "
                     f"{better}{remedy}",
                 )
 
@@ -232,7 +232,7 @@ def _body(end: str) -> str:
 
 
 def _marches_in_fixed_steps(raw: Raw) -> Mistakes:
-    """Nothing else is there for intrinsic bodies."""
+    """No other method supports intrinsic bodies."""
     condensed = next((body.get("name") for _, body in tables(raw, "body") if is_condensed(body)), None)
     if condensed is None:
         return
@@ -243,7 +243,7 @@ def _marches_in_fixed_steps(raw: Raw) -> Mistakes:
         ("kinematic", given.get("kinematic") is True, "make it a rigid body, or leave the key out"),
     ):
         if refused:
-            yield ("simulation", key), f"a machine with the condensed body {condensed!r} takes none: {remedy}"
+            yield ("simulation", key), f"not available with the condensed body {condensed!r}: {remedy}"
 
 
 RULES_OF_BODY = (

@@ -68,7 +68,7 @@ Sphere = table_of(
 
 
 class ContactTable(CheckedTable):
-    """Nodes that must not enter an obstacle or another part, by penalty."""
+    """Penalty contact of nodes with an obstacle or another part."""
 
     nodes: PlaceOf = Field(description="BODY.NODE_SET")
     obstacle: Annotated[Made, OneOf(Plane, Cylinder, Sphere)] | None = None
@@ -154,7 +154,7 @@ def _part_places(raw: Raw) -> Iterator[tuple[KeyPath, Any]]:
 
 
 def _suit_their_parts(raw: Raw) -> Mistakes:
-    """Ties, contacts and supports are of explicit parts; supports are of elements, and modal parts lead."""
+    """Rule: ties, contacts and supports are for explicit parts, supports for elements; modal parts lead."""
     kinds = {
         body.get("name"): "modal" if "modal" in body else "explicit" if "explicit" in body else None
         for _, body in tables(raw, "body")

@@ -1,4 +1,4 @@
-"""The controllers of a case: made by a function in a Python file beside it, run only when allowed."""
+"""The controllers of a case, created by a function in a Python file, which runs only if allowed."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _FORM = 'control = "controller.py:function"'
 def controllers_of(
     control: str | None, system: System, folder: Path, *, allow_code: bool
 ) -> tuple[Controller | SampledController, ...]:
-    """What the function that a case names makes of its machine; none where it names none.
+    """The controllers that the function of a case creates for its machine; none without one.
 
-    control : "FILE.py:FUNCTION"; the function takes the system, and gives one controller or several
+    control : "FILE.py:FUNCTION"; the function takes the system, and returns one controller or several
 
     Raises
     ------
-    CaseError   code that is not allowed to run, that is not there or fails, or that gives something else
+    CaseError   code that is not allowed to run, is missing or fails, or returns something else
     """
     if control is None:
         return ()
@@ -35,20 +35,20 @@ def controllers_of(
     path = folder / name
     try:
         made = getattr(_module(path, path.read_bytes()), function)(system)
-    except Exception as error:  # whatever a program of somebody else's may run into
+    except Exception as error:  # any error of a user's program
         raise CaseError(f"{_at(control)} fails: {type(error).__name__}: {error}") from error
     every: Sequence[Any] = made if isinstance(made, list | tuple) else (made,)
     for each in every:
         if not isinstance(each, Controller | SampledController):
             raise CaseError(
-                f"{_at(control)} must give a Controller or a SampledController, or a list of them; it gave a "
+                f"{_at(control)} must return a Controller or a SampledController, or a list; it returned a "
                 f"{type(each).__name__}"
             )
     return tuple(every)
 
 
 def check_code_allowed(control: str | None, *, allow_code: bool) -> None:
-    """CaseError where a case names code that may not run."""
+    """CaseError if a case has code that is not allowed to run."""
     if control is not None and not allow_code:
         raise CaseError(
             f"{_at(control)} runs arbitrary Python code on this computer: read it, then give --allow-code "
@@ -58,7 +58,7 @@ def check_code_allowed(control: str | None, *, allow_code: bool) -> None:
 
 @lru_cache(maxsize=8)
 def _module(path: Path, source: bytes) -> ModuleType:
-    """The module of a file, once for all cases: its functions are the same objects, hence one program."""
+    """The module of a file, loaded once for all cases, whose functions are then the same objects."""
     module = ModuleType(f"control_of_{path.stem}")
     module.__file__ = str(path)
     exec(compile(source, path, "exec"), vars(module))
@@ -66,7 +66,7 @@ def _module(path: Path, source: bytes) -> ModuleType:
 
 
 def control_file(control: Any) -> Any:
-    """The file that a value of the key names."""
+    """The file part of a value of the key."""
     return control.partition(":")[0] if isinstance(control, str) else None
 
 

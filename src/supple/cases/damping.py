@@ -24,7 +24,7 @@ from supple.importers.toml import CheckedTable, KeyPath, Mistakes, NonNegative, 
 from supple.reduction import ReducedBody, clamped_modes
 
 LARGEST_MISS = 0.1
-"""Largest relative difference of the ratio of a clamped mode without a warning."""
+"""Largest relative deviation of the ratio of a clamped mode without a warning."""
 
 HELD = "interface it acts against, the same in every frame; default: the body's frame"
 
@@ -57,7 +57,7 @@ class RayleighRatio(_RatioOfTwoModes):
 
 
 class LinearRayleighRatio(_RatioOfTwoModes):
-    """The same with the stiffness of the undeformed body, as the literature has it."""
+    """The same with the stiffness of the undeformed body, as in the literature."""
 
     kind: Literal["linear-rayleigh-ratio"]
 
@@ -103,7 +103,7 @@ Damping = Annotated[
 
 
 def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
-    """SuppleWarning if modes clamped at an interface have another damping ratio than given."""
+    """SuppleWarning if modes clamped at an interface have another damping ratio than specified."""
     if isinstance(given, _RatioOfTwoModes):
         modes = given.modes
     elif isinstance(given, Modal):
@@ -120,8 +120,8 @@ def warn_of_ratios(given: Damping | None, body: ReducedBody) -> None:
     numbers = " and ".join(map(str, modes))
     warnings.warn(
         f"body '{body.name}': a damping ratio of {100 * given.ratio:.3g} % is given for its modes {numbers} "
-        f"with '{given.held}' held; as reduced they have {seen} %: its basis lacks motion of these modes. "
-        f"Keep more modes, or take a basis with the static shapes of '{given.held}' (craig-bampton, rubin)",
+        f"with '{given.held}' clamped; as reduced they have {seen} %: its basis lacks motion of these modes. "
+        f"Keep more modes, or use a basis with the static shapes of '{given.held}' (craig-bampton, rubin)",
         SuppleWarning,
         stacklevel=2,
     )
@@ -136,7 +136,7 @@ def _damped_modes_differ(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def damps_all_modes(body: Raw) -> bool:
-    """True of a body whose damping needs the modes of a reduction of fixed size."""
+    """True for a body whose damping needs the modes of a reduction of fixed size."""
     given = table(body, "damping")
     return given.get("kind") == "modal" and "modes" not in given
 

@@ -1,4 +1,4 @@
-"""What a run's pictures and its animation are drawn from, here or in another process."""
+"""Settings of a run's pictures and animation, drawn in this or another process."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ ROUNDS_PICTURE = "self_correction.png"
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Pictures and an animation of a run, by the settings of its case; fields as for `draw_run`.
+    """Pictures and an animation of a run, with the settings of its case; fields as for `draw_run`.
 
     pictures, animation : whether they are drawn
-    rounds : of a self-correction in numbers, as `correction_numbers` gives them, which are pictures as well
+    rounds : rounds of a self-correction as numbers, from `correction_numbers`, also drawn
     colour : of the animation
     format : of its file
     """
@@ -56,7 +56,7 @@ class Drawing:
 
     def draw(self, progress: StepProgress = silent) -> None:
         """Draw them into the folder."""
-        # Imported here: a run without pictures does not wait for the drawing library.
+        # Imported here: a run without pictures need not load the drawing library.
         from supple.results.colouring import PLASTIC_STRAIN
         from supple.viz import animate_run, draw_run, plot_rounds
 
@@ -91,8 +91,8 @@ class Drawing:
 
 
 def check_drawing(case: Case) -> None:
-    """CaseError if a library for the pictures is missing, or the film is empty: before
-    anything is computed."""
+    """CaseError if a library for the pictures is missing, or the animation has no frames,
+    before any computation."""
     output = case.tables.output
     if not (output.pictures or output.animation):
         return
@@ -104,7 +104,7 @@ def check_drawing(case: Case) -> None:
         )
     if output.animation and output.film.format == "mp4" and find_spec("imageio_ffmpeg") is None:
         raise CaseError(
-            f"{case.path}: an MP4 film needs imageio-ffmpeg, not installed here: pip install 'supple[film]', "
+            f"{case.path}: an MP4 needs imageio-ffmpeg, not installed here: pip install 'supple[film]', "
             'or give format = "gif" in film of [output]'
         )
     if output.animation:
@@ -123,7 +123,7 @@ def drawing_of(
     folder: Path,
     rounds: Sequence[Mapping[str, Any]],
 ) -> Drawing | None:
-    """The drawings of the motion that a case selects; None if there are none."""
+    """The drawings selected by a case; None if there are none."""
     output = case.tables.output
     if not (output.pictures or output.animation):
         return None

@@ -1,8 +1,7 @@
-"""A process of its own that draws a run while another one goes on: while its error is estimated.
+"""A separate process that draws a run while its error is estimated.
 
-What is drawn goes to it in a file, and it reports its progress. It is worth starting for runs that take
-long, on computers with a core to spare. Where it cannot be started, or ends before its time, the drawing is
-made here.
+It receives the drawing in a file, and reports its progress. It is started for long runs, on computers with a
+spare core. If it cannot be started, or ends early, the drawing is done in this process.
 """
 
 from __future__ import annotations
@@ -25,11 +24,11 @@ from supple.other_processes import available_cores, python_command, python_envir
 __all__ = ["DrawingBeside"]
 
 WORTH = 20.0
-"""Seconds that a run has taken by the time its motion is known: estimating its error takes a part of that."""
+"""Least seconds of a run for a separate process: the error estimate takes a part of that time."""
 
 
 class DrawingBeside:
-    """Draws a run once, here or beside; a process that is still drawing ends with the block."""
+    """Draws a run once, here or in a separate process, which is ended with the block."""
 
     def __init__(self) -> None:
         self._began = perf_counter()
@@ -42,25 +41,25 @@ class DrawingBeside:
         self._drop()
 
     def begin(self, drawing: Callable[[], Drawing | None]) -> None:
-        """Begin beside what follows, if it is worth it; a drawing that was begun before is given up.
+        """Start a separate process if worthwhile; an earlier drawing is cancelled.
 
-        drawing : called where it is worth it
+        drawing : called if worthwhile
         """
         self._drop()
         if perf_counter() - self._began < WORTH or available_cores() < 2:
             return
         asked = drawing()
-        # Functions of a user and factors cannot be sent, nor anything to a full disk: it is drawn here.
+        # User functions and factors cannot be pickled, nor written to a full disk: then it is drawn here.
         with suppress(Exception):
             self._process = None if asked is None else _process(asked)
 
     def finish(self, drawing: Drawing | None, progress: StepProgress) -> None:
-        """Wait for what is drawn beside, or draw it; errors of `Drawing.draw`."""
+        """Wait for the separate process, or draw here; errors of `Drawing.draw`."""
         if drawing is not None and not self._is_drawn_beside(progress):
             drawing.draw(progress)
 
     def _is_drawn_beside(self, progress: StepProgress) -> bool:
-        """Whether it was begun beside, and comes to its end there."""
+        """Whether a separate process was started and has finished successfully."""
         process = self._process
         if process is None or process.stdout is None:
             return False
@@ -94,7 +93,7 @@ def _process(drawing: Drawing) -> subprocess.Popen[str]:
 
 
 def _as_dict(mapping: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
-    """How to make it anew: Python pickles no mapping that is read-only."""
+    """Rebuild a mapping: Python cannot pickle read-only mappings."""
     return dict, (dict(mapping),)
 
 

@@ -1,4 +1,4 @@
-"""The machine elements of a case: forces between two interfaces besides springs and joints."""
+"""The force elements of a case between two interfaces, besides springs and joints."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Squares = Annotated[tuple[Square, ...], Field(strict=False)]
 
 
 class Element(Made):
-    """The keys of all elements."""
+    """The keys common to all elements."""
 
     name: str | None = Field(None, description="for sensors")
     first: End = Field(description="ground or BODY.INTERFACE")

@@ -9,7 +9,7 @@ from supple.importers.toml import KeyPath, Mistakes, Raw, did_you_mean, names, t
 
 
 def place_exists(raw: Raw, path: KeyPath, place: Any, may_be: str) -> Mistakes:
-    """The rule that a place is there; whether a node set exists is known only once the mesh has been read."""
+    """The rule that a place exists; a node set can be checked only once the mesh has been read."""
     ground = may_be == "ground"
     if not isinstance(place, str):
         return

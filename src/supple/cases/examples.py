@@ -1,4 +1,4 @@
-"""The examples that come with the package: what each is about, and its files."""
+"""The examples of the package: titles and files."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ _RUN = (".toml", ".py", ".ipynb")
 
 
 def example_titles() -> Mapping[str, str]:
-    """What each example is about, by its file name."""
+    """Title of each example, by its file name."""
     return {path.name: _title(path) for path in sorted(_folder().iterdir()) if path.suffix in _RUN}
 
 
 def write_example(name: str, folder: Path) -> tuple[Path, ...]:
-    """Write an example and the files that it names into `folder`; return their paths, the example first.
+    """Write an example and its files into `folder`; return their paths, the example first.
 
-    name : as `example_titles` has it, or without its ending
+    name : as in `example_titles`, with or without its suffix
 
     Raises
     ------
-    ArgumentError       a name that no example has; a file that is there already
+    ArgumentError       an unknown name; a file that exists already
     ResultFileError     a folder that cannot be written
     """
     titles = example_titles()
@@ -45,7 +45,7 @@ def write_example(name: str, folder: Path) -> tuple[Path, ...]:
     targets = tuple(folder / path.name for path in files)
     for target in targets:
         if target.exists():
-            raise ArgumentError(f"{target} is there already: give another folder (-o)")
+            raise ArgumentError(f"{target} exists already: give another folder (-o)")
     with file_errors("write the example into", folder):
         folder.mkdir(parents=True, exist_ok=True)
         for path, target in zip(files, targets, strict=True):
@@ -64,13 +64,13 @@ def command_of_example(path: Path) -> str:
 
 
 def _folder() -> Path:
-    """Beside the package where it is installed, beside its sources in a checkout."""
+    """Beside the installed package, or beside its sources in a checkout."""
     installed = _PACKAGE / "examples"
     return installed if installed.is_dir() else _PACKAGE.parents[1] / "examples"
 
 
 def example_text(path: Path) -> str:
-    """The description in a program, a notebook or a case, in plain lines."""
+    """The description in a program, a notebook or a case, as plain text."""
     text = path.read_text("utf-8")
     if path.suffix == ".py":
         return ast.get_docstring(ast.parse(text)) or ""
@@ -86,10 +86,10 @@ def _title(path: Path) -> str:
 
 
 def _needed(files: list[Path]) -> list[Path]:
-    """The files, those that their texts name, those that these name, and the origins of meshes."""
+    """The files, the files named in their texts, recursively, and the sources of meshes."""
     known = {path.name: path for path in _folder().iterdir() if path.is_file()}
     needed = list(files)
-    for path in needed:  # grows on the way
+    for path in needed:  # grows during the loop
         text = path.read_text("utf-8") if path.suffix in _RUN else ""
         named = [other for name, other in known.items() if name in text]
         origin = known.get(f"{path.stem}.README.md")

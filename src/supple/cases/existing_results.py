@@ -1,4 +1,4 @@
-"""What earlier runs left in a case's folder: nothing of it is lost unless that is wanted."""
+"""Existing results in a case's folder, which are not overwritten unless requested."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ def result_path(case: Path, folder: Path) -> Path:
 
 
 def report_path(case: Case, folder: Path) -> Path:
-    """The file of the numbers of a run."""
+    """The JSON file of the results of a run."""
     return folder / f"{case.path.stem}.json"
 
 
 def readings_paths(folder: Path) -> tuple[Path, Path]:
-    """The files of what its sensors read: a table, and HDF5."""
+    """The files of its sensor readings: a table, and HDF5."""
     return folder / "sensors.csv", folder / "sensors.h5"
 
 
 def kept_so_far(case: Path, folder: Path) -> str:
-    """What a run of the case in a file that was stopped, but not while it marched, left in a folder."""
+    """State of an interrupted run of a case in a folder, unless the march itself was interrupted."""
     path = result_path(case, folder)
     try:
         header = read_header(path)
@@ -38,14 +38,14 @@ def kept_so_far(case: Path, folder: Path) -> str:
     if header is not None and header.complete:
         return f"the run is complete in {path}; reports and pictures may be missing"
     if CorrectionFolder(folder / ROUNDS_FOLDER, case="").is_begun:
-        return f"the rounds so far are kept in {folder / ROUNDS_FOLDER}; --resume continues them"
+        return f"the rounds so far are stored in {folder / ROUNDS_FOLDER}; --resume continues them"
     if header is not None and header.n_times:
-        return f"the run so far is kept in {path}; --resume continues it"
+        return f"the run so far is stored in {path}; --resume continues it"
     return "nothing was computed yet; run it again"
 
 
 def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> None:
-    """Before anything is read or built: may this run write to the folder?
+    """Check, before any reading or building, that this run may write to the folder.
 
     Raises
     ------
@@ -60,8 +60,8 @@ def refuse_overwrite(case: Case, folder: Path, *, resume: bool, force: bool) -> 
     seen = _lost(path, rounds)
     if seen:
         raise ResultFileError(
-            f"{folder} holds {seen}; --resume continues an interrupted run, --force replaces what is "
-            "there, -o FOLDER writes elsewhere"
+            f"{folder} contains {seen}; --resume continues an interrupted run, --force replaces the "
+            "results, -o FOLDER writes elsewhere"
         )
 
 
@@ -78,7 +78,7 @@ def _check_to_continue(case: Case, path: Path, rounds: CorrectionFolder) -> None
 
 
 def _lost(path: Path, rounds: CorrectionFolder) -> str:
-    """What a new run would replace, in words; empty where there is nothing."""
+    """Description of the results that a new run would replace; empty if there are none."""
     if path.exists():
         try:
             header = read_header(path)

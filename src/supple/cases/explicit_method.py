@@ -1,4 +1,4 @@
-"""How a case of explicit parts steps."""
+"""Time steps of a case with explicit parts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bodies that march explicitly: in modes on a four-point frame, or as nonlinear finite elements."""
+"""Bodies in explicit integration: modal on a four-point frame, or nonlinear finite elements."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ _OF_FRAMES = ("frame", "reduction", "split", "condense", "linear", "centre_veloc
 
 
 def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
-    """A part has no floating frame, and one way to march."""
+    """Rule: an explicit part has no floating frame, and is either modal or of elements."""
     if not is_explicit(body):
         return
     kind, march = kind_of(body), "modal" if "modal" in body else "explicit"
@@ -125,11 +125,11 @@ def _marches_one_way(path: KeyPath, body: Raw) -> Mistakes:
         message = "the node sets of the mesh are the interfaces of explicit elements; remove the key"
         yield (*path, "interface"), message
     if "explicit" in body and kind is not None and kind.is_elastic and not kind.has_elements:
-        yield (*path, "explicit"), "matrices have no elements; give shell or solid, or march it modal"
+        yield (*path, "explicit"), "matrices have no elements; give shell or solid, or modal = {..}"
 
 
 def _keys_have_an_effect(path: KeyPath, body: Raw) -> Mistakes:
-    """Shells are elastic or yield, and solids have no layers: keys of the other kind have no effect."""
+    """Rule: shells are elastic or have plasticity, and solids have no layers: other keys have no effect."""
     given = table(body, "explicit")
     kind = table(given, "law").get("kind")
     if "shell" not in body:

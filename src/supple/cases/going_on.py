@@ -1,4 +1,4 @@
-"""The start of a run at an instant of an earlier one, whose result file and reduced bodies lie together."""
+"""Start of a run from a time of an earlier one, with its result file and reduced bodies in one folder."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
 
 class StartState(CheckedTable):
-    """An instant of an earlier run, at which this one begins."""
+    """A time of an earlier run at which this one begins."""
 
     file: FileName = Field(description="result file of the earlier run")
     time: float = Field(description="one of its output times, the start of this run, a time")
 
 
 def gone_on(state: StartState, case: Case, system: System) -> System:
-    """The machine of a case as it goes on, in the units of the case.
+    """The machine of a case with the state of an earlier run, in the units of the case.
 
     Raises
     ------
-    CaseError           a file whose units are stated and those of the case not, or the other way round
+    CaseError           units given in only one of file and case
     ResultFileError     a file that cannot be read
     ModelError          as `Start.place`
     """
@@ -47,7 +47,7 @@ def gone_on(state: StartState, case: Case, system: System) -> System:
     found = start.place(system)
     losses = {name: loss for name, loss in found.losses.items() if max(loss.relative, loss.rate) > 0}
     lost = "; ".join(f"body '{name}' {_words(loss)}" for name, loss in losses.items())
-    case.notify(f"goes on from {state.file} at t = {found.time:g}" + (f": {lost}" if lost else ""))
+    case.notify(f"starts from {state.file} at t = {found.time:g}" + (f": {lost}" if lost else ""))
     return found.system
 
 
@@ -66,7 +66,7 @@ def _scales(case: Case, path: Path, there: UnitSystem) -> tuple[float, float]:
         if (ours is None) != (theirs is None):
             silent, stated = (case.path, path) if ours is None else (path, case.path)
             raise CaseError(
-                f"{silent} does not say which unit of {name} it is in, and {stated} does: state the same "
+                f"{silent} does not give its unit of {name}, and {stated} does: give the same "
                 "units in both cases, so that a state of one is a state of the other"
             )
         ratios.append(1.0 if ours is None or theirs is None else theirs / ours)
@@ -76,7 +76,7 @@ def _scales(case: Case, path: Path, there: UnitSystem) -> tuple[float, float]:
 def _bodies_that_moved(
     case: Case, system: System, folder: Path, columns: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[Placed]:
-    """Those of a case's bodies that the earlier run kept, and those that moved in full."""
+    """Bodies of a case that the earlier run stored, and those that were full in it."""
     fulls = case.fulls
     for name in (placed.body.name for placed in system.bodies):
         if (kept := kept_path(folder, name)).exists():

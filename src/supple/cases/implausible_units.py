@@ -1,7 +1,7 @@
-"""Implausible units: numbers of a case that no machine has in the stated units, or in any.
+"""Implausible units: numbers of a case that are unrealistic in the given units, or in any.
 
-A model in mixed units runs as well as any other, so every run checks what shows them: densities,
-moduli, sizes, gravity, the speed of waves, the first frequencies.
+A model in mixed units runs as well as any other, so every run checks indicators: densities, moduli, sizes,
+gravity, wave speed, the first frequencies.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from supple.units import SI, UnitSystem
 
 
 class _Range(NamedTuple):
-    """What a quantity can be in SI units, and an example of it."""
+    """Range of a quantity in SI units, and an example of it."""
 
     lowest: float
     highest: float
@@ -36,13 +36,13 @@ _MODULUS = _Range(1e3, 2e12, "steel has 2.1e11 Pa", MappingProxyType({"mass": 1,
 _SIZE = _Range(1e-6, 3e3, "machines have millimetres to hundreds of metres", MappingProxyType({"length": 1}))
 _GRAVITY = _Range(0.1, 1e3, "the earth has 9.81 m/s2", MappingProxyType({"length": 1, "time": -2}))
 _FREQUENCY = _Range(0.05, 1e8, "the longest wind turbine blades have 0.5 Hz", MappingProxyType({"time": -1}))
-# By the measure of `wave_speed`, which is some 2 to 6 times the speed of sound.
+# By the measure of `wave_speed`, some 2 to 6 times the speed of sound.
 _SPEED = _Range(
     30.0, 2e5, "steel has some 2e4 m/s by this measure", MappingProxyType({"length": 1, "time": -1})
 )
-# Nothing is as heavy as a metal and as soft as rubber: kilograms with mm and MPa seem to be.
+# Nothing is as heavy as a metal and as soft as rubber: kilograms with mm and MPa look like that.
 _METAL, _RUBBER = 3e3, 2e9
-_REMEDY = "state the units of the numbers (units), and use one consistent set"
+_REMEDY = "give the units of the numbers (units), and use one consistent set"
 
 
 def warn_of_units(case: Case) -> None:
@@ -50,7 +50,7 @@ def warn_of_units(case: Case) -> None:
 
     Warns
     -----
-    UnitsWarning    the number, what it is in SI units, what is usual
+    UnitsWarning    the number, its value in SI units, the usual value
     """
     doubts = list(_of_gravity(case.units, case.tables.gravity))
     for name, body in case.flexible.items():
@@ -79,7 +79,7 @@ def _of_body(units: UnitSystem, body: FlexibleBody) -> list[str]:
     doubts = list(_outside(units, "its size", extent, units.length, _SIZE))
     for material in _materials(body):
         doubts += _of_material(units, material)
-    # The speed of waves shows what a size or a material out of range has shown already.
+    # The wave speed repeats what a size or material out of range has already shown.
     return doubts or list(_of_waves(units, body))
 
 
@@ -90,7 +90,7 @@ def _of_waves(units: UnitSystem, body: FlexibleBody) -> Iterator[str]:
     if units.velocity:
         yield from _outside(units, "the speed of waves", speed, units.velocity, _SPEED)
     elif not USUAL_SPEEDS[0] <= speed <= USUAL_SPEEDS[1]:
-        yield f"waves travel about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
+        yield f"wave speed about {speed:.1e} per unit of time ({WAVES_IN_STEEL})"
 
 
 def _materials(body: FlexibleBody) -> list[Isotropic]:

@@ -1,4 +1,4 @@
-"""The interfaces of a body, where joints, loads and springs act on it."""
+"""The interfaces of a body, for joints, loads and springs."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ class Interface(CheckedTable):
 
 
 def _interfaces_suit_their_body(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule that an interface lies where its body has something."""
+    """The rule that the keys of an interface fit the kind of its body."""
     kind = kind_of(body)
-    if "reduced" in body:  # whose file has them
+    if "reduced" in body:  # its file has the interfaces
         return
     if kind is SectionTableFile and "condense" in body:  # stations, with rules of their own
         return

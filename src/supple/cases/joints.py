@@ -47,7 +47,7 @@ _EXAMPLES = {
 
 
 class Friction(CheckedTable):
-    """Coulomb friction under the force that the joint carries."""
+    """Coulomb friction under the joint force."""
 
     coefficient: NonNegative = Field(description="coefficient of friction")
     width: Positive = Field(description="below which it acts as a damper, rad per time or velocity")
@@ -76,11 +76,11 @@ class Joint(CheckedTable):
 
     @property
     def label(self) -> str:
-        """What it is called."""
+        """The label of the joint."""
         return self.name or joint_label(self.kind, self.first, self.second)
 
     def build(self, folder: Path) -> machine.Joint:
-        """The joint; folder: where the file of a law lies."""
+        """The joint; folder : of the file of a law."""
         own: dict[str, Any] = {name: getattr(self, key) for name, key in _needed(self.kind).items()}
         own = {name: value.build(folder) if isinstance(value, Made) else value for name, value in own.items()}
         return _KINDS[self.kind](first=self.first, second=self.second, name=self.label, **own)

@@ -1,4 +1,4 @@
-"""Laws of time of a case file: its tables become the laws that a script would write."""
+"""Laws of time in a case file."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ ConstantRate = table_of(
 ONE = Constant(kind="constant", value=1.0)
 
 LARGEST_EXCURSION = 0.01
-"""By which a curve through the rows of a motion may leave their range: sixteen rows a period stay within."""
+"""Allowed overshoot of a curve through the rows of a motion: sixteen rows a period stay within."""
 
 
 class TableLaw(Made):
@@ -57,11 +57,11 @@ class TableLaw(Made):
     file: FileName = Field(description="CSV file of time,value rows beside the case file")
 
     def build(self, *context: Any) -> TimeLaw:
-        """The smooth curve through the rows of the file; context: the folder where it lies.
+        """The smooth curve through the rows of the file; context: the folder of the file.
 
         Raises
         ------
-        ImportFormatError   a curve that swings beyond its rows, as through a jump
+        ImportFormatError   a curve that overshoots its rows, as at a jump
         """
         path = context[0] / self.file
         spline = machine.Spline(*read_time_table(path))
@@ -76,7 +76,7 @@ class TableLaw(Made):
         return spline
 
     def build_of_load(self, *context: Any) -> TimeLaw:
-        """Straight lines: a spline swings where a load jumps."""
+        """Straight lines, as a spline overshoots at a jump of a load."""
         return machine.Table(*read_time_table(context[0] / self.file))
 
 
@@ -87,7 +87,7 @@ class _LinesLaw(TableLaw):
 
 
 def tables_suit_the_run(raw: Raw, folder: Path) -> Mistakes:
-    """The rule that a table can be read, as what it is used for, and lasts as long as the run."""
+    """The rule that a table can be read, suits its use, and covers the run."""
     duration, begin = table(raw, "simulation").get("duration"), _begin(raw)
     for section in ("joint", "load", "element"):
         for path, item in tables(raw, section):
@@ -125,4 +125,4 @@ def _begin(raw: Raw) -> float:
 _LAWS = (Constant, ConstantRate, Ramp, Sine, SpinUp)
 Law = Annotated[Made, OneOf(*_LAWS, TableLaw)]
 LoadLaw = Annotated[Made, OneOf(*_LAWS, _LinesLaw)]
-"""Of loads and elements, which may jump."""
+"""Laws of loads and elements, which may jump."""

@@ -1,4 +1,4 @@
-"""A slender body from matrices of another program, which condensed it: its stations are their grids."""
+"""A slender body condensed on its stations by another program, from its matrices."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def line_on_grids(
 ) -> IntrinsicBody:
     """The body in its intrinsic modes.
 
-    mesh : file of the grids; the files of the matrices lie beside it
+    mesh : file of the grids, in the folder of the matrices
 
     Raises ImportFormatError, ModelError as `read_condensed_line`.
     """
@@ -48,12 +48,12 @@ def line_on_grids(
 
 
 def is_on_grids(body: Raw) -> bool:
-    """True of a condensed body of matrices."""
+    """True for a condensed body from matrices."""
     return is_condensed(body) and kind_of(body) is Matrices
 
 
 def _stations(paths: Sequence[Sequence[int]], interfaces: Sequence[Interface]) -> Mapping[str, int]:
-    """Numbers of the stations at interfaces: grids in the order in which the paths reach them."""
+    """Numbers of the stations at interfaces, by the order of grids along the paths."""
     number = {grid: i for i, grid in enumerate(dict.fromkeys(chain(*paths)))}
     return {each.name: number[grid] for each in interfaces for grid in each.node_indices or ()}
 
@@ -63,7 +63,7 @@ def _keys_suit_the_kind(path: KeyPath, body: Raw) -> Mistakes:
         return
     if kind_of(body) is Superelement:
         message = (
-            "a superelement does not name its freedoms: give a matrices body, condensed on the grids of its "
+            "a superelement has no names of freedoms: give a matrices body, condensed on the grids of its "
             "stations, or elements"
         )
         yield (*path, "condense"), message
@@ -79,7 +79,7 @@ def _keys_suit_the_kind(path: KeyPath, body: Raw) -> Mistakes:
     for key in (each for each in needless if each in given):
         yield (*path, "condense", key), f"a body of {made_of} takes no {key}; remove the key"
     if on_grids and "rigid_tolerance" in table(body, "matrices"):
-        message = "the forces of a condensed body against rigid motion are cleaned away; remove the key"
+        message = "the residual forces of a condensed body under rigid motion are removed; remove the key"
         yield (*path, "matrices", "rigid_tolerance"), message
 
 
@@ -89,7 +89,7 @@ def _interfaces_are_stations(path: KeyPath, body: Raw) -> Mistakes:
     given = table(body, "condense")
     paths = given.get("paths")
     if not isinstance(paths, list) or not all(isinstance(each, list) and each for each in paths):
-        return  # a mistake of its own
+        return  # reported elsewhere
     grids = list(chain(*paths))
     for place, interface in tables(body, "interface", path):
         for key in (each for each in ("nodes", "connection", "kind", "position") if each in interface):
@@ -101,9 +101,9 @@ def _interfaces_are_stations(path: KeyPath, body: Raw) -> Mistakes:
         if not isinstance(own, list) or len(own) != 1:
             yield at, "an interface here is one station: node_indices = [GRID]"
         elif own[0] not in grids:
-            yield at, f"grid {own[0]} is on no load path: add it to paths, or name a grid that is there"
+            yield at, f"grid {own[0]} is on no load path: add it to paths, or give a grid on a path"
         elif interface.get("name") == given.get("root") and own[0] != grids[0]:
-            yield at, f"the root is where paths begin, grid {grids[0]}, and not grid {own[0]}"
+            yield at, f"the root is the start of the paths, grid {grids[0]}, not grid {own[0]}"
 
 
 RULES_OF_BODY = (_keys_suit_the_kind, _interfaces_are_stations)

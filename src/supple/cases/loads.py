@@ -32,7 +32,7 @@ from supple.quantities import Place
 
 
 class Force(Made):
-    """A force or torque in time."""
+    """A force or torque over time."""
 
     kind: Literal["force", "torque"] = Field(description="force or torque")
     at: PlaceOf = Field(description="BODY.INTERFACE; or BODY.NODE_SET, whose nodes share a force evenly")
@@ -43,7 +43,7 @@ class Force(Made):
     def build(self, *context: Any) -> DeadForce | ForceElement:
         """The load; over nodes a force is shared evenly.
 
-        context : the folder of the file of its law, and what finds its place
+        context : the folder of the file of its law, and a function that finds its place
         """
         folder, place, *_ = context
         body, at = place(self.at).body, place(self.at).at
@@ -67,7 +67,7 @@ def _faces(at: str, _: Path, place: Callable[[str], Place], meshes: Mapping[str,
     if not len(found):
         raise ModelError(
             f"a pressure on '{at}' needs an outer face of a solid or shell with all corners in the set; "
-            "name a set with whole faces"
+            "give a set with whole faces"
         )
     return found
 
@@ -94,7 +94,7 @@ Load = Annotated[Made, OneOf(Force, Pressure, Base)]
 
 
 def _suit_their_place(raw: Raw) -> Mistakes:
-    """A node set carries forces only: it has no axes for a load to turn with, nor rotations for a torque."""
+    """Rule: a node set carries forces only: it has no axes for follower loads, nor rotations for torques."""
     places = {
         f"{body.get('name')}.{name}" for _, body in tables(raw, "body") for name in names(body, "interface")
     }

@@ -1,4 +1,4 @@
-"""A machine of rigid bodies from a file of another program: its tables, as if they stood in the case."""
+"""A machine of rigid bodies from another program's file, as if its tables were in the case."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ class MachineFile(CheckedTable):
 
 
 def with_machine(raw: Raw, folder: Path) -> tuple[Raw, list[Mistake]]:
-    """The raw case with the tables of its machine behind its own, and mistakes about these.
+    """The raw case followed by the tables of its machine, and mistakes about these.
 
-    A body of the case that has the name of one of the machine stands in its place: there, with its interfaces
-    at the joints that they are named after. One that states no kind adds to the rigid body.
+    A body of the case with the name of one of the machine replaces it: in its position, with its interfaces
+    at the joints of these names. One without a kind adds to the rigid body.
     """
     given = raw.get("machine")
     name = given.get("mujoco") if isinstance(given, Mapping) else None
@@ -94,7 +94,7 @@ def _body(placed: Any) -> dict[str, Any]:
 def _in_its_place(
     body: Mapping[str, Any], rigid: dict[str, Any], path: KeyPath, mistakes: list[Mistake]
 ) -> dict[str, Any]:
-    """A body of the case as the machine has it: where it stands, and where its joints are."""
+    """A body of the case with the position of the machine's body, and its interfaces at the joints."""
     for key in ("position", "rotation"):
         if key in body:
             message = f"the machine file defines the position of body '{rigid['name']}'; remove the key"
@@ -142,7 +142,7 @@ def _spring(spring: TorsionSpringDamper) -> dict[str, Any]:
 
 
 def _element(load: Any) -> dict[str, Any]:
-    """A stop, or the bushing that is the spring of a slide or ball."""
+    """A stop, or the bushing that represents the spring of a slide or ball joint."""
     common = {**_ends(load), "axis": _numbers(load.axis)}
     match load:
         case AngleStop() | SlideStop():

@@ -39,7 +39,7 @@ class NeoHookeanLaw(CheckedTable):
 
 
 class J2Law(CheckedTable):
-    """A metal that yields and hardens: sigma_y = yield_stress + modulus eps_p, or + factor eps_p^exponent."""
+    """A metal with plasticity: sigma_y = yield_stress + modulus eps_p, or + factor eps_p^exponent."""
 
     kind: Literal["j2"]
     yield_stress: Positive = Field(description="initial yield stress, force per area")

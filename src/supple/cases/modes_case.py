@@ -43,9 +43,9 @@ from supple.storage.file_errors import file_errors
 __all__ = ["campbell_case", "mode_case", "modes_case"]
 
 AMPLITUDE = 0.1
-"""Of a drawn mode, as a share of the machine's size."""
+"""Amplitude of a drawn mode, relative to the machine's size."""
 NO_DEFORMATION = 1e-12
-"""Of the machine's size: a rest with less has no error that matters."""
+"""Relative to the machine's size: the error of a smaller deformation at rest is ignored."""
 
 
 def modes_case(
@@ -62,14 +62,14 @@ def modes_case(
 
     Modes that are off by 1 % or more are listed with their error, and not drawn.
 
-    errors : compare with the modes that the machine has with all coordinates of its bodies
-    allow_code : whether the controllers that the case names, a program, act
+    errors : compare with the modes for all coordinates of the bodies
+    allow_code : whether the controllers of the case may run
 
     Raises
     ------
     CaseError               code that fails
     SelfCorrectionError     a body that does not reach its accuracy
-    ModelError              whatever `linearize` refuses
+    ModelError              the errors of `linearize`
     ConvergenceError        no equilibrium
     """
     check_drawing(case)
@@ -101,7 +101,7 @@ def modes_case(
 
 
 def found_modes(case: Case, n_modes: int, *, time: float, errors: bool, allow_code: bool) -> MachineModes:
-    """Modes of a case's machine; parameters and errors as of `modes_case`."""
+    """Modes of a case's machine; parameters and errors as for `modes_case`."""
     system, spin = analysed_system(case, allow_code=allow_code), spin_of(case)
     fulls = None if errors or case.starts else ()
     if case.starts:
@@ -110,7 +110,7 @@ def found_modes(case: Case, n_modes: int, *, time: float, errors: bool, allow_co
 
 
 def mode_case(case: Case, number: int, *, time: float) -> tuple[System, Solution]:
-    """A mode of a case's machine, without its controllers, as a motion; errors as of `modes_case`.
+    """A mode of a case's machine, without its controllers, as a motion; errors as for `modes_case`.
 
     number : from 1, the slowest; its phase 0 comes first
     """
@@ -131,8 +131,8 @@ def campbell_case(
 ) -> CampbellDiagram:
     """Modes over the rate of the case's spin; writes `CASE-campbell.json`, a page and a picture.
 
-    Bodies reduced to an accuracy keep to it at the first and the last rate.
-    Raises CaseError where the case has no spin, and as for `modes_case`.
+    Bodies reduced to an accuracy have it at the first and the last rate.
+    Raises CaseError if the case has no spin, and as for `modes_case`.
     """
     check_drawing(case)
     warn_of_units(case)
@@ -188,9 +188,9 @@ def campbell_case(
 
 
 def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes: int, time: float) -> System:
-    """The machine with its bodies reduced so far that its modes at some spins keep to their accuracy.
+    """The machine with bodies reduced to the accuracy of its modes at some spins.
 
-    Of frequencies that is the relative accuracy, or a thousandth where it is a length.
+    For frequencies this is the relative accuracy, or a thousandth if it is a length.
     """
 
     def look(reduced: System, fulls: Mapping[str, FullBody]) -> dict[str, MotionOutsideBasis]:
@@ -199,12 +199,12 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
             linear = linearize(reduced, time=time, spin=spin, fulls=fulls)
             if not isinstance(linear, LinearMachine):
                 raise CaseError(
-                    f"{case.path}: beside a body with all its freedoms no reduction corrects itself "
+                    f"{case.path}: beside a full body no reduction corrects itself "
                     f"for modes: give body '{next(iter(fulls))}' a basis of fixed size, or none too"
                 )
             if linear.is_in_space:
                 raise CaseError(
-                    f"{case.path}: the machine is seen in axes that stand, where the error of a basis is not "
+                    f"{case.path}: the machine is linearised in standing axes, where basis errors are not "
                     f"known: give body '{next(iter(fulls))}' a basis of fixed size (remove accuracy)"
                 )
             error = machine_modes(linear, n_modes).error
@@ -229,14 +229,14 @@ def _accurate(case: Case, system: System, spins: Sequence[Spin | None], n_modes:
 
 
 def _known(errors: np.ndarray | None) -> list[list[float | None]] | None:
-    """Numbers over speed, None where they are not known."""
+    """Numbers over speed, None if unknown."""
     if errors is None:
         return None
     return [[float(each) if np.isfinite(each) else None for each in row] for row in errors]
 
 
 def _shown(case: Case, frequencies: np.ndarray) -> np.ndarray:
-    """In Hz where the unit of time is stated, else one over it."""
+    """Frequencies in Hz if the unit of time is known, else one over it."""
     return np.asarray(frequencies) / (2 * np.pi) * case.units.frequency_shown.factor
 
 
@@ -284,7 +284,7 @@ def _numbers(case: Case, modes: MachineModes) -> dict[str, Any]:
 
 
 def _drawn(modes: MachineModes) -> list[int]:
-    """Numbers of the modes whose shapes are shown."""
+    """Numbers of the modes whose shapes are drawn."""
     wrong = np.zeros(len(modes.eigenvalues)) if modes.error is None else modes.error.relative
     return np.flatnonzero(wrong < LARGEST_ERROR).tolist()
 

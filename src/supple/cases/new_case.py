@@ -1,4 +1,4 @@
-"""A commented case file for a mesh: a start that runs, with every guess marked."""
+"""A commented case file for a mesh: a first case that runs, with every guess marked."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ __all__ = ["write_new_case"]
 
 
 def write_new_case(mesh_file: Path, path: Path) -> None:
-    """Write a case of one body to `path`: held at the first node set of its mesh, bent by gravity.
+    """Write a case of one body to `path`: fixed at the first node set of its mesh, bent by gravity.
 
-    Material, thickness and units are guesses, each marked; of a deck with properties they are the deck's.
+    Material, thickness and units are guesses, each marked; for a deck with properties they are the deck's.
 
     Raises
     ------
-    ArgumentError       a file that is there already
+    ArgumentError       a file that exists already
     ImportFormatError, MeshError    a mesh that cannot be read
     ResultFileError     a file that cannot be written
     """
     if path.exists():
-        raise ArgumentError(f"{path} is there already: give another name (-o), or remove it")
+        raise ArgumentError(f"{path} exists already: give another name (-o), or remove it")
     model = _read(mesh_file)
     text = _case(re.sub(r"[^\w-]", "_", mesh_file.stem), path_from(path.parent, mesh_file), model)
     with file_errors("write", path):
@@ -39,7 +39,7 @@ def write_new_case(mesh_file: Path, path: Path) -> None:
 
 @dataclass(frozen=True)
 class _Model:
-    """What is known of a body from its file."""
+    """Data of a body from its file."""
 
     size: float
     sets: Sequence[str]
@@ -60,7 +60,7 @@ def _read(file: Path) -> _Model:
 
 
 def _places(sets: Mapping[str, np.ndarray], n_nodes: int) -> list[str]:
-    """Names of the sets that may be held or watched: of less than half of the nodes."""
+    """Names of the sets for supports or output, with less than half of the nodes."""
     return [name for name, nodes in sets.items() if 0 < len(nodes) < n_nodes / 2]
 
 

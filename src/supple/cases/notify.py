@@ -6,10 +6,10 @@ from typing import Any, Protocol
 
 
 class Notify(Protocol):
-    """Called at the long steps of a build, whose length is not known."""
+    """Called at the long steps of a build, whose duration is unknown."""
 
     def __call__(self, step: str, detail: str = "", /) -> None:
-        """A step begins; or, of the step that goes on, how far it has come."""
+        """A step begins; or, with the same step, its progress."""
         ...
 
 

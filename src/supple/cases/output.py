@@ -1,4 +1,4 @@
-"""What is printed and drawn of a run besides its result file."""
+"""Output of a run besides its result file: tables, pictures, report."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class FilmTable(
         ),
     )
 ):
-    """Which output times an animation shows, how fast, and in which format."""
+    """Output times, speed and format of an animation."""
 
     format: Literal["gif", "mp4"] = Field("gif", description="mp4 needs pip install 'supple[film]'")
 
@@ -75,7 +75,7 @@ class Output(CheckedTable):
 
     @property
     def view(self) -> View:
-        """From where, and with what enlargement, machines are drawn."""
+        """Camera and enlargement of pictures."""
         return View(None if self.camera is None else self.camera.build(), self.enlargement)
 
 

@@ -1,4 +1,4 @@
-"""Paths of a case file's numbers: `load[0].law.amplitude`, `joint.shaft.law.speed`, `gravity[2]`."""
+"""Paths to the numbers of a case file: `load[0].law.amplitude`, `joint.shaft.law.speed`, `gravity[2]`."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ _PART = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
 
 
 def parameter_path(text: str, raw: Raw) -> KeyPath:
-    """Where a path leads in the tables of a case: keys, and positions from 0.
+    """The keys and positions (from 0) of a path in the tables of a case.
 
-    Items of an array are named by their position, `load[0]`, or by their name, `body.blade`; joints without
-    a name by their label. The last key need not be there: it has a default.
+    Items of an array are given by their position, `load[0]`, or by their name, `body.blade`; joints without
+    a name by their label. The last key may be missing: it has a default.
 
     Raises
     ------
-    CaseError   a path that leads nowhere
+    CaseError   a path that does not exist
     """
     words = _words(text)
     place: KeyPath = ()
@@ -46,7 +46,7 @@ def parameter_path(text: str, raw: Raw) -> KeyPath:
 
 
 def number_at(place: KeyPath, raw: Raw) -> float | None:
-    """The number at a place of a case; None where there is none."""
+    """The number at a path of a case; None if there is none."""
     found: Any = raw
     for key in place:
         found = found.get(key) if isinstance(found, Mapping) else found[key]
@@ -54,7 +54,7 @@ def number_at(place: KeyPath, raw: Raw) -> float | None:
 
 
 def with_value(raw: Any, place: KeyPath, value: Any) -> Any:
-    """The tables with another value at a place; what does not lead there is shared, not copied."""
+    """The tables with another value at a path; unchanged parts are shared, not copied."""
     if not place:
         return value
     key, *rest = place
@@ -69,13 +69,13 @@ def _words(text: str) -> list[str | int]:
         part = _PART.match(text, at)
         if part is None or (at == 0 and text.startswith((".", "["))):
             raise CaseError(
-                f"{text!r} is no path of a case file, such as joint.shaft.law.speed or load[0].vector[2]"
+                f"{text!r} is not a path of a case file, such as joint.shaft.law.speed or load[0].vector[2]"
             )
         name, number = part.groups()
         words.append(name if number is None else int(number))
         at = part.end()
     if not words:
-        raise CaseError("an empty path is no key of a case file; give one such as joint.shaft.law.speed")
+        raise CaseError("an empty path is not a key of a case file; give one such as joint.shaft.law.speed")
     return words
 
 

@@ -1,4 +1,4 @@
-"""Numbers of a case that an exported machine may change, by names."""
+"""Named numbers of a case that an exported machine may change."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["RULES", "ParameterTable"]
 
 
 class ParameterTable(CheckedTable):
-    """A number of the case under a name."""
+    """A named number of the case."""
 
     name: str = Field(description="of the variable in the FMU")
     path: str = Field(description="key that has the number, such as load[0].law.amplitude")
@@ -33,7 +33,7 @@ def _lead_to_numbers(raw: Raw) -> Mistakes:
         if number_at(there, raw) is None:
             yield (
                 (*place, "path"),
-                f"{path} is no number of this file; write it there, also where it is the default",
+                f"{path} is not a number in this file; write it there, even if it is the default",
             )
 
 

@@ -1,4 +1,4 @@
-"""From a TOML file to a checked case: every mistake at once, each with its line and remedy."""
+"""Reading of a TOML file as a checked case: all mistakes at once, each with its line and remedy."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ __all__ = ["read_case"]
 _Root = TypeVar("_Root", bound=CheckedTable)
 
 LARGEST = 1e60
-"""Of any number: powers and products of a few such numbers still are numbers."""
+"""Largest number: powers and products of a few such numbers do not overflow."""
 DEEPEST = 20
-"""Tables and lists within each other; those of a case nest six deep."""
+"""Largest nesting of tables and lists; those of a case nest six deep."""
 
 
 @checked_arguments
@@ -61,13 +61,13 @@ def read_case(path: str | Path, notify: Notify = silent) -> Case:
         raise CaseError(listed_mistakes(path, lines, unusable))
     try:
         tables.simulation.build()
-    except ValueError as error:  # of the numbers of the run together
+    except ValueError as error:  # from the numbers of the run in combination
         raise CaseError(listed_mistakes(path, lines, [(("simulation",), str(error))])) from error
     return Case(path, text, tables, lines, notify)
 
 
 def _unusable_parts(tables: CaseTables, folder: Path) -> Iterator[tuple[KeyPath, str]]:
-    """What joints, springs and elements find wrong with their numbers, which depend on no mesh."""
+    """Errors of joints, springs and elements in their numbers, which need no mesh."""
     for section in ("joint", "spring", "element"):
         for number, each in enumerate(getattr(tables, section)):
             try:
@@ -81,10 +81,10 @@ def checked_file(
     root: type[_Root],
     completed: Callable[[Raw], tuple[Raw, Sequence[tuple[KeyPath, str]]]],
 ) -> tuple[str, _Root, LineIndex]:
-    """The text of a case file, its tables, and the way back to its lines.
+    """The text of a case file, its tables, and their lines.
 
     root : the table of the whole file
-    completed : from what the TOML reader returns to what the schema sees, with the mistakes that rules find
+    completed : function from the raw TOML tables to those for the schema, with the mistakes found by rules
 
     Raises
     ------
@@ -93,7 +93,7 @@ def checked_file(
     text, raw = raw_tables(path)
     lines = index_lines(text)
     beyond = list(values_beyond_any_use(raw))
-    if beyond:  # no rule is written for these
+    if beyond:  # the rules do not handle these
         raise CaseError(listed_mistakes(path, lines, beyond))
     raw, mistakes = completed(raw)
     tables, mistakes = checked(root, raw, mistakes)
@@ -110,18 +110,18 @@ def raw_tables(path: Path) -> tuple[str, Raw]:
 
 def _text(path: Path) -> str:
     try:
-        # A byte-order mark, which some editors write, is no part of the text.
+        # A byte-order mark, which some editors write, is not part of the text.
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise CaseError(f"cannot read the case file {path}: {error.strerror}; check the path") from error
     except UnicodeDecodeError as error:
-        raise CaseError(f"{path} is not a text file in UTF-8; is it a case file (.toml)?") from error
+        raise CaseError(f"{path} is not a text file in UTF-8; give a case file (.toml)") from error
     except ValueError as error:
         raise CaseError(f"cannot read the case file {str(path)!r}: {error}; check the path") from error
 
 
 def _raw(path: Path, text: str) -> dict[str, Any]:
-    """The tables of the text, which do not nest too deep."""
+    """The tables of the text; CaseError for excessive nesting."""
     try:
         raw = tomllib.loads(text)
     except ValueError as error:  # not TOML, or a number of thousands of digits
@@ -132,14 +132,14 @@ def _raw(path: Path, text: str) -> dict[str, Any]:
         raw = None
     if raw is None or _depth(raw) > DEEPEST:
         raise CaseError(
-            f"{path}: its tables and lists nest more than {DEEPEST} deep, and no key of a case does; is a "
-            "bracket repeated?"
+            f"{path}: its tables and lists nest more than {DEEPEST} deep, as no key does; remove a "
+            "repeated bracket"
         )
     return raw
 
 
 def _depth(raw: dict[str, Any]) -> int:
-    """How deep tables and lists nest, level by level: recursion could end before they do."""
+    """Nesting of tables and lists, level by level, as recursion could overflow."""
     depth, level = 0, [raw]
     while level and depth <= DEEPEST:
         depth += 1

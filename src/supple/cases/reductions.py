@@ -1,4 +1,4 @@
-"""The reduction of a body: a basis of fixed size, or the start of one that corrects itself."""
+"""The reduction of a body: a basis of fixed size, or the start of a self-correction."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ DEFAULT_ACCURACY = 1e-3
 FIRST_MODES = 5
 FIRST_DERIVATIVES = 5
 CANDIDATES_PER_MODE = 5
-"""Modes to select among, for each one kept."""
+"""Candidate modes per kept mode."""
 
 Report = Callable[[str], None]
-"""Called with the progress of a search for the number of modes, in words."""
+"""Called with descriptions of the progress of a search for the number of modes."""
 
 
 _COUNT = Annotated[int, Field(ge=1)]
@@ -62,7 +62,7 @@ def derivative_choice(table: Made | None) -> DerivativeChoice:
 
 
 class Accuracy(CheckedTable):
-    """The error down to which a reduction corrects itself; 1e-3 relative if neither is given."""
+    """The target error of a self-correction; 1e-3 relative by default."""
 
     relative: Positive | None = Field(
         None,
@@ -78,7 +78,7 @@ class Accuracy(CheckedTable):
     )
 
     def target(self, quantity: QuantityOfInterest | None = None) -> SelfCorrection:
-        """The error to reach, and how to get there; quantity is that of the table `of`."""
+        """The target error and its settings; quantity is that of the table `of`."""
         given: dict[str, Any] = self.model_dump(exclude={"of"}) | {"of": quantity}
         if self.relative is None and self.absolute is None:
             given["relative"] = DEFAULT_ACCURACY
@@ -86,7 +86,7 @@ class Accuracy(CheckedTable):
 
 
 class Basis(Made):
-    """How a body is reduced."""
+    """The reduction of a body."""
 
     choice = "basis"
 
@@ -103,19 +103,19 @@ class FullOrder(Basis):
 
 
 class Correctable(Basis):
-    """A basis that corrects itself where it is to reach an accuracy; else its size is fixed."""
+    """A basis that corrects itself if given an accuracy; otherwise its size is fixed."""
 
     derivatives: Derivatives | None = None
     accuracy: Accuracy | None = None
     condensed: bool | None = _CONDENSED
 
     def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
-        """The linear columns; of those to start with, where no number is given."""
+        """The linear columns; those of the start if no number is given."""
         return self.build()
 
     @property
     def corrects_itself(self) -> bool:
-        """True of a basis that is to reach an accuracy."""
+        """True for a basis with an accuracy."""
         return self.accuracy is not None
 
 
@@ -135,7 +135,7 @@ class Sized(Correctable):
         return self.accuracy is not None or self.modes is None
 
     def recipe(self, _report: Report | None = None) -> LinearBasisRecipe:
-        """The linear columns; of those to start with, where no number is given."""
+        """The linear columns; those of the start if no number is given."""
         columns = self.build()
         return columns if self.corrects_itself or not self.steady else reduction.SteadyLoads(columns)
 
@@ -193,7 +193,7 @@ class ErrorControlled(Basis):
     """The lowest vibrations of the free body, each eigenvalue proven to be within a tolerance."""
 
     basis: Literal["error-controlled"]
-    # The lower end is what round-off leaves, as in supple.reduction.
+    # The lower limit is due to round-off, as in supple.reduction.
     tolerance: float = Field(
         ge=1e-7, lt=1.0, description="largest relative error of the eigenvalues, such as 1e-3 for 0.1 %"
     )
@@ -205,7 +205,7 @@ class ErrorControlled(Basis):
     condensed: bool | None = _CONDENSED
 
     def recipe(self, report: Report | None = None) -> LinearBasisRecipe:
-        """The linear columns, whose number a search finds."""
+        """The linear columns, whose number is found by a search."""
         progress = None if report is None else lambda step: report(search_words(step.n_modes, step.largest))
         vibrations = reduction.ErrorControlled(self.tolerance, self.modes, progress=progress)
         return reduction.AttachmentModes(vibrations) if self.attachment_modes else vibrations
@@ -240,16 +240,16 @@ Reduction = Annotated[
 def reduction_start(
     given: Basis | None, body: FlexibleBody, quantity: QuantityOfInterest | None = None
 ) -> ReductionStart:
-    """Where the reduction of a body starts that corrects itself, and where it may stop.
+    """Start and end of the self-correction of a body's reduction.
 
-    quantity : whose error is to be reached; the positions of all nodes if None
-    given : its table; None for constraint modes and fixed-interface modes, or modes where it has no interface
+    quantity : quantity whose error is limited; the positions of all nodes if None
+    given : its table; None for constraint modes and fixed-interface modes, or modes without interfaces
     """
     if given is None and body.interfaces:
         given = CraigBampton.model_validate({"basis": "craig-bampton"})
     elif given is None:
         given = NormalModes.model_validate({"basis": "normal-modes"})
-    assert isinstance(given, Correctable)  # the others have no start
+    assert isinstance(given, Correctable)  # other bases do not correct themselves
     derivatives = derivative_choice(given.derivatives)
     if given.derivatives is None and not body.is_linear:
         derivatives = reduction.CompressedDerivatives(FIRST_DERIVATIVES)
@@ -259,15 +259,15 @@ def reduction_start(
 
 
 def _bases_have_interfaces(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule that static shapes need a place for their forces."""
+    """The rule that static shapes need an interface for their forces."""
     basis = table(body, "reduction").get("basis")
     if basis in _NEED_INTERFACES and is_elastic(body) and not names(body, "interface"):
-        message = f'{basis} needs an interface; add [[body.interface]], or take basis = "normal-modes"'
+        message = f'{basis} needs an interface; add [[body.interface]], or use basis = "normal-modes"'
         yield (*path, "reduction", "basis"), message
 
 
 def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule on the modes that a selection chooses among."""
+    """The rule on the candidate modes of a selection."""
     given = table(body, "reduction")
     candidates, modes, place = given.get("candidates"), given.get("modes"), (*path, "reduction", "candidates")
     if not isinstance(candidates, int):
@@ -283,10 +283,10 @@ def _selections_have_candidates(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule that a reduction has a fixed size, or corrects itself, then with a damping of full bodies."""
+    """The rule that a reduction has a fixed size, or corrects itself with a damping for full bodies."""
     given = table(body, "reduction")
     if not is_elastic(body) or "condense" in body or given.get("basis") in ("none", "error-controlled"):
-        return  # which have one size
+        return  # of fixed size
     accuracy = given.get("accuracy")
     if {"relative", "absolute"} <= table(given, "accuracy").keys():
         message = "give the error either as relative or as absolute (a length), not both"
@@ -307,7 +307,7 @@ def _sizes_are_fixed_or_corrected(path: KeyPath, body: Raw) -> Mistakes:
 
 
 def _nonlinear_options_have_strains(path: KeyPath, body: Raw) -> Mistakes:
-    """The rule that modal derivatives come from quadratic strains, and modal damping from modes."""
+    """The rule that modal derivatives need quadratic strains, and modal damping needs modes."""
     given, kind = table(body, "reduction"), kind_of(body)
     linear = body.get("linear") is True or (kind is not None and kind.is_elastic and not kind.has_elements)
     if linear and table(given, "derivatives").get("kind") in ("compressed", "picked"):

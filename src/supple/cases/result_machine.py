@@ -1,4 +1,4 @@
-"""The machine that a result file is of, from the case file it was run from and the bodies beside it."""
+"""The machine of a result file, from its case file and the bodies beside it."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ from supple.storage.run_inputs import Inputs, changes
 __all__ = ["CASE_FILE", "ResultMachine", "path_from", "result_machine"]
 
 CASE_FILE = "case file"
-"""Of the metadata of a result file: the case file, seen from the folder of the result."""
+"""Key in the metadata of a result file: its case file, relative to the folder of the result."""
 
 _READ_AFTERWARDS = ("sensor", "order of sensor", "parameter", "order of parameter", "error")
-"""Beginnings of the names of inputs that no motion depends on."""
+"""Prefixes of inputs that no motion depends on."""
 
 
 @dataclass(frozen=True, eq=False)
 class ResultMachine:
-    """A run on disk, and what it is of.
+    """A run in a file, and its machine.
 
-    system : without controllers, bodies as they were simulated, placed as the case places them
+    system : without controllers, with bodies as simulated, placed as in the case
     """
 
     case: Case
@@ -48,7 +48,7 @@ class ResultMachine:
 
 
 def path_from(folder: Path, path: Path) -> str:
-    """A path as it is seen from a folder; the whole path on another drive."""
+    """A path relative to a folder; the absolute path on another drive."""
     try:
         return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
     except ValueError:
@@ -56,14 +56,15 @@ def path_from(folder: Path, path: Path) -> str:
 
 
 def result_machine(path: Path, case_file: Path | None = None, notify: Notify = silent) -> ResultMachine:
-    """The machine of a result file that `supple run` wrote; nothing is written.
+    """The machine of a result file written by `supple run`; nothing is written.
 
-    case_file : where its case file is now; where it was when it was run, seen from the result, when None
+    case_file : present path of its case file; by default the path of the run, relative to the result
 
     Raises
     ------
-    ResultFileError     no result; of a run without a case file; reduced bodies that are not beside it; whose
-                        case or files have changed since, but for its sensors
+    ResultFileError     no result; a run without a case file; missing reduced bodies; a case or files that
+    have
+                        changed since, except for its sensors
     errors of `read_case` and of building its machine
     """
     header = read_header(path)
@@ -72,7 +73,7 @@ def result_machine(path: Path, case_file: Path | None = None, notify: Notify = s
     changed = changes(*(_of_motion(inputs, same_text) for inputs in (header.inputs, case.inputs)))
     if changed:
         raise ResultFileError(
-            f"{path} does not match {case.path} ({changed}): run the case again, or name the case "
+            f"{path} does not match {case.path} ({changed}): run the case again, or give the case "
             "file it was run from (--case)"
         )
     system = _as_simulated(case, path)
@@ -85,17 +86,17 @@ def _case_path(path: Path, header: ResultHeader, given: Path | None) -> Path:
         return given
     named = header.metadata.get(CASE_FILE)
     if named is None:
-        raise ResultFileError(f"{path} has no name of its case file: give it (--case FILE)")
+        raise ResultFileError(f"{path} does not contain the name of its case file: give it (--case FILE)")
     found = path.resolve().parent / str(named)
     if not found.is_file():
         raise ResultFileError(
-            f"{path} was run from {found}, which is not there now: name its case file (--case FILE)"
+            f"{path} was run from {found}, which no longer exists: give its case file (--case FILE)"
         )
     return found
 
 
 def _of_motion(inputs: Inputs, same_text: bool) -> Inputs:
-    """What the motion depends on: of a case whose text is the same its files alone, for keys may be new."""
+    """Inputs of the motion: for a case with unchanged text only its files, as keys may be new."""
     if same_text:
         return {name: value for name, value in inputs.items() if name.startswith(FILE)}
     return {name: value for name, value in inputs.items() if not name.startswith(_READ_AFTERWARDS)}
@@ -126,7 +127,7 @@ def _kept(placed: Placed, path: Path) -> Placed:
     kept = kept_path(path.parent, placed.body.name)
     if not kept.exists():
         raise ResultFileError(
-            f"{kept} is missing: the motion in {path} is of this reduced body; bring it back, or run the "
+            f"{kept} is missing: the motion in {path} needs this reduced body; restore it, or run the "
             "case again"
         )
     return replace(
@@ -138,7 +139,7 @@ def _kept(placed: Placed, path: Path) -> Placed:
 
 
 def _with_recorded_modes(placed: Placed, path: Path) -> Placed:
-    """With as many modes as its run found to be enough, which tried twice as many each time."""
+    """The body with the number of modes found by its run, which doubled it at each trial."""
     (instant,) = ResultParts(path, [0])
     recorded = instant.motion(placed.body.name, FramedMotion).coordinates.shape[1]
     number, whole = FEWEST, with_modes(placed, None)

@@ -1,4 +1,4 @@
-"""What a table of a run holds: its sensors, the forces of its joints, the places it tracks, its energies."""
+"""Content of the table of a run: sensors, joint forces, tracked places, energies."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ __all__ = ["recorded_quantities"]
 
 
 def recorded_quantities(case: Case, system: System) -> tuple[Quantity, ...]:
-    """All that a table holds, by names that differ.
+    """All quantities of a table, with unique names.
 
-    Sensors have their own names; then `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` of tracked
-    places of bodies that deform, and `energy`. A sensor of such a name stands in its place.
+    Sensors have their own names; then `joint NAME`, `position BODY.PLACE`, `deflection BODY.PLACE` for
+    tracked places of deformable bodies, and `energy`. A sensor with such a name replaces the default
+    quantity.
     """
     sensors = {sensor.name: sensor for sensor in case.sensors}
     others: list[Quantity] = [JointForceSensor(f"joint {joint.name}", joint.name) for joint in system.joints]

@@ -1,4 +1,4 @@
-"""Run a case: simulate it, keep every step on disk, draw it, and report its numbers."""
+"""Run of a case: simulation, result file, pictures and report."""
 
 from __future__ import annotations
 
@@ -43,12 +43,12 @@ __all__ = ["CaseResult", "run_case"]
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:
-    """What the run of a case came to.
+    """The results of the run of a case.
 
-    system : System             with its bodies reduced as far as their accuracy allows
-    rounds : of its self-correction in numbers, as `correction_numbers` gives them
-    tracked : motions of the places that the case tracks, by their names there
-    numbers : of the run, as `summarize` gives them
+    system : System             with its bodies reduced to their accuracy
+    rounds : rounds of its self-correction as numbers, from `correction_numbers`
+    tracked : motions of the tracked places of the case, by their names there
+    numbers : of the run, from `summarize`
     """
 
     system: System
@@ -73,22 +73,22 @@ def run_case(
 
     Parameters
     ----------
-    folder : made if it is not there; nobody else writes to it meanwhile
-    resume : continue the result file of a run that was cut off, instead of starting anew
-    force : replace the result that is there; otherwise one that is finished or was cut off is an error
-    strict : a motion beyond what a body's kinematics can describe is an error
-    errors : state how wrong the run is, which takes two more runs unless the case states otherwise;
-        without, an accuracy is that of the basis alone; nothing is known of the error of an explicit march
-    allow_code : run the Python file of `control`, if the case names one
+    folder : created if missing; no other process may write to it meanwhile
+    resume : continue the result file of an interrupted run, instead of starting a new one
+    force : replace existing results; otherwise finished or interrupted runs there are an error
+    strict : a motion beyond the limits of a body's kinematics is an error
+    errors : estimate the error of the run, which takes two more runs unless the case sets otherwise;
+        without, an accuracy is that of the basis alone; the error of an explicit run is unknown
+    allow_code : run the Python file of `control`, if the case has one
 
     Raises
     ------
-    SelfCorrectionError     an error was not met: what was reached, and the file of the best round
+    SelfCorrectionError     an error that was not reached: its value, and the file of the best round
     CaseError               --resume and --force at once; a file that changed while the case was read; a
                             controller without `allow_code`, or in a case that corrects itself
     ResultFileError         a result that would be lost; a result file that cannot be written or continued, or
                             whose case or files have changed since; another run that writes to the folder
-    SuppleError             whatever the build and the simulation find wrong; what was computed is kept
+    SuppleError             errors of the build and the simulation; the results until then are stored
     """
     if resume and force:
         raise CaseError("--resume continues a result and --force replaces it: give one of them")
@@ -126,7 +126,7 @@ def _run_case(
 ) -> CaseResult:
     warn_of_units(case)
     inputs = case.inputs
-    # Faults of sensors are reported before the run, not after it.
+    # Errors of sensors are reported before the run, not after it.
     _ = case.system, case.sensors
     if changed := changes(inputs, case.inputs):
         raise CaseError(f"{case.path} was changed while it was read ({changed}): run it again")
@@ -134,7 +134,7 @@ def _run_case(
         warn_of_missing_modes(case.system, case.run.times, case.flexible[body.name], body, case.units)
     rounds: list[Round] = []
     if not resume:
-        # Were this run stopped, the numbers of the one before would stand beside its motion.
+        # If this run were interrupted, the results of the one before would be beside its motion.
         report_path(case, folder).unlink(missing_ok=True)
 
     def known(system: System, solution: Solution) -> None:
@@ -164,7 +164,7 @@ def _run_case(
     except SelfCorrectionError:
         _write_report(case, folder, correction_numbers(rounds), {})
         if rounds and case.tables.output.pictures:
-            # Imported here: a run without pictures does not wait for the drawing library.
+            # Imported here: a run without pictures need not load the drawing library.
             from supple.viz import plot_rounds
 
             plot_rounds(folder / ROUNDS_PICTURE, correction_numbers(rounds), units=case.units)
@@ -204,7 +204,7 @@ def _warn_of_damping(case: Case, system: System) -> None:
 
 
 def _tracked(case: Case, system: System, solution: Solution) -> dict[str, TrackedMotion]:
-    """Motions of the places that the case tracks."""
+    """Motions of the tracked places of the case."""
     places = {name: case.place(name) for name in case.parts.output.track}
     return tracked_places(system, solution, places, case.bases)
 
@@ -213,7 +213,7 @@ def _write_readings(case: Case, folder: Path, readings: Readings) -> None:
     """Write the readings of the sensors, and draw them unless pictures are off."""
     if not readings:
         return
-    # Imported here: a run without sensors does not wait for all that writes files of other programs.
+    # Imported here: a run without sensors need not load the writers for other programs.
     from supple.export import write_readings
 
     for path in readings_paths(folder):
@@ -236,7 +236,7 @@ def _simulated(
     allow_code: bool,
     progress: StepProgress,
 ) -> tuple[System, Solution]:
-    """The motion, and the system it is of; rounds of a self-correction are added as they are finished.
+    """The motion and its system; rounds of a self-correction are appended as they finish.
 
     known : called with both before their error is estimated
     """
@@ -278,6 +278,6 @@ def _metadata(case: Case, folder: Path) -> dict[str, str]:
 def _write_report(
     case: Case, folder: Path, rounds: Sequence[Mapping[str, Any]], numbers: Mapping[str, Any]
 ) -> None:
-    """Write the numbers of a run."""
+    """Write the results of a run as JSON."""
     report = {"title": case.title, "self_correction": rounds, **numbers}
     write_json(report_path(case, folder), report)

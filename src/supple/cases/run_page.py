@@ -1,4 +1,4 @@
-"""The page of a run for a browser, by the settings of its case."""
+"""The HTML report of a run, with the settings of its case."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ __all__ = ["case_texts", "coloured_elements", "page_looks", "page_path", "write_
 
 
 def page_path(folder: Path) -> Path:
-    """The file of the page of a run."""
+    """The file of the report of a run."""
     return folder / "report.html"
 
 
 def page_looks(case: Case) -> Mapping[str, Mesh | FiniteElementModel]:
-    """What a page draws bodies by: as pictures do, and beams of unknown sections as lines."""
+    """Meshes or elements of bodies in the report: as for pictures, beams of unknown section as lines."""
     return {**case.meshes, **{name: look for name, look in case.drawn.items() if look is not None}}
 
 
 def coloured_elements(case: Case, system: System) -> Mapping[str, FiniteElementModel] | None:
-    """Elements whose stress colours bodies, if the case selects it; what has no frame does not deflect."""
+    """Elements whose stress colours bodies, if selected by the case or needed without a deflection."""
     framed = all(placed.body.has_frame for placed in system.bodies)
     return case.elements if case.tables.output.colour == "von-mises" or not framed else None
 
@@ -47,7 +47,7 @@ def write_run_page(
     inputs: Inputs,
     progress: StepProgress,
 ) -> None:
-    """Write `report.html`, unless the case does without."""
+    """Write `report.html`, unless switched off in the case."""
     if not case.tables.output.report:
         return
     from supple.report import write_report
@@ -72,6 +72,6 @@ def write_run_page(
 
 
 def case_texts(case: Case, inputs: Inputs) -> dict[str, str]:
-    """The case file as it stands, and digests of the files it names, as they were when it was read."""
+    """The text of the case file, and digests of its files, as they were when it was read."""
     listed = [f"{name}  {value}" for name, value in inputs.items() if name.startswith(FILE)]
     return {case.path.name: case.text} | ({"files that it names": "\n".join(listed)} if listed else {})

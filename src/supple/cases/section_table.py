@@ -1,4 +1,4 @@
-"""A slender body from a section table: no mesh; its stations are the body."""
+"""A slender body from a section table, without a mesh; its stations define the body."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _is_a_line(path: KeyPath, body: Raw) -> Mistakes:
         return
     name = body.get("section_table")
     if isinstance(name, str) and Path(name).suffix.lower() not in SECTION_SUFFIXES:
-        message = f"{name!r} is no section table: it is one of {', '.join(SECTION_SUFFIXES)}"
+        message = f"{name!r} is not a section table: give one of {', '.join(SECTION_SUFFIXES)}"
         yield (*path, "section_table"), message
     if is_condensed(body):
         yield from _interfaces_are_stations(path, body)
@@ -49,9 +49,9 @@ def _interfaces_are_stations(path: KeyPath, body: Raw) -> Iterator[tuple[KeyPath
             if own is not None:
                 yield (*place, "node_indices"), f"{name!r} is an end of the line; remove the key"
         elif not isinstance(own, list) or len(own) != 1:
-            yield place, "an interface between the ends is one station: node_indices = [NUMBER], root 0"
+            yield place, "an interface between the ends is one station: give node_indices = [NUMBER], root 0"
         elif isinstance(last, int) and isinstance(own[0], int) and not 0 <= own[0] < last:
-            message = f"station {own[0]} is not there: they go from 0, the root, to {last - 1}"
+            message = f"station {own[0]} does not exist: give one from 0, the root, to {last - 1}"
             yield (*place, "node_indices"), message
 
 

@@ -19,19 +19,19 @@ from supple.machine import At, ForceElement, as_end
 
 
 class SensedCase(NamedTuple):
-    """What sensors find in a case."""
+    """Parts of a case for sensors."""
 
     place: Callable[[str], quantities.Place]
-    """Of BODY.PLACE"""
+    """Finds a place from BODY.PLACE"""
     bases: Mapping[str, At]
-    """Interfaces from which the parts of split bodies are seen."""
+    """Reference interfaces of the parts of split bodies."""
     elements: Mapping[str, FiniteElementModel]
     springs: Mapping[str, ForceElement]
-    """Those that have a name."""
+    """Springs and elements with names."""
 
 
 class SensorTable(Made):
-    """The keys of all sensors."""
+    """The keys common to all sensors."""
 
     name: str = Field(description="its columns are NAME.x, NAME.Fx, NAME.angle, ...")
 
@@ -40,7 +40,7 @@ _Component = Literal["von-mises", "principal", "xx", "yy", "zz", "yz", "xz", "xy
 
 
 class _Deflection(SensorTable):
-    """How a place is deflected."""
+    """Deflection of a place."""
 
     kind: Literal["deflection"]
     at: PlaceOf = Field(description="BODY.INTERFACE, or the mean of BODY.NODE_SET")
@@ -77,7 +77,7 @@ class TensorSensor(SensorTable):
 
     @property
     def _component(self) -> str:
-        """A component stood in `measure` before sets had one."""
+        """The component; older files have it in `measure`."""
         stated = None if self.measure in _OVER else self.measure
         return self.component or stated or "von-mises"
 

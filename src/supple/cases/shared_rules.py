@@ -1,4 +1,4 @@
-"""What several sections of a case share: types of keys that name places and files, rules on names."""
+"""Rules and types common to several sections: keys with places and files, names."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ End = Annotated[str, "ground"]
 InterfaceOf = Annotated[str, "interface"]
 PlaceOf = Annotated[str, "node set"]
 FileName = Annotated[str, "file"]
-"""What a key names, and what it may name besides an interface."""
+"""Kind of place of a key, besides an interface."""
 
 BODY_AXIS = ConfigDict(
     json_schema_extra={
@@ -21,16 +21,16 @@ BODY_AXIS = ConfigDict(
         }
     }
 )
-"""Of tables whose direction was a key `axis`, which is global everywhere else."""
+"""For tables whose direction had the key `axis`, which is global everywhere else."""
 
 
 def joint_label(kind: object, first: object, second: object) -> str:
-    """What a joint without a name is called: its kind without hyphens, and its ends."""
+    """Label of a joint without a name: its kind without hyphens, and its ends."""
     return f"{str(kind).replace('-', '')} {first} - {second}"
 
 
 def joint_names(raw: Raw) -> list[str]:
-    """What the joints of a case are called."""
+    """Labels of the joints of a case."""
     return [
         str(each.get("name") or joint_label(each.get("kind"), each.get("first"), each.get("second")))
         for _, each in tables(raw, "joint")
@@ -38,7 +38,7 @@ def joint_names(raw: Raw) -> list[str]:
 
 
 def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
-    """The rule that names of bodies, interfaces or joints differ, and can stand in `BODY.INTERFACE`."""
+    """The rule that names of bodies, interfaces or joints are unique, and valid in `BODY.INTERFACE`."""
     taken: set[str] = set()
     for place, item in tables(raw, key, path):
         name = item.get("name")
@@ -49,7 +49,7 @@ def usable_names(raw: Raw, key: str, path: KeyPath = ()) -> Mistakes:
         if "." in name or name == "ground":
             yield (*place, "name"), f"{name!r} cannot be a {key} name: no dots, and not the word ground"
         if not name.isprintable():
-            yield (*place, "name"), f"{name!r} cannot be a {key} name: it holds characters that do not print"
+            yield (*place, "name"), f"{name!r} cannot be a {key} name: it has characters that do not print"
         taken.add(name)
 
 

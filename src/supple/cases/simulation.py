@@ -1,4 +1,4 @@
-"""The span of time of a case, and the steps through it."""
+"""The time span of a case, and its steps."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def output_steps_fill_the_duration(raw: Raw) -> Mistakes:
         return
     path = ("simulation", "output_step")
     intervals = duration / output_step
-    if not intervals <= MOST_OUTPUT_TIMES:  # also of a duration that is no number
+    if not intervals <= MOST_OUTPUT_TIMES:  # also for a duration that is not a number
         yield (
             path,
             f"a duration of {duration} in steps of {output_step} gives more than the {MOST_OUTPUT_TIMES} "

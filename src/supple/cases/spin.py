@@ -1,4 +1,4 @@
-"""The steady rotation of a case, about which its equilibrium and its modes are found."""
+"""The steady rotation of a case, for its equilibrium and its modes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bodies of a case that are split: their tables become those of the parts, and joints between them."""
+"""Split bodies of a case: tables of their parts, and joints between them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ IntArray = NDArray[np.int64]
 
 
 class Split(CheckedTable):
-    """The body as several with a frame each, tied where they meet: for rotations beyond one frame's limit."""
+    """Division of the body into parts with a frame each, tied at their cuts: for large rotations."""
 
     model_config = BODY_AXIS
 
@@ -51,7 +51,7 @@ class Split(CheckedTable):
     )
 
     def division(self) -> Division:
-        """Which cells make which part."""
+        """The assignment of cells to parts."""
         return (
             ByCellSets(self.cell_sets)
             if self.cell_sets is not None
@@ -61,12 +61,12 @@ class Split(CheckedTable):
 
 @dataclass(frozen=True, eq=False)
 class SplitSource:
-    """What a split body is made of.
+    """The sources of a split body.
 
     whole : the body as one
     mesh  : its parts
-    parts : what each of them is made of, by its name; their meshes have node sets `cut-1 of NAME` and so on,
-        or `node-ID of NAME`
+    parts : source of each part, by its name; their meshes have node sets `cut-1 of NAME` and so on, or
+        `node-ID of NAME`
     """
 
     name: str
@@ -75,7 +75,7 @@ class SplitSource:
     parts: Mapping[str, BodySource]
 
     def places(self, nodes: IntArray) -> list[tuple[str, IntArray]]:
-        """Parts that some nodes of the whole lie in, each node counted once, with their numbers there."""
+        """Parts that contain some nodes of the whole, each node counted once, with their numbers there."""
         part = self.mesh.holder(nodes)
         if part is not None:
             return [(part_name(self.name, part), self.mesh.parts[part].numbers(nodes))]
@@ -92,7 +92,7 @@ def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
 
     Raises
     ------
-    MeshError    a part without cells, or that does not hang together; an unknown cell set
+    MeshError    a part without cells, or not connected; an unknown cell set
     ModelError   a connection whose nodes lie in several parts
     """
     assert source.mesh is not None  # a rule of the case file
@@ -102,7 +102,7 @@ def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
     for holder, each in connections:
         if holder is None:
             raise ModelError(
-                f"body '{name}': the nodes of {each.name} lie in several parts; move the cut away from it"
+                f"body '{name}': the nodes of {each.name} are in several parts; move the cut away from it"
             )
     with_cuts = [_with_cuts(part, i, mesh, name) for i, part in enumerate(mesh.parts)]
 
@@ -124,7 +124,7 @@ def split_source(name: str, source: BodySource, split: Split) -> SplitSource:
 
 
 def _with_cuts(part: MeshPart, number: int, mesh: DividedMesh, name: str) -> MeshPart:
-    """A part whose nodes at cuts are node sets."""
+    """A part with node sets at its cuts."""
     cuts = {f"{cut} of {name}": part.numbers(nodes) for cut, nodes in mesh.cut_nodes(number).items()}
     return replace(part, mesh=replace(part.mesh, node_sets={**part.mesh.node_sets, **cuts}))
 

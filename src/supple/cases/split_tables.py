@@ -1,4 +1,4 @@
-"""The tables of a case in which split bodies stand as their parts, tied by fixed joints."""
+"""The tables of a case with the parts of split bodies, tied by fixed joints, in their place."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class _SplitTable:
-    """The table of a split body, and where its interfaces have gone."""
+    """The table of a split body, and the parts of its interfaces."""
 
     body: Body
     source: SplitSource
     holders: Mapping[str, int]
 
     def place(self, text: str) -> str:
-        """`blade.root` as `blade-1.root`; node sets and other bodies as they are."""
+        """`blade.root` as `blade-1.root`; node sets and other bodies unchanged."""
         name, _, interface = text.partition(".")
         if name != self.body.name or interface not in self.holders:
             return text
@@ -45,14 +45,14 @@ class _SplitTable:
 
 
 def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTables:
-    """The case with the parts of split bodies instead of these.
+    """The case with the parts of split bodies in their place.
 
-    Their interfaces, frames, joints, loads and springs go to the part that has them; loads on nodes are
-    shared out; each cut gets a fixed joint.
+    Their interfaces, frames, joints, loads and springs go to the part that contains them; loads on nodes are
+    distributed; each cut gets a fixed joint.
 
     Parameters
     ----------
-    split : of each body that is split, what its parts are made of, by its name
+    split : the sources of each split body, by its name
 
     Raises
     ------
@@ -94,7 +94,7 @@ def with_parts(tables: CaseTables, split: Mapping[str, SplitSource]) -> CaseTabl
 
 
 def _renamed(tables: CaseTables, at_part: Callable[[str, str], str]) -> CaseTables:
-    """The case with every place that it names at the part that has it."""
+    """The case with every place replaced by that of the part that contains it."""
     raw: Any = tables.model_dump(mode="json", exclude_unset=True)
     for (*outer, key), place, word in list(named_in(CaseTables, raw)):
         if word != "file":
@@ -105,7 +105,7 @@ def _renamed(tables: CaseTables, at_part: Callable[[str, str], str]) -> CaseTabl
 
 
 def base_of(body: Body, source: SplitSource) -> At | None:
-    """Where the first interface of a split body is now; None if it has none.
+    """The first interface of a split body, on its part; None if it has none.
 
     Raises
     ------
@@ -117,9 +117,9 @@ def base_of(body: Body, source: SplitSource) -> At | None:
 
 
 def with_damping(body: Body, whole: FlexibleBody) -> Body:
-    """A split body whose damping is the same for all parts: a ratio on modes is one on those of the whole.
+    """A split body with one damping for all parts: a ratio on modes refers to those of the whole.
 
-    A SuppleWarning names where damping by mass acts against the frame of each part instead of the body's.
+    Warns SuppleWarning if mass damping acts relative to the frame of each part instead of the body's.
     """
     damping = body.damping
     if isinstance(damping, RayleighRatio):
@@ -130,8 +130,8 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
         damping = damping.model_copy(update={"held": None})  # an interface of one part alone
     if isinstance(damping, Rayleigh) and damping.alpha > 0:
         warnings.warn(
-            f"body '{body.name}' is split: the part alpha = {damping.alpha:.3g} 1/s of its damping resists "
-            "motion against the frame of each part, so that the lowest modes of the whole are damped less; "
+            f"body '{body.name}' is split: the part alpha = {damping.alpha:.3g} 1/s of its damping acts on "
+            "motion relative to each part's frame, so that the lowest modes of the whole are damped less; "
             "choose beta alone for a damping that does not depend on the frames",
             SuppleWarning,
             stacklevel=2,
@@ -140,9 +140,9 @@ def with_damping(body: Body, whole: FlexibleBody) -> Body:
 
 
 def changed_frequencies(whole: FlexibleBody, split: SplitBody) -> str:
-    """What the ties of a split body change, in a line: its lowest elastic frequencies, free, in per cent.
+    """One line on the changes of a split body's lowest free frequencies by its ties, in per cent.
 
-    A SuppleWarning where one of them changes by 2 % or more.
+    SuppleWarning if one of them changes by 2 % or more.
     """
     changes = ", ".join(f"{100 * change:+.2g}" for change in frequency_changes(whole, split))
     return (
@@ -200,7 +200,7 @@ def _parts(split: _SplitTable) -> Iterator[Body]:
 
 
 def _frame(split: _SplitTable, part: int) -> object:
-    """The frame of a part: fixed to the interface that was named, or to the cut that leads there."""
+    """The frame of a part: fixed to the given interface, or to the cut towards it."""
     frame: Any = split.body.frame
     if not isinstance(frame, NodalFixed):
         return frame
@@ -220,7 +220,7 @@ def _ties(split: _SplitTable) -> Iterator[Joint]:
 
 
 def _places(text: str, split: Mapping[str, _SplitTable]) -> Sequence[tuple[str, float]]:
-    """A place as places of parts, with the share of its nodes that each has."""
+    """A place as places of parts, with the share of its nodes in each."""
     name, _, node_set = text.partition(".")
     if name not in split:
         return [(text, 1.0)]

@@ -1,4 +1,4 @@
-"""What is stated of the error of a case: which parts are estimated, and in which quantities."""
+"""The error estimate of a case: which parts are estimated, and for which quantities."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ OfInterest = Annotated[PositionOf | StressOf | JointForceOf, Field(discriminator
 
 
 class StatedError(CheckedTable):
-    """Which parts of the error of a run are estimated, and in which quantities besides whole bodies."""
+    """Parts of the error of a run to estimate, and quantities besides whole bodies."""
 
     basis: bool | None = Field(
         None,
@@ -73,7 +73,7 @@ class StatedError(CheckedTable):
 
 
 def places_of_interest(raw: Raw) -> Iterator[tuple[KeyPath, Raw]]:
-    """Every table of a quantity of interest, and where it stands."""
+    """Every table of a quantity of interest, with its path."""
     for position, each in enumerate(_listed(table(raw, "error").get("of"))):
         yield ("error", "of", position), each
     for path, body in tables(raw, "body"):
@@ -87,7 +87,7 @@ def _listed(given: Any) -> list[Raw]:
 
 
 def _joints_exist(raw: Raw) -> Mistakes:
-    """The rule that a joint whose force is of interest is there."""
+    """The rule that a joint of a quantity of interest exists."""
     joints = joint_names(raw)
     for path, each in places_of_interest(raw):
         name = each.get("joint")

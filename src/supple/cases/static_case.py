@@ -1,4 +1,4 @@
-"""The equilibrium of a case: where it rests, or how it turns steadily."""
+"""The equilibrium of a case, at rest or in steady rotation."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ __all__ = ["StaticResult", "static_case"]
 
 @dataclass(frozen=True, eq=False)
 class StaticResult:
-    """An equilibrium, the places that the case tracks, and its numbers as `summarize` gives them."""
+    """An equilibrium, the tracked places of the case, and its numbers from `summarize`."""
 
     found: Equilibrium
     tracked: Mapping[str, TrackedMotion]
@@ -40,7 +40,7 @@ class StaticResult:
 
 
 def spin_of(case: Case) -> Spin | None:
-    """The steady rotation that the case names; its bodies with their parts, where they are split."""
+    """The steady rotation of the case; split bodies are replaced by their parts."""
     spin = case.tables.spin
     if spin is None:
         return None
@@ -53,14 +53,14 @@ def spin_of(case: Case) -> Spin | None:
 
 
 def analysed_system(case: Case, *, allow_code: bool) -> System:
-    """The machine whose rest or modes are computed: with its controllers where their code may run.
+    """The machine for its equilibrium or modes, with its controllers if their code may run.
 
-    Warns ControlWarning where it may not; raises CaseError for code that fails.
+    Warns ControlWarning if it may not; raises CaseError for code that fails.
     """
     control = case.tables.control
     if control is not None and not allow_code:
         warnings.warn(
-            f'the machine is analysed without its controllers, control = "{control}": read that program, '
+            f'the machine is analysed without its controllers, control = "{control}": review that file, '
             "and give --allow-code to close its loops",
             ControlWarning,
             stacklevel=2,
@@ -70,21 +70,22 @@ def analysed_system(case: Case, *, allow_code: bool) -> System:
 
 
 def starting_system(case: Case, simulated: System | None = None, *, allow_code: bool = False) -> System:
-    """The machine as its run starts: as it is placed, assembled if the case states so, at rest, or as an
-    earlier run had it.
+    """The machine at the start of its run: as placed, assembled if the case sets so, in equilibrium, or
+    from an earlier run.
 
-    simulated : the machine with the bodies of a run, as `result_machine` finds it; that of the case when None
+    simulated : the machine with the bodies of a run, from `result_machine`; by default that of the case
 
-    Bodies that correct themselves rest with all their coordinates; the bases of their rounds hold that rest.
+    Bodies that correct themselves are in equilibrium with all their coordinates; the bases of their rounds
+    contain that shape.
 
-    Its controllers are made of the machine as it is placed. Traced ones act in the equilibrium; sampled ones
-    are called for the first time as the run begins.
+    Its controllers are created for the machine as placed. Traced ones act in the equilibrium; sampled ones
+    are first called at the start of the run.
 
     Raises
     ------
     CaseError           a kinematic run of a body that corrects itself; code that is not allowed to run, or
         that fails
-    ConvergenceError    no equilibrium; joints that do not fit
+    ConvergenceError    no equilibrium; joints that cannot be closed
     """
     wanted = case.tables.simulation
     if wanted.kinematic and simulated is None:
@@ -98,7 +99,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
     case.notify("searching the equilibrium")
     traced = tuple(each for each in system.controllers if isinstance(each, Controller))
     acting = replace(system, controllers=traced)
-    # Where it rests is all that a run takes: neither whether that is stable, nor what carries it.
+    # A run needs only the equilibrium, neither its stability nor its forces.
     found = placed_at_rest(resting_state(acting, time=case.run.start, spin=spin_of(case)))
     resting = iter(found.controllers)
     controllers = tuple(next(resting) if isinstance(own, Controller) else own for own in system.controllers)
@@ -106,7 +107,7 @@ def starting_system(case: Case, simulated: System | None = None, *, allow_code: 
 
 
 def assembled_system(case: Case) -> System:
-    """The machine as it is placed, assembled if the case asks for it; errors as `starting_system`."""
+    """The machine as placed, assembled if the case sets so; errors as for `starting_system`."""
     if not case.tables.simulation.assemble:
         return case.system
     found = assemble(case.system, time=case.run.start)
@@ -115,17 +116,17 @@ def assembled_system(case: Case) -> System:
 
 
 def _assembly_line(found: AssembledMachine) -> str:
-    """What was moved to assemble the machine, in words."""
+    """Description of the bodies moved in assembly."""
     moved = [
         f"'{each.body}' by {each.distance:.3g} and {np.degrees(each.angle):.3g} deg"
         for each in found.moved
         if each.distance or each.angle
     ]
-    return "assembled: moved " + ", ".join(moved) if moved else "assembled: all joints fit as placed"
+    return "assembled: moved " + ", ".join(moved) if moved else "assembled: all joints are closed as placed"
 
 
 def _check_fixed_sizes(case: Case) -> None:
-    """CaseError for a kinematic run of a body that is to be reduced as far as its run needs."""
+    """CaseError for a kinematic run of a body whose reduction depends on its run."""
     if case.starts:
         raise CaseError(
             f"{case.path}: body '{next(iter(case.starts))}' is reduced as far as its run needs: for a "
@@ -145,10 +146,10 @@ def static_case(
 ) -> StaticResult:
     """Find the equilibrium of a case, write its numbers (`CASE-static.json`), a page and a picture.
 
-    folder : made if it is not there
-    time : at which loads and laws are taken
+    folder : created if missing
+    time : of loads and laws
     errors : estimate the error of the bases, which takes a factorisation with all their coordinates
-    allow_code : whether the controllers that the case names, a program, act
+    allow_code : whether the controllers of the case may run
 
     Raises
     ------
@@ -161,7 +162,7 @@ def static_case(
     system = analysed_system(case, allow_code=allow_code)
 
     def searching(_: int, residual: float) -> None:
-        # Newton's method doubles the digits at the end: the bar shows how many are found.
+        # Newton's method doubles the digits at the end: the bar shows the number of correct digits.
         progress("searching the equilibrium", float(np.clip(-np.log10(residual + 1e-300) / 9, 0.0, 1.0)))
 
     searching(0, 1.0)

@@ -1,4 +1,4 @@
-"""Tables of a case file, made from the classes of the objects that they stand for."""
+"""Tables of a case file, generated from the classes of the objects that they describe."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from supple.importers.toml import CheckedTable, KeyPath, NonNegative, Positive
 class Key:
     """The key of a parameter, where it differs from the parameter.
 
-    type : of its values; that of the parameter if None
-    description : in messages; from the docstring of the class if empty and the type is the parameter's
-    name : that of the parameter if empty
-    default : that of the parameter unless given
-    through : the argument from the value and the context of `build`; the value itself if None
+    type : of its values; by default that of the parameter
+    description : for messages; by default from the docstring of the class, if the type is the parameter's
+    name : by default that of the parameter
+    default : by default that of the parameter
+    through : function from the value and the context of `build` to the argument; None: the value itself
     """
 
     type: Any = None
@@ -39,13 +39,13 @@ class Key:
 
 @dataclass(frozen=True)
 class Plan:
-    """An object that a table stands for: its class, and for each parameter its key, or the plan of a part."""
+    """An object described by a table: its class, and for each parameter its key, or the plan of a part."""
 
     makes: Callable[..., Any]
     parameters: Mapping[str, Key | Plan]
 
     def made(self, table: CheckedTable, *context: Any) -> Any:
-        """The object; None for a part that lacks what it needs."""
+        """The object; None for a part that lacks required values."""
         given = {}
         for parameter, source in self.parameters.items():
             value = source.made(table, *context) if isinstance(source, Plan) else getattr(table, source.name)
@@ -60,10 +60,10 @@ class Plan:
 
 
 class Made(CheckedTable):
-    """A table that stands for one object."""
+    """A table that describes one object."""
 
     choice: ClassVar[str] = "kind"
-    """The key that chooses among tables."""
+    """The key that selects the table."""
     plan: ClassVar[Plan]
 
     @property
@@ -74,13 +74,13 @@ class Made(CheckedTable):
     def build(self, *context: Any) -> Any:
         """The object.
 
-        context : what tables of the same choice need, such as the folder of the files of laws
+        context : further inputs of the tables of one choice, such as the folder of the files of laws
         """
         return type(self).plan.made(self, *context)
 
 
 def part(makes: Callable[..., Any], **by_hand: Any) -> tuple[Callable[..., Any], dict[str, Any]]:
-    """A parameter that is an object, whose own parameters are keys of the table; as `table_of`."""
+    """A parameter that is an object, whose own parameters are keys of the table; as for `table_of`."""
     return makes, by_hand
 
 
@@ -91,9 +91,9 @@ def table_of(
 
     Descriptions are lines `name : text` of the docstrings of the class and those it inherits from.
 
-    kind : value of the key by which the base chooses the table among others
-    base : table with keys that all tables of a section have
-    by_hand : by parameter, what differs: a type, a `Key`, a `part`, or None for a parameter without key
+    kind : value of the key by which the base selects the table among others
+    base : table with the common keys of a section
+    by_hand : by parameter, the differences: a type, a `Key`, a `part`, or None for a parameter without key
     """
     fields: dict[str, Any] = {} if kind is None else {base.choice: (Literal[kind], ...)}  # ty: ignore[invalid-type-form]
     plan = _planned(makes, by_hand, fields, base.model_fields)
@@ -136,7 +136,7 @@ def _planned(
             kind, default = (
                 kind | None,
                 None,
-            )  # no file can hold it: what is left out is the class's own default
+            )  # not possible in a file: the class's own default applies
         fields[key] = (kind, Field(default, description=description))
     return Plan(makes, plan)
 
@@ -162,7 +162,7 @@ _DESCRIBED = re.compile(
 
 @cache
 def _descriptions(makes: Any) -> Mapping[str, str]:
-    """Texts of lines `name, name : text`, which go on where a line is indented further."""
+    """Texts of lines `name, name : text`, continued on lines with more indentation."""
     found: dict[str, str] = {}
     for each in reversed(inspect.getmro(makes)):
         for names, text in _DESCRIBED.findall(each.__doc__ or ""):
@@ -171,7 +171,7 @@ def _descriptions(makes: Any) -> Mapping[str, str]:
 
 
 def _of_toml(hint: Any) -> Any:
-    """The type of a parameter as that of a key: an array may fill a tuple, and numbers keep their range."""
+    """The type of a parameter as a key: an array for a tuple, and numbers keep their range."""
     ranges = {arguments.Positive: Positive, arguments.NotNegative: NonNegative}
     if hint in ranges:
         return ranges[hint]
@@ -182,9 +182,9 @@ def _of_toml(hint: Any) -> Any:
 
 
 def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any, str]]:
-    """What a file names under keys of types `Annotated[str, WORD]`: path, what stands there, the word.
+    """Names under keys of types `Annotated[str, WORD]`: path, value, the word.
 
-    table : class of the table, or type of the value, that stands at the path
+    table : class of the table, or type of the value, at the path
     """
     while get_origin(table) is Annotated:
         table, *metadata = get_args(table)
@@ -204,7 +204,7 @@ def named_in(table: Any, value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPa
 
 @cache
 def _naming_keys(table: type[CheckedTable]) -> tuple[tuple[str, Any], ...]:
-    """Keys of a table under which something may be named, with their types: found once, most name nothing."""
+    """Keys of a table that may contain names, with their types, cached: most contain none."""
     kinds: dict[str, Any] = {}
     for key, field in table.model_fields.items():
         kinds[key] = Annotated[field.annotation, *field.metadata, None]  # ty: ignore[invalid-type-form]
@@ -212,7 +212,7 @@ def _naming_keys(table: type[CheckedTable]) -> tuple[tuple[str, Any], ...]:
 
 
 def _may_name(kind: Any) -> bool:
-    """Whether a type has a word, or a table with one, anywhere."""
+    """Whether a type contains a word, or a table with one, at any level."""
     if get_origin(kind) is Annotated:
         inner, *metadata = get_args(kind)
         choices = [table for each in metadata if isinstance(each, OneOf) for table in each.tables]
@@ -229,12 +229,12 @@ class OneOf:
         self.tables, self.by = tables, by
 
     def chosen(self, value: Any) -> Any:
-        """The table that what stands in a file chooses; None where it chooses none."""
+        """The table selected by a value of a file; None if there is none."""
         chosen = value.get(self.by) if isinstance(value, Mapping) else None
         return next(
             (each for each in self.tables if chosen in get_args(each.model_fields[self.by].annotation)), None
         )
 
     def __get_pydantic_core_schema__(self, _: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Of the union of the tables."""
+        """Schema of the union of the tables."""
         return handler.generate_schema(Annotated[reduce(or_, self.tables), Field(discriminator=self.by)])  # ty: ignore[invalid-type-form]

@@ -1,7 +1,7 @@
-"""`supple benchmark`: the benchmarks that installed packages offer, each loaded on first use.
+"""`supple benchmark`: the benchmarks of installed packages, each loaded on first use.
 
-A package offers one by an entry point of the group `supple.benchmarks`: the command's name, and the function
-that Typer makes the command of.
+A package registers one by an entry point of the group `supple.benchmarks`: the command's name, and the
+function from which Typer creates the command.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from typer.core import TyperGroup
 __all__ = ["GROUP", "BenchmarkGroup"]
 
 GROUP = "supple.benchmarks"
-"""Entry points by which benchmarks are found."""
+"""Entry points of benchmarks."""
 
 
 class BenchmarkGroup(TyperGroup):
-    """Group of commands, one for each entry point; their names are known before any of them is loaded."""
+    """Group of commands, one per entry point; their names are known before any of them is loaded."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
@@ -31,7 +31,7 @@ class BenchmarkGroup(TyperGroup):
         return list(self.commands)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002  (Typer's signature)
-        """The command of a benchmark, which is loaded now; None of a name that nobody offers."""
+        """The command of a benchmark, loaded now; None for an unknown name."""
         offered = cast(Any, self.commands.get(cmd_name))
         if offered is None:
             return None

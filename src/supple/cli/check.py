@@ -1,4 +1,4 @@
-"""The check of a model before it is used: a table of findings, each in order or with its remedy."""
+"""The check of a model: a table of findings, with remedies."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
 
     Raises
     ------
-    ModelError   a model that is refused, after all are printed
+    ModelError   a model that is refused, after all findings are printed
     SuppleError  a file that cannot be read, or of another kind
     """
     refused = []
@@ -45,7 +45,7 @@ def print_check(path: Path, *, n_frequencies: int) -> None:
 
 
 def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Table:
-    """The findings of a check as a table, frequencies in Hz where the unit of time is stated."""
+    """The findings of a check as a table, frequencies in Hz if the unit of time is known."""
     hertz, factor = units.frequency_shown
     table = Table("", "what", "seen", title=words(f"Check of {name}"))
     for finding in check.findings:
@@ -58,7 +58,7 @@ def check_table(name: str, check: ModelCheck, units: UnitSystem = UNNAMED) -> Ta
 
 
 def _print_lines(case: Case) -> None:
-    """A row of text for each body that is a line already; ModelError for one that is refused."""
+    """A line of text for each body that is a line already; ModelError for one that is refused."""
     hertz, factor = case.units.frequency_shown
     for table in case.tables.body:
         if not table.is_line:
@@ -90,5 +90,5 @@ def _checks(path: Path, n_frequencies: int) -> Iterator[tuple[str, ModelCheck, U
         complete = ", ".join((".toml", *DECK_SUFFIXES, *HDF5_SUFFIXES))
         raise ImportFormatError(
             f"{path}: not a whole model; give a file that ends in {complete} (a mesh without materials, or "
-            "matrices without nodes: write a case file that names both)"
+            "matrices without nodes: write a case file for both)"
         )

@@ -1,4 +1,4 @@
-"""The one body of a case that is written."""
+"""Selection of the one body of a case to write."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ __all__ = ["chosen_body"]
 
 
 def chosen_body(case: Case, names: Sequence[str] | None, known: Sequence[str], kind: str, none: str) -> str:
-    """The body that is named, or the only one there is.
+    """The body with the given name, or the only one.
 
-    known : bodies that can be written;  kind : of these, in words;  none : what to do where there is none
+    known : bodies that can be written;  kind : description of these;  none : remedy if there is none
 
-    Raises CaseError for several names, a name that is not known, and where one must be named.
+    Raises CaseError for several names, an unknown name, and where a name is needed.
     """
     listed = ", ".join(known) or "none"
     if names and len(names) > 1:

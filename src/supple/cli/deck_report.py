@@ -1,4 +1,4 @@
-"""What a deck holds, as rows for the terminal and as JSON: always to its end, whatever is missing."""
+"""Report of a deck for the terminal and as JSON, complete even if parts of the model fail."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ __all__ = ["DeckReport", "deck_report", "deck_rows", "write_report"]
 
 @dataclass(frozen=True)
 class DeckReport:
-    """What was found of a deck.
+    """Contents of a deck.
 
-    mass : None where elements could not be made
+    mass : None if elements could not be created
     frequencies : Hz, in the unit of time of the deck; None if not requested, or not found
-    faults : why something is not there
-    superelements : their own masses by name; None where elements could not be made
+    faults : causes of missing values
+    superelements : their own masses by name; None if elements could not be created
     """
 
     deck: Deck
@@ -35,7 +35,7 @@ class DeckReport:
     superelements: Mapping[str, MassProperties | None] = field(default_factory=dict)
 
     def as_json(self) -> dict[str, Any]:
-        """The contract of `supple info --json`."""
+        """The documented output of `supple info --json`."""
         found: dict[str, Any] = {
             **_described(self.deck, self.mass),
             "left_out": [
@@ -63,7 +63,7 @@ def _described(deck: Deck, mass: MassProperties | None) -> dict[str, Any]:
 
 
 def deck_report(deck: Deck, *, n_modes: int = 0, held: bool = False) -> DeckReport:
-    """Mass, and frequencies on request; a fault of the model is reported alone.
+    """Mass, and frequencies on request; a fault of the model is part of the report.
 
     held : at the deck's own supports
     """
@@ -92,7 +92,7 @@ def _mass(deck: Deck) -> MassProperties | None:
 
 
 def element_counts(deck: Deck) -> dict[str, int]:
-    """How many elements of each type, by the file's own names."""
+    """Number of elements of each type, by the file's own names."""
     ids: dict[str, list[np.ndarray]] = {}
     for each in deck.elements:
         ids.setdefault(each.name, []).append(each.ids)
@@ -112,7 +112,7 @@ def write_report(report: DeckReport, path: Path) -> None:
 
 
 def deck_rows(report: DeckReport) -> Iterator[Row]:
-    """Everything of a report, for the terminal."""
+    """All rows of a report, for the terminal."""
     deck, mass = report.deck, report.mass
     yield "what", f"{len(deck.node_ids)} nodes"
     if len(deck.nodes):
@@ -144,7 +144,7 @@ def deck_rows(report: DeckReport) -> Iterator[Row]:
 
 
 def _kind(given: Property) -> str:
-    """What a property is of; of beams also at how many points their stress is recovered."""
+    """Description of a property; for beams with the number of stress recovery points."""
     kind = type(given).__name__.removesuffix("Property").lower()
     if not isinstance(given, BeamProperty):
         return kind
@@ -155,7 +155,7 @@ def _kind(given: Property) -> str:
 
 
 def _named(deck: Deck) -> Iterator[Row]:
-    """What a case can take hold of."""
+    """Named parts of a deck for use in a case."""
     for name, nodes in deck.node_sets.items():
         yield f"node set {name}", f"{len(nodes)} nodes"
     for name, members in deck.element_sets.items():
@@ -167,10 +167,10 @@ def _named(deck: Deck) -> Iterator[Row]:
 def _parts(deck: Deck) -> Iterator[Row]:
     parts = deck_parts(deck)
     if len(deck.scalar_points):
-        yield "scalar points", f"{len(deck.scalar_points)}, which no free body has"
+        yield "scalar points", f"{len(deck.scalar_points)}, which a free body cannot have"
     used = sum(len(part.node_ids) for part in parts.values())
     if used < len(deck.node_ids):
-        yield "nodes that nothing uses", f"{len(deck.node_ids) - used}, dropped"
+        yield "unused nodes", f"{len(deck.node_ids) - used}, dropped"
     if len(parts) < 2:
         return
     for name, part in list(parts.items())[:20]:
@@ -181,7 +181,7 @@ def _parts(deck: Deck) -> Iterator[Row]:
 
 
 def _beside(deck: Deck) -> Iterator[Row]:
-    """Springs, masses and constraints by their number."""
+    """Springs, masses and constraints with their numbers."""
     counts = {
         "springs": sum(len(each.lines) for each in deck.springs),
         "dashpots": sum(len(each.lines) for each in deck.dashpots) + len(deck.dampings),

@@ -1,4 +1,4 @@
-"""The examples that come with the package, listed or written."""
+"""List or write the examples of the package."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from supple.terminal import print_rows, say
 
 
 def list_examples() -> None:
-    """Print what each example is about."""
+    """Print the title of each example."""
     print_rows("Examples: supple example NAME", cases.example_titles().items())
 
 
 def write_example(name: str, folder: Path) -> None:
-    """Write an example into `folder`, and print how it is run."""
+    """Write an example into `folder`, and print the command that runs it."""
     files = cases.write_example(name, folder)
     for path in files:
         say(f"wrote {path}")

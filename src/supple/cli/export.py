@@ -1,4 +1,4 @@
-"""`supple export`: what is written, by the file that is named, and the options that it takes."""
+"""`supple export`: the target by the file name, and its options."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["ExportOptions", "export"]
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """The options of the command, with the values that they have where they are not given."""
+    """The options of the command, with their defaults."""
 
     body: Sequence[str] | None = None
     time: float | None = None
@@ -30,7 +30,7 @@ class ExportOptions:
 
     @property
     def given(self) -> list[str]:
-        """Names of those that are given."""
+        """Names of the options given."""
         return [each.name for each in fields(self) if getattr(self, each.name) not in (each.default, [])]
 
 
@@ -43,14 +43,14 @@ def _flag(name: str) -> str:
 
 @dataclass(frozen=True)
 class _Target:
-    """Something that is written: in words, the options that it takes, and what writes it."""
+    """A kind of output: description, its options, and its writer."""
 
     words: str
     options: tuple[str, ...]
     write: Callable[[Path, Path, ExportOptions], None]
 
     def check(self, options: ExportOptions) -> None:
-        """ArgumentError for options that mean nothing for it."""
+        """ArgumentError for options that it does not have."""
         other = [_flag(name) for name in options.given if name not in self.options]
         if other:
             taken = ", ".join(map(_flag, self.options)) or "none"
@@ -61,15 +61,15 @@ class _Target:
 
 
 def export(path: Path, output: Path | None, c: Path | None, options: ExportOptions) -> None:
-    """Write a file of a case or of a result, or a folder `c` of C.
+    """Write a file of a case or of a result, or a folder `c` of C source.
 
     Raises
     ------
-    ArgumentError   neither file nor folder, or both; an option that means nothing for what is written
-    errors of what writes it
+    ArgumentError   neither file nor folder, or both; an option that the output does not have
+    errors of the writer
     """
     if output is None and c is None:
-        raise ArgumentError("name the file to write (-o FILE), or the folder of the C (--c FOLDER)")
+        raise ArgumentError("give the file to write (-o FILE), or the folder of the C (--c FOLDER)")
     if output is not None and c is not None:
         raise ArgumentError("a machine is written as C (--c FOLDER) or as a file (-o FILE): give one of them")
     target = _target(path, output, options)
@@ -80,14 +80,14 @@ def export(path: Path, output: Path | None, c: Path | None, options: ExportOptio
 
 
 def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
-    """The first of the rows that applies."""
+    """The first matching row."""
     from supple.cli.export_superelement import SUPERELEMENT_SUFFIXES
     from supple.export import TABLE_SUFFIXES
 
     is_case, suffix = path.suffix.lower() == ".toml", output and output.suffix.lower()
     of_result = () if is_case else ("case",)
     if options.superelement and suffix != ".inp":
-        raise ArgumentError("--superelement is for a deck (.inp); other endings name their format")
+        raise ArgumentError("--superelement is for a deck (.inp); other suffixes determine their format")
     deck = ("superelement", "body", "abaqus")
     rows = (
         (output is None, _Target("a machine as C", ("inputs", "allow_code", *of_result), _c)),
@@ -96,7 +96,7 @@ def _target(path: Path, output: Path | None, options: ExportOptions) -> _Target:
         (options.superelement, _Target("a deck with a superelement", deck, _superelement)),
         (suffix in SUPERELEMENT_SUFFIXES, _Target("a superelement", ("body",), _superelement)),
         (is_case, _Target("the deck of a case's body", ("body", "time", "abaqus"), _deck)),
-        (suffix == ".vtu", _Target("a .vtu, which holds one instant", (*_PICTURE, "time"), _result)),
+        (suffix == ".vtu", _Target("a .vtu, which contains one time", (*_PICTURE, "time"), _result)),
         (suffix in TABLE_SUFFIXES, _Target("a table of the whole machine", ("times", "case"), _result)),
         (True, _Target("a file for ParaView", (*_PICTURE, "times"), _result)),
     )

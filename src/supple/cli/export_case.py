@@ -19,16 +19,16 @@ from supple.units import headed, measured
 def export_case(
     path: Path, target: Path, *, body: Sequence[str] | None, time: float | None, abaqus: bool
 ) -> None:
-    """Write a body of the case at `path`, clamped where joints hold it, under its loads at one instant.
+    """Write a body of the case at `path`, clamped at its joints, under its loads at one time.
 
-    body : its name, one; the only one with elements when None
-    abaqus : three-node shells for Abaqus, not the six-node ones that CalculiX needs
-    time : s, at which the laws of the loads are taken; the end of the run when None
+    body : its name, one; by default the only one with elements
+    abaqus : three-node shells for Abaqus, instead of the six-node ones for CalculiX
+    time : s, of the laws of the loads; by default the end of the run
 
     Raises
     ------
     CaseError           mistakes in the case file; no such body, or several to choose from
-    ModelError          whatever a deck cannot hold, or a body that no joint holds
+    ModelError          contents that a deck cannot have, or a body without joints
     ResultFileError     a file that cannot be written
     """
     with console.status("reading") as status:

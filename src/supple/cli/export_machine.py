@@ -1,4 +1,4 @@
-"""Write the machine of a case as C, or as an FMU."""
+"""Write the machine of a case as C source, or as an FMU."""
 
 from __future__ import annotations
 
@@ -39,14 +39,14 @@ __all__ = ["export_c", "export_fmu", "machine_outputs"]
 def export_c(
     path: Path, folder: Path, inputs: Sequence[str], *, case_file: Path | None, allow_code: bool
 ) -> None:
-    """Write the machine of a case, or of a result, as it stands at the start of its run, as a folder of C.
+    """Write the machine of a case, or of a result, at the start of its run, as a folder of C source.
 
-    inputs : names of joints, springs and elements whose laws are given from outside
+    inputs : names of joints, springs and elements whose laws become inputs
     case_file : of a result, as for `result_machine`
 
     Raises
     ------
-    CaseError           mistakes in the case file; an input that it does not have; a body that corrects itself
+    CaseError           mistakes in the case file; an unknown input; a body that corrects itself
     ModelError          as `step_program` and `write_machine`
     ResultFileError     a file that cannot be read or written
     """
@@ -66,12 +66,12 @@ def export_fmu(
     case_file: Path | None,
     allow_code: bool,
 ) -> None:
-    """Write it as an FMU.
+    """Write the machine as an FMU.
 
     fmi : version of the interface
-    platforms : systems for which it has libraries; this computer where none is given
+    platforms : operating systems of its libraries; by default this computer's
 
-    Raises ArgumentError for a system that is not known, and as `export_c` and `write_fmu`.
+    Raises ArgumentError for an unknown operating system, and as `export_c` and `write_fmu`.
     """
     kinds = _platforms(platforms)
     _export(
@@ -124,7 +124,7 @@ def _machine(path: Path, case_file: Path | None, allow_code: bool, notify: Any) 
     case = read_case(path, notify)
     if case.starts:
         raise CaseError(
-            f"{path}: body '{next(iter(case.starts))}' is reduced to an accuracy, which its run finds: run "
+            f"{path}: body '{next(iter(case.starts))}' is reduced to an accuracy, by its run: run "
             "the case, and export its result (.h5)"
         )
     return case, starting_system(case, allow_code=allow_code)
@@ -151,7 +151,7 @@ def _step(case: Case, system: System, inputs: Sequence[str]) -> StepProgram:
 
 
 def _parameters(case: Case, system: System, inputs: Sequence[str]) -> MachineParameters | None:
-    """The numbers that the case names, and its machine with others."""
+    """The parameters of the case, and a function for its machine with other values."""
     given = case.tables.parameter
     if not given:
         return None
@@ -202,7 +202,7 @@ def _unit(case: Case, element: Any) -> str:
 
 
 def machine_outputs(case: Case, system: System) -> list[Quantity]:
-    """Its sensors, the places that it tracks, and the motions of joints about or along their axes."""
+    """Its sensors, its tracked places, and the motions of joints about or along their axes."""
     sensors = list(case.sensors)
     tracked = [PositionSensor(name, case.place(name)) for name in case.parts.output.track]
     joints = [
@@ -228,4 +228,4 @@ def _report(step: StepProgram) -> None:
     }
     print_rows("Machine", list(rows.items()))
     if step.outputs.left_out:
-        say(f"left out, for they are read from results alone: {', '.join(step.outputs.left_out)}")
+        say(f"left out, as only results have them: {', '.join(step.outputs.left_out)}")

@@ -18,12 +18,12 @@ def export_mode(path: Path, target: Path, mode: int, *, bodies: Sequence[str] | 
     """Write one period of a mode (.vtkhdf), or its phase 0 (.vtu), of the machine of the case at `path`.
 
     mode : from 1, the slowest
-    bodies : names of those to write; all, with the joints, when None
-    time : at which loads and laws are taken
+    bodies : names of the bodies to write; by default all, with the joints
+    time : of loads and laws
 
     Raises
     ------
-    ArgumentError       no case; another suffix
+    ArgumentError       not a case; another suffix
     ModelError          as `machine_modes` and the writers
     ResultFileError     a file that cannot be written
     """

@@ -34,17 +34,17 @@ def export_result(
     stress: bool,
     case_file: Path | None,
 ) -> None:
-    """Write the run in the result file at `path`, in the format that the suffix of the target names.
+    """Write the run in the result file at `path`, in the format of the target's suffix.
 
-    bodies : names of those for ParaView; all, with the joints, when None
-    time : of a .vtu; the end of the run when None
-    times : FROM:TO:NUMBER, instants evenly spread, of any other format; all when None
-    stress : whether files for ParaView have it
+    bodies : names of bodies for ParaView; by default all, with the joints
+    time : of a .vtu; by default the end of the run
+    times : FROM:TO:NUMBER, evenly spread times, for any other format; by default all
+    stress : whether files for ParaView contain it
     case_file : as for `result_machine`
 
     Raises
     ------
-    ArgumentError       times that are none
+    ArgumentError       invalid times
     ModelError          another suffix; as the writers
     ResultFileError     as for `result_machine`; a file that cannot be written
     """
@@ -72,14 +72,14 @@ def export_result(
 
 
 def _bodies_beside(found: ResultMachine, path: Path) -> set[Path]:
-    """Files of the reduced bodies that its motion means."""
+    """Files of the reduced bodies of its motion."""
     return {kept_path(path.parent, placed.body.name).resolve() for placed in found.system.bodies}
 
 
 def _rows(
     there: NDArray[np.float64], suffix: str, time: float | None, times: str | None
 ) -> NDArray[np.int64]:
-    """Numbers of the output times that are nearest to the requested ones."""
+    """Indices of the output times nearest to the requested ones."""
     if suffix == ".vtu":
         wanted = np.array([there[-1] if time is None else time])
     elif times is not None:
@@ -90,7 +90,7 @@ def _rows(
     beyond = wanted[~((wanted >= there[0] - half) & (wanted <= there[-1] + half))]
     if beyond.size:
         raise ArgumentError(
-            f"the run has no instant {beyond[0]:g}: it goes from {there[0]:g} to {there[-1]:g}"
+            f"the run has no output at {beyond[0]:g}: give times from {there[0]:g} to {there[-1]:g}"
         )
     return np.unique(np.searchsorted((there[1:] + there[:-1]) / 2, wanted))
 
@@ -129,7 +129,7 @@ def _write_picture(
 def _with_stress(
     elements: Mapping[str, FiniteElementModel], bodies: Sequence[str] | None
 ) -> dict[str, FiniteElementModel]:
-    """The elements of the bodies whose stress is known; the others are named."""
+    """The elements of the bodies with stress; the others are reported."""
     known = {}
     for name, model in elements.items():
         if bodies and name not in bodies:

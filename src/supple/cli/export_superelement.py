@@ -58,14 +58,14 @@ SUPERELEMENT_SUFFIXES = (*_OF_INTERFACES, *_OF_BODIES, _OPENFAST, _CLOSED)
 def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None, abaqus: bool) -> None:
     """Write a reduced body of the case at `path`, or of a file of its own, in the target's format.
 
-    body : its name, one; the only one when None
-    abaqus : of a deck (.inp), matrices for Abaqus, not equations for CalculiX
+    body : its name, one; by default the only one
+    abaqus : for a deck (.inp), matrices for Abaqus, instead of equations for CalculiX
 
     Raises
     ------
-    ArgumentError       a format that is closed
+    ArgumentError       a closed format
     CaseError           mistakes in the case file; no such body, or several to choose from
-    ModelError          whatever the format cannot hold
+    ModelError          contents that the format cannot have
     ResultFileError     a file that cannot be read or written
     """
     suffix = target.suffix.lower()
@@ -88,7 +88,7 @@ def export_superelement(path: Path, target: Path, *, body: Sequence[str] | None,
 
 
 def _write(target: Path, suffix: str, body: ReducedBody, case: Case | None, *, abaqus: bool) -> None:
-    """Write a reduced body and print the frequencies that the other program must find."""
+    """Write a reduced body and print the frequencies to be found by the other program."""
     if suffix in _OF_BODIES:
         _OF_BODIES[suffix](target, body)
         _report(target, body, floating_frequencies(body), linear=suffix not in (".sid", ".sid_fem"))
@@ -109,7 +109,7 @@ def _report(target: Path, body: ReducedBody, stated: StatedFrequencies, *, linea
     rows = [(words, _listed(values)) for words, values in stated]
     print_table(f"Frequencies of {body.name} to find", ["support", "cycles per unit of time"], rows)
     if linear and not body.is_linear:
-        say("the linear part: nonlinear strains have no place in this format")
+        say("the linear part only: this format has no nonlinear strains")
     say(f"written to {target}")
 
 
@@ -130,20 +130,20 @@ def _write_blade(target: Path, case: Case, body: IntrinsicBody) -> None:
 
 
 def _free_interface(case: Case, form: InterfaceForm) -> str:
-    """The one interface of the body that no joint holds to the ground."""
+    """The one interface of the body that is not joined to the ground."""
     ends = {(joint.first, joint.second) for joint in case.tables.joint}
     held = {other for pair in ends for end, other in (pair, pair[::-1]) if end == "ground"}
     free = [name for name in form.interfaces if f"{form.name}.{name}" not in held]
     if len(free) != 1:
         raise CaseError(
             f"{case.path}: {len(free)} interfaces of '{form.name}' are not joined to the ground "
-            f"({', '.join(free) or 'none'}); ExtPtfm joins a superelement at one, with the others held"
+            f"({', '.join(free) or 'none'}); ExtPtfm joins a superelement at one, with the others fixed"
         )
     return free[0]
 
 
 def _chosen(case: Case, names: Sequence[str] | None, kinds: tuple[str, ...]) -> BodyForm:
-    """The body of that name and one of these kinds, or the only one."""
+    """The body with the given name and one of these kinds, or the only one."""
     known = {placed.body.name: placed.body for placed in case.system.bodies if placed.body.kind in kinds}
     return known[chosen_body(case, names, list(known), "reduced bodies", _NONE)]
 

@@ -1,4 +1,4 @@
-"""What a case, mesh or result file holds, in a few lines."""
+"""Summary of a case, mesh or result file."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from supple.units import measured
 
 
 def print_info(path: Path, *, json: Path | None = None, n_modes: int = 0, held: bool = False) -> None:
-    """Print what the file at `path` holds: a case, mesh, deck or result.
+    """Print a summary of the file at `path`: a case, mesh, deck or result.
 
-    json : of a deck, where its numbers are written;  n_modes, held : its frequencies, at its own supports
+    json : for a deck, output file of its numbers;  n_modes, held : its frequencies, at its own supports
 
     Raises
     ------
-    ArgumentError    these of a file that is no deck
+    ArgumentError    these options for a file that is not a deck
     CaseError, ImportFormatError, MeshError, ResultFileError    a file that cannot be read, or of another kind
     """
     suffix = path.suffix.lower()

@@ -17,7 +17,7 @@ def modes_case(
 ) -> None:
     """Print the modes of the case at `path`, or its frequencies over speed.
 
-    rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; modes at the case's own when None
+    rates : "FROM:TO:NUMBER" of a Campbell diagram, rad per unit of time; None: modes at the case's own rate
     Errors as for `cases.modes_case` and `cases.campbell_case`.
     """
     speeds = None if rates is None else _speeds(rates)

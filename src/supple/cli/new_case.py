@@ -1,4 +1,4 @@
-"""A case file for a mesh, written and explained."""
+"""Write a commented case file for a mesh."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from supple.terminal import say
 
 
 def new_case(mesh: Path, path: Path | None) -> None:
-    """Write a commented case for the mesh, and print what comes next."""
+    """Write a commented case for the mesh, and print the next step."""
     written = path or Path(f"{mesh.stem}.toml")
     cases.write_new_case(mesh, written)
     say(f"wrote {written}: edit the lines marked GUESS, then run: supple run {written}")

@@ -1,4 +1,4 @@
-"""Reduce the bodies of a case file and keep them, to be used again without their meshes."""
+"""Reduce the bodies of a case file and store them, for use without their meshes."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from supple.terminal import console, print_rows, print_table, say, worded, words
 
 
 def reduce_case(path: Path, folder: Path) -> None:
-    """Make every reduction of fixed size in the case file at `path`, and keep it: `folder`/NAME-reduced.h5.
+    """Perform every reduction of fixed size in the case at `path`, and store it: `folder`/NAME-reduced.h5.
 
     Raises
     ------
     CaseError           mistakes in the case file; no body to reduce
     ResultFileError     a file that cannot be written
-    SuppleError         whatever building and reducing find wrong
+    SuppleError         errors of building and reducing
     """
     with console.status("reducing") as status:
         case = read_case(path, lambda step, detail="": status.update(words(worded(step, detail))))

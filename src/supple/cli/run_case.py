@@ -1,4 +1,4 @@
-"""Run a case file, and print its numbers."""
+"""Run a case file, and print its results."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def run_case(
 ) -> None:
     """Run the case file at `path` and print its tables; parameters and errors as for `cases.run_case`.
 
-    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is kept, and exits with 130 or 143.
+    Interrupted by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is stored, and exits with 130 or
+    143.
     """
     with raising_terminated():
         try:

@@ -1,4 +1,4 @@
-"""Find the equilibrium of a case file, and print where it is."""
+"""Find the equilibrium of a case file, and print it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from supple.results.rest_tables import rest_error_table, rest_tables
 from supple.terminal import ProgressBars, print_table, progress_bars, say
 
 _STABILITY = {True: "Stable", False: "Unstable", None: "An"}
-"""Of an equilibrium whose tangent stiffness does not decide, the modes do."""
+"""Description of an equilibrium whose stability needs its modes."""
 
 
 def static_case(path: Path, folder: Path, *, time: float, errors: bool, allow_code: bool) -> None:

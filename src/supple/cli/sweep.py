@@ -1,4 +1,4 @@
-"""`supple sweep`: run the cases of a table, and print how far a sweep has come."""
+"""`supple sweep`: run the cases of a table, and print the progress of a sweep."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _WORDS = {CaseStatus.FAILED: "failed", CaseStatus.KILLED: "killed its process"}
 
 
 def chosen_executors(workers: int | None, cluster: str | None, mpi: bool) -> Executors:
-    """Where the tasks run; ArgumentError for more than one place."""
+    """The executors of the tasks; ArgumentError for more than one kind."""
     if sum([workers is not None, cluster is not None, mpi]) > 1:
         raise ArgumentError("--workers, --cluster and --mpi are alternatives: give one of them")
     if cluster is not None:
@@ -61,9 +61,10 @@ def sweep_cases(
     force: bool,
     allow_code: bool,
 ) -> None:
-    """Run the cases of a file of a sweep, those that are not done; exit with 3 or 4 as in `SweepStatus`.
+    """Run the unfinished cases of a sweep file; exit with 3 or 4 as in `SweepStatus`.
 
-    Stopped by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is done, and exits with 130 or 143.
+    Interrupted by Ctrl-C (SIGINT) or by the system (SIGTERM), it prints what is done, and exits with 130 or
+    143.
     """
     with raising_terminated():
         try:
@@ -71,7 +72,7 @@ def sweep_cases(
         except INTERRUPTIONS as error:
             error_console.print(
                 words("stopped: ", "bold red")
-                + words(f"{folder} keeps what is done; the same command does the rest"),
+                + words(f"{folder} has the finished cases; the same command runs the rest"),
                 soft_wrap=True,
             )
             number = signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT

@@ -1,4 +1,4 @@
-"""The group of commands `supple sweep`, known before the solvers are loaded."""
+"""The group of commands `supple sweep`, available before the solvers are loaded."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ __all__ = ["SweepGroup"]
 
 
 class SweepGroup(TyperGroup):
-    """The commands of `sweep`; a file in place of one is run."""
+    """The commands of `sweep`; a file name in place of a command is run."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """The arguments, with the command `run` before a file or an option of it."""
+        """The arguments, with the command `run` inserted before a file or an option of it."""
         if args and args[0] not in {*self.commands, "--help"}:
             args = ["run", *args]
         return super().parse_args(ctx, args)

@@ -3,7 +3,7 @@
     M(q) vdot + c(q, v) + f(q) + D(q) v + G(q)^T lambda = Q(t, q, v),        g(q, t) = 0
 
 assembled from the bodies' 6 + r equations each: force (global), moment about the frame origin (body
-components), deformation. Every term is a file of its own: `inertia`, `internal_force`, `joint_force`,
+components), deformation. Each term is in its own file: `inertia`, `internal_force`, `joint_force`,
 `marker_force`, `control_force`, `nodal_load`. Source: [Wu2019] (26)-(28), (50).
 """
 
@@ -38,7 +38,7 @@ __all__ = ["Balance", "Linearization", "balance", "constraint_jacobian", "tangen
 
 
 class Linearization(NamedTuple):
-    """What the tangent takes over from the evaluation of the equations at the same motion, by group."""
+    """Quantities that the tangent reuses from the equations at the same motion, by group."""
 
     inertia: tuple[InertiaTerms, ...]
     internal: tuple[InternalMatrices, ...]
@@ -46,7 +46,7 @@ class Linearization(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """The terms in balance, each (n,), whose sum is the residual; and how far the joints are open."""
+    """The terms in balance, each (n,), whose sum is the residual; and the constraint residuals."""
 
     inertia: AnyArray
     internal: AnyArray
@@ -63,7 +63,7 @@ class Balance(NamedTuple):
 
 
 def balance(model: Model, motion: SystemMotion) -> Balance:
-    """All terms of the equations of motion, the joints' equations, and what their tangent needs."""
+    """All terms of the equations of motion, the joints' equations, and the data of their tangent."""
     n = model.n_velocities
     inertial, elastic, inertia_terms, matrices = [], [], [], []
     for group in model.groups:
@@ -90,7 +90,7 @@ def balance(model: Model, motion: SystemMotion) -> Balance:
 
 
 def constraint_jacobian(model: Model, time: Any, configuration: Configuration) -> jax.Array:
-    """Derivative `G` of the active equations for the velocities, (m, n)."""
+    """Derivative `G` of the active equations with respect to the velocities, (m, n)."""
     return constraint_rows(model, linearized(model, time, configuration))
 
 
@@ -101,7 +101,7 @@ def tangent(
     increments: jax.Array,
     factors: StepFactors,
 ) -> jax.Array:
-    """Derivative of the residual for the new accelerations, (n, n).
+    """Derivative of the residual with respect to the new accelerations, (n, n).
 
     Velocities and increments of the configuration follow the accelerations with the `factors` of the step;
     the linearisation is that of `balance` at the same motion.

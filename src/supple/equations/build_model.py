@@ -1,4 +1,4 @@
-"""From a system to the arrays that the equations of motion read, equal bodies and joints in groups."""
+"""Conversion of a system to the arrays of the equations of motion, equal bodies and joints in groups."""
 
 from __future__ import annotations
 
@@ -65,10 +65,10 @@ def build_model(
 ) -> Model:
     """The arrays of a system; `active` leaves out redundant constraint equations.
 
-    like : a system and its model, whose arrays serve where the bodies are its very own, and the joints
+    like : a system and its model, whose arrays are reused where the bodies and joints are the same objects
 
-    A full body takes part by the motions of its interfaces alone, six coordinates each: what joints and
-    forces see of it. Its inertia, elasticity and nodal loads are the sparse engine's.
+    A full body is represented by the motions of its interfaces alone, six coordinates each, as joints and
+    forces need them. Its inertia, elasticity and nodal loads belong to the sparse method.
     Raises ModelError for a part of an explicit march.
     """
     system.check_has_frames()
@@ -101,7 +101,7 @@ def build_model(
 
 
 def station_model(seen: System, n_floating: int, active: tuple[int, ...] | None) -> Model:
-    """The model of floating bodies and, behind them, of stations, whose mass and inertia are taken away."""
+    """The model of floating bodies, followed by stations without mass and inertia."""
     model = build_model(seen, active)
     return replace(model, groups=tuple(_weightless(group, n_floating) for group in model.groups))
 
@@ -122,7 +122,7 @@ def _are(own: Sequence[Any], others: Sequence[Any]) -> bool:
 
 
 def is_on_full_nodes(system: System, load: NodalLoad) -> bool:
-    """True for loads on the nodes of a full body, which only the sparse engine can apply."""
+    """True for loads on the nodes of a full body, which only the sparse method can apply."""
     body = system.bodies[system.body_index(load.body)].body
     return body.is_seen_by_interfaces and load.nodes.size > 0
 
@@ -133,7 +133,7 @@ def _size(placed: Placed) -> int:
 
 
 def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
-    """Coordinates (t, r) of a body as the model has them: of a full body the motions of its interfaces."""
+    """Coordinates (t, r) of a body in the model: for a full body the motions of its interfaces."""
     if not body.is_seen_by_interfaces:
         return coordinates
     return np.hstack([coordinates[:, :0], *(coordinates @ each.motion.T for each in body.interfaces)])
@@ -141,7 +141,7 @@ def seen_coordinates(body: BodyForm, coordinates: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _BodyPlaces:
-    """Where the velocities and coordinates of each body stand."""
+    """Positions of the velocities and coordinates of each body in the common vectors."""
 
     sizes: tuple[int, ...]
     velocities: tuple[int, ...]
@@ -149,12 +149,12 @@ class _BodyPlaces:
 
     @classmethod
     def of(cls, sizes: tuple[int, ...]) -> _BodyPlaces:
-        """Of bodies with so many coordinates, one after the other."""
+        """Positions for bodies with these numbers of coordinates, one after the other."""
         ends = np.cumsum([0, *sizes])[:-1]
         return cls(sizes, tuple(int(e) + 6 * i for i, e in enumerate(ends)), tuple(int(e) for e in ends))
 
     def pair(self, bodies: Sequence[int]) -> tuple[Places, Places]:
-        """Places of the velocities and of the coordinates of bodies of one size."""
+        """Positions of the velocities and of the coordinates of bodies of one size."""
         r = self.sizes[bodies[0]]
         return (
             Places(tuple(self.velocities[index] for index in bodies), 6 + r),
@@ -163,7 +163,7 @@ class _BodyPlaces:
 
 
 def _grouped(items: Sequence[T], key: Callable[[T], Hashable]) -> list[list[T]]:
-    """Items of equal keys together, in the order of their first ones."""
+    """Items of equal keys together, in the order of their first occurrence."""
     groups: dict[Hashable, list[T]] = {}
     for item in items:
         groups.setdefault(key(item), []).append(item)
@@ -171,26 +171,26 @@ def _grouped(items: Sequence[T], key: Callable[[T], Hashable]) -> list[list[T]]:
 
 
 def _stacked(trees: Sequence[Any]) -> Any:
-    """Pytrees of one structure as one, with a leading axis on every leaf."""
+    """Pytrees of one structure stacked into one, with a leading axis on every leaf."""
     return jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *trees)
 
 
 def _shared(trees: Sequence[Any]) -> Any:
-    """As `_stacked`; trees of one and the same arrays once, with a leading axis of one."""
+    """As `_stacked`; identical trees are stored once, with a leading axis of one."""
     first = jax.tree.leaves(trees[0])
     same = all(a is b for tree in trees for a, b in zip(jax.tree.leaves(tree), first, strict=True))
     return _stacked(trees[:1] if same else trees)
 
 
 def _stacked_laws(laws: Sequence[Any]) -> Any:
-    """As JAX arrays, which laws take for a group's and do not check again; None without laws."""
+    """Laws with JAX arrays, accepted as those of a group and not checked again; None without laws."""
     if laws[0] is None:
         return None
     return jax.tree.map(lambda *leaves: jnp.asarray(np.stack([np.asarray(leaf) for leaf in leaves])), *laws)
 
 
 def _structure(tree: Any) -> Hashable:
-    """What two pytrees must share to be stacked."""
+    """The properties that two pytrees must share to be stacked."""
     leaves, structure = jax.tree.flatten(tree)
     return structure, tuple((np.shape(leaf), np.result_type(leaf)) for leaf in leaves)
 
@@ -203,7 +203,7 @@ def rigid_gram(body: RigidBody) -> np.ndarray:
 
 
 ONE_POINT = 1e-12
-"""Of the radius of gyration of the rigid bodies: what is no larger is one point, but for round-off."""
+"""Relative to the radius of gyration of the rigid bodies: a smaller system size is a single point."""
 
 _ELASTIC = ("stiffness", "damping")
 _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
@@ -211,7 +211,7 @@ _TENSORS = ("cubic", "quartic", "damping_cubic", "damping_quartic")
 
 @singledispatch
 def _arrays(body: Any, length: float) -> dict[str, Any]:
-    """Inertia and elasticity of a body of linear shapes, or of none."""
+    """Inertia and elasticity of a body with linear shapes, or with none."""
     elastic = {name: getattr(body, name) for name in (*_ELASTIC, "cubic", "damping_cubic")}
     elastic |= {"quartic": body.quartic_blocks, "damping_quartic": body.damping_quartic_blocks}
     return _inertia(condensed_gram(body), body.mass, length) | elastic
@@ -257,7 +257,7 @@ class _End:
 
     @property
     def key(self) -> Hashable:
-        """Ends of one key are computed together."""
+        """Ends with one key are computed together."""
         return self.body < 0, self.motion.shape
 
 
@@ -276,7 +276,7 @@ def _ends(places: _BodyPlaces, ends: Sequence[_End]) -> Ends:
 
 
 def interface_motion(placed: Placed, interface: str) -> tuple[np.ndarray, np.ndarray]:
-    """Rest position (3,) of an interface, and its motion (6, r) per coordinate of its body here."""
+    """Rest position (3,) of an interface, and its motion (6, r) per model coordinate of its body."""
     body = placed.body
     found = body.interface(interface)
     if body.is_seen_by_interfaces:
@@ -296,7 +296,7 @@ def _end(system: System, end: At, axes: np.ndarray, ground_point: np.ndarray) ->
 
 
 def initial_points(system: System, element: Joint | ForceElement) -> tuple[np.ndarray, np.ndarray]:
-    """Global positions of both ends at the start; the ground's, unless given, is where the other one is."""
+    """Global positions of both ends at the start; by default the ground's is that of the other end."""
     own = [None if end == GROUND else system.initial_point(end) for end in (element.first, element.second)]
     given = element.ground_point if isinstance(element, ForceElement) else None
     on_ground = given if given is not None else next(point for point in own if point is not None)
@@ -359,7 +359,7 @@ def _force_groups(
 
 
 def _reaction_rows(system: System, loads: Sequence[ForceElement]) -> Places | None:
-    """The first two equations of the joints in which there is friction: their force across the axis."""
+    """The first two equations of the joints with friction: their force normal to the axis."""
     if not isinstance(loads[0], JointFriction):
         return None
     rows = system.constraint_slices
@@ -400,12 +400,12 @@ def _readers(system: System, reads: Mapping[str, Reading], places: _BodyPlaces) 
 
 
 def readers_of(system: System, reads: Mapping[str, Reading]) -> tuple[Reader, ...]:
-    """What is read of a machine under some names, as arrays."""
+    """Named readings of a machine, as arrays."""
     return _readers(system, reads, _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies)))
 
 
 def force_group_of(system: System, element: ForceElement) -> ForceGroup:
-    """One force element as arrays, whether it is of the machine or only imagined there."""
+    """One force element as arrays, whether it belongs to the machine or not."""
     (group,) = _force_groups(
         system, [element], _BodyPlaces.of(tuple(_size(placed) for placed in system.bodies))
     )
@@ -424,7 +424,7 @@ def _nodal_load(system: System, load: NodalLoad, places: _BodyPlaces) -> NodalLo
     index = system.body_index(load.body)
     placed = system.bodies[index]
     if load.nodes.size:
-        body: Any = placed.body  # reduced, or the load would be the sparse engine's
+        body: Any = placed.body  # reduced: loads on full bodies belong to the sparse method
         positions, basis = body.nodes[load.nodes], body.displacement_basis[load.nodes]
     else:
         position, motion = interface_motion(placed, str(getattr(load, "at", "")))
@@ -434,9 +434,9 @@ def _nodal_load(system: System, load: NodalLoad, places: _BodyPlaces) -> NodalLo
 
 
 def row_scales(system: System, length: float | None = None) -> np.ndarray:
-    """What counts as one of each constraint equation: a length for positions, 1 for angles, (m,).
+    """Scale of each constraint equation: a length for positions, 1 for angles, (m,).
 
-    length : the system's size when omitted
+    length : by default the system's size
     """
     length = system_length(system) if length is None else length
     return np.array(
@@ -455,6 +455,6 @@ def system_length(system: System) -> float:
 
 
 def _largest_gyration(system: System) -> float:
-    """Of rigid bodies in one point: a length of theirs, so that nothing depends on the unit of length."""
+    """Radius of gyration of the rigid bodies of a system with a single point, as its length."""
     rigid = system.bodies_of(RigidBody).values()
     return max((float(np.sqrt(np.trace(body.inertia) / body.mass)) for body in rigid), default=1.0)

@@ -1,4 +1,4 @@
-"""A machine of rigid and reduced bodies as its consistent start needs it: dense, in the mass norm."""
+"""A machine of rigid and reduced bodies for the consistent start, with a dense mass matrix."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ __all__ = ["CompiledMachine", "CompiledStart", "compiled_start"]
 
 @dataclass(frozen=True, eq=False)
 class CompiledMachine:
-    """A `StartingMachine` by its dense mass matrix."""
+    """A `StartingMachine` with a dense mass matrix."""
 
     system: System
     model: Model
 
     def restricted(self, active: tuple[int, ...]) -> Self:
-        """Without some of the constraint equations."""
+        """The machine without some of its constraint equations."""
         return replace(self, model=replace(self.model, active=active))
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
@@ -54,12 +54,12 @@ class CompiledMachine:
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Where each body's freedoms stand."""
+        """Positions of each body's freedoms in the vectors."""
         return self.model.slices
 
     @property
     def seen_slices(self) -> tuple[slice, ...]:
-        """The same: joints see the coordinates themselves."""
+        """Equal to `slices`: joints use the coordinates directly."""
         return self.model.slices
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
@@ -68,14 +68,14 @@ class CompiledMachine:
         return np.array([mass[p.start : p.start + 6, p.start : p.start + 6] for p in self.model.slices])
 
     def kinetic_energies(self, configuration: Configuration, velocity: np.ndarray) -> np.ndarray:
-        """`v^T M v / 2`, body by body: none shares its mass with another."""
+        """`v^T M v / 2` by body: bodies share no mass."""
         products = velocity * (self.metric(configuration) @ velocity)
         return np.array([products[part].sum() / 2 for part in self.model.slices])
 
     def least_change(
         self,
         configuration: Configuration,
-        velocity: np.ndarray,  # noqa: ARG002 - nothing but joints restricts it
+        velocity: np.ndarray,  # noqa: ARG002 - only joints restrict it
         terms: JointTerms,
         joint_residual: np.ndarray,
     ) -> np.ndarray:
@@ -103,12 +103,12 @@ class CompiledStart(NamedTuple):
     acceleration: np.ndarray
     multipliers: np.ndarray
     change: StartChange
-    """By what positions and velocities differ from those given"""
+    """Differences of positions and velocities from those given"""
     control: ControlState | None
 
 
 def compiled_start(system: System, time: float) -> CompiledStart:
-    """Consistent positions and velocities, and the accelerations and multipliers that belong to them.
+    """Consistent positions and velocities, with the corresponding accelerations and multipliers.
 
     `M vdot + G^T lambda = - forces`, `G vdot = - d2g/dt2` at constant velocity.
     """
@@ -124,7 +124,7 @@ def compiled_start(system: System, time: float) -> CompiledStart:
 def accelerations(
     machine: CompiledMachine, instant: SystemMotion, control: ControlState | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Accelerations (n,) and multipliers (m,) that belong to places and velocities."""
+    """Accelerations (n,) and multipliers (m,) for given positions and velocities."""
     terms = machine.joint_terms(float(instant.time), instant.configuration, instant.velocity)
     mass = machine.metric(instant.configuration)
     step = None if control is None else ControlStep(control, np.zeros(()))
@@ -149,7 +149,7 @@ def forces_without_acceleration(
 ) -> jax.Array:
     """The residual without accelerations and joint forces, (n,).
 
-    multipliers : of the joints, for forces that depend on them; zero without
+    multipliers : of the joints, for forces that depend on them; zero by default
     """
     reactions = jnp.zeros(len(model.active)) if multipliers is None else multipliers
     still = SystemMotion(time, configuration, velocity, jnp.zeros_like(velocity), reactions, control)

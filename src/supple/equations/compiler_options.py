@@ -1,4 +1,4 @@
-"""Options of XLA: these programs are hundreds of tiny operations, not a few large ones."""
+"""Options of XLA for programs of hundreds of tiny operations instead of a few large ones."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ from typing import Any
 __all__ = ["MARCHING", "STARTING"]
 
 MARCHING: dict[str, Any] = {"xla_cpu_use_fusion_emitters": False}
-"""For what runs thousands of times: the older code generator compiles twice as fast to code as good."""
+"""For programs that run thousands of times: the older code generator compiles twice as fast to equal code."""
 STARTING: dict[str, Any] = MARCHING | {"xla_backend_optimization_level": 0}
-"""For what runs a few times per simulation: compiled quickly rather than well."""
+"""For programs that run a few times per simulation: fast compilation, slower code."""

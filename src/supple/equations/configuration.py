@@ -1,4 +1,4 @@
-"""Where the bodies of a system are, and what its equations are evaluated at."""
+"""Configurations of a system, and the arguments of its equations."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = [
 ]
 
 AnyArray = Any
-"""A NumPy array or a JAX one: both engines keep their states in the same records."""
+"""A NumPy array or a JAX one: both methods use the same records for their states."""
 
 
 class Configuration(NamedTuple):
@@ -38,27 +38,27 @@ class Configuration(NamedTuple):
 
 
 class ControlState(NamedTuple):
-    """Of all controllers, at an instant: one entry each."""
+    """State of all controllers at one time, one entry each."""
 
     states: tuple[AnyArray, ...]
-    """(k,), and behind them the angles of the joints that it reads, counted beyond pi"""
+    """(k,), followed by the angles of the joints that they read, counted beyond pi"""
     rates: tuple[AnyArray, ...]
-    """Of the states, (k,)"""
+    """Rates of the states, (k,)"""
     held: tuple[dict[str, AnyArray], ...]
     """Outputs of sampled controllers by name; empty of others"""
     memory: tuple[dict[str, AnyArray], ...]
-    """What sampled controllers remember; no equation reads it"""
+    """Memory of sampled controllers; no equation uses it"""
 
 
 class ControlStep(NamedTuple):
-    """What controllers have to know of the step: where it began, and how long it is."""
+    """The step as controllers need it: its start and its length."""
 
     start: ControlState
     size: AnyArray
 
 
 class SystemMotion(NamedTuple):
-    """What the equations are evaluated at."""
+    """Arguments of the equations of motion."""
 
     time: AnyArray
     configuration: Configuration
@@ -73,7 +73,7 @@ class SystemMotion(NamedTuple):
 
 
 def advance(model: Model, configuration: Configuration, increment: jax.Array) -> Configuration:
-    """The configuration moved by an increment (n,) of the kind `velocity * time`."""
+    """The configuration after an increment (n,), in the order of the velocities."""
     frames = model.frames.take(increment)
     turned = over(
         lambda rotation, step: small_product(rotation, rotation_exp(step)),

@@ -1,10 +1,10 @@
-"""A consistent start: positions and velocities on the joints, dependent constraint equations left out.
+"""Consistent start: positions and velocities that satisfy the joints, redundant equations left out.
 
-Positions are corrected until `g(q, t_0) = 0` by the least rigid motion of the bodies in the mass norm, for a
-joint pulled shut by bending its bodies would store energy that nobody meant; they deform only where no rigid
-motion closes the joints. Velocities are corrected likewise until `dg/dt = 0` (`start_velocity`). Both engines
-start here; what differs between them is how such a least motion is found.
-Constraint equations that repeat others are found by orthogonalising the rows of the Jacobian, and named.
+Positions are corrected until `g(q, t_0) = 0` by the least rigid motion of the bodies in the mass norm, as
+closing a joint by bending its bodies would store unintended energy; bodies deform only where no rigid motion
+closes the joints. Velocities are corrected likewise until `dg/dt = 0` (`start_velocity`). All methods start
+here; they differ in how such a least motion is computed.
+Redundant constraint equations are found by orthogonalising the rows of the Jacobian, and reported by name.
 """
 
 from __future__ import annotations
@@ -29,31 +29,31 @@ from supple.machine import JointFriction, System
 __all__ = ["ConsistentStart", "consistent_start"]
 
 _REDUNDANT = 1e-9
-"""A constraint row of which those before it leave less than this part adds nothing."""
+"""A constraint row with a smaller remainder after projection on earlier rows is redundant."""
 _OPEN = 1e-3
-"""A joint open by more than this part of the system's size is a mistake, not a rounding error."""
+"""A gap larger than this part of the system's size is a modelling error, not rounding."""
 
 
 M = TypeVar("M", bound=StartingMachine)
 
 
 class ConsistentStart(NamedTuple, Generic[M]):
-    """A machine without redundant constraints, in a state that fits its joints."""
+    """A machine without redundant constraints, in a state that satisfies its joints."""
 
     machine: M
     configuration: Configuration
     velocity: np.ndarray
     change: StartChange
-    """By what this differs from the state given"""
+    """Difference of this state from the one given"""
 
 
 def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
-    """The machine without redundant constraints, and configuration and velocities that fit its joints.
+    """The machine without redundant constraints, and a configuration and velocities that satisfy its joints.
 
     Raises
     ------
     ModelError          a joint open by more than a thousandth of the size; joints that contradict each other;
-                        a mechanism in a dead point
+                                   a mechanism at a singular position (dead point)
     ConvergenceError    joints that cannot be closed
 
     Warns
@@ -106,7 +106,7 @@ def consistent_start(machine: M, time: float) -> ConsistentStart[M]:
 def _check_nearby(
     every: M, machine: M, time: float, configuration: Configuration, velocity: np.ndarray
 ) -> None:
-    """ModelError where the constraints left out are redundant in the initial configuration alone."""
+    """ModelError where the equations left out are redundant in the initial configuration alone."""
 
     def closed(motion: np.ndarray) -> Configuration:
         increment = np.zeros_like(velocity)
@@ -130,7 +130,7 @@ def _check_nearby(
 
 
 def placed_configuration(system: System) -> Configuration:
-    """Where the system's bodies were placed."""
+    """Configuration in which the system's bodies were placed."""
     return Configuration(
         origins=np.array([placed.position for placed in system.bodies]),
         rotations=np.array([placed.rotation for placed in system.bodies]),
@@ -139,7 +139,7 @@ def placed_configuration(system: System) -> Configuration:
 
 
 def placed_velocity(system: System) -> np.ndarray:
-    """Initial velocities of all bodies, (n,); zero where none is given."""
+    """Initial velocities of all bodies, (n,); zero by default."""
     parts = [(placed.twist, placed.coordinate_rates) for placed in system.bodies]
     return np.concatenate([item for part in parts for item in part])
 
@@ -162,7 +162,7 @@ def _check_joints_closed(system: System, model: Model, residuals: np.ndarray) ->
 
 
 def check_friction_known(system: System, active: tuple[int, ...]) -> None:
-    """ModelError where friction depends on the force of an equation that is left out."""
+    """ModelError where friction depends on the multiplier of an omitted equation."""
     rows = system.constraint_slices
     for load in system.loads:
         if not isinstance(load, JointFriction):
@@ -170,14 +170,14 @@ def check_friction_known(system: System, active: tuple[int, ...]) -> None:
         first = rows[load.joint.name].start
         if not {first, first + 1} <= set(active):
             raise ModelError(
-                f"{load.label}: how the joints share the forces across its axis is undetermined, "
-                "as some equations repeat others. Make a body flexible or a joint freer, or give friction "
+                f"{load.label}: the distribution of joint forces normal to its axis is undetermined, "
+                "as some equations are redundant. Make a body flexible or a joint freer, or give friction "
                 "a preload, RevoluteFriction or PrismaticFriction"
             )
 
 
 def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: np.ndarray) -> None:
-    """Raise ModelError when an equation left out is not met by the others: joints that contradict."""
+    """ModelError when an omitted equation is violated by the others: the joints contradict each other."""
     labels, scales = row_labels(system), row_scales(system)
     for index in sorted(set(range(len(residuals))) - set(active)):
         if abs(residuals[index]) > 1e-9 * scales[index]:
@@ -188,10 +188,10 @@ def _check_redundant_closed(system: System, active: tuple[int, ...], residuals: 
 
 
 def independent_constraints(system: System, jacobian: np.ndarray, metric: np.ndarray) -> tuple[int, ...]:
-    """Indices of a largest set of independent constraint equations; the others are named in a warning.
+    """Indices of a largest set of independent constraint equations; a warning lists the others.
 
-    Joints are taken in their order, so that a closed loop loses rows of the joint that closes it. (The best
-    conditioned rows of several joints may turn dependent as soon as the mechanism moves.)
+    Joints are processed in order, so that a closed loop loses rows of the joint that closes it. (The best
+    conditioned rows of several joints may become dependent as soon as the mechanism moves.)
     """
     if not len(jacobian):
         return ()
@@ -203,7 +203,7 @@ def independent_constraints(system: System, jacobian: np.ndarray, metric: np.nda
     redundant = [labels[i] for i in np.setdiff1d(np.arange(len(jacobian)), kept)]
     warnings.warn(
         f"{len(redundant)} redundant constraint equation(s) left out: {', '.join(redundant)}. The motion is "
-        "the same without them, but how the joints share these forces is undetermined; a flexible body, or "
+        "the same without them, but these joint forces are not unique; a flexible body, or "
         "a joint with more freedom, removes the redundancy",
         RedundantConstraintWarning,
         stacklevel=4,

@@ -1,11 +1,11 @@
-"""Controllers, as a term of the equations: what they read, their states, and the loads they drive.
+"""Controllers, as a term of the equations: their readings, their states, and the loads they drive.
 
 The states of a controller obey the trapezoidal rule over the step,
 
     z_1 = z_0 + h/2 ( f(t_0, y_0, z_0) + f(t_1, y_1, z_1) ),
 
-solved for z_1 wherever the equations are evaluated: outputs are functions of the motion y_1 alone, and the
-tangent is theirs.
+solved for z_1 at each evaluation of the equations: outputs then depend on the motion y_1 alone, and the
+tangent includes them.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ __all__ = [
 ]
 
 _ITERATIONS = 3
-"""Of Newton, for the states of one step: one is exact where the rates are linear in the states."""
+"""Newton iterations for the states of one step: one is exact for rates linear in the states."""
 
 
 def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Array]]:
@@ -69,7 +69,7 @@ def force(model: Model, motion: SystemMotion) -> Iterator[tuple[Places, jax.Arra
 def tangent(
     model: Model, motion: SystemMotion, turns: jax.Array, factors: StepFactors
 ) -> Iterator[MatrixBlock]:
-    """Change of these forces with the new accelerations."""
+    """Derivative of these forces with respect to the new accelerations."""
     for number, law in enumerate(model.controllers):
         ends, driven = seen_ends(law), driven_ends(law)
         still = jnp.zeros((len(ends), N_LOCAL))
@@ -89,7 +89,7 @@ def tangent(
 
 
 def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
-    """The controllers at the end of a step; with a step of no length, their rates and angles there."""
+    """The controllers at the end of a step; for a step of zero length, their rates and angles."""
     if not model.controllers:
         return None
     step = _step(motion)
@@ -104,7 +104,7 @@ def stepped(model: Model, motion: SystemMotion) -> ControlState | None:
 
 
 def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...]:
-    """What each controller reads."""
+    """The readings of each controller."""
     step = _step(motion)
     return tuple(
         readings_of(law, step.start.states[number], _poses(law, motion))
@@ -113,12 +113,12 @@ def readings_at(model: Model, motion: SystemMotion) -> tuple[dict[str, Any], ...
 
 
 def first_states(model: Model) -> np.ndarray:
-    """States of all traced controllers as they begin, one controller after the other."""
+    """Initial states of all traced controllers, one controller after the other."""
     return np.concatenate([np.zeros(0), *(np.asarray(law.initial) for law in model.controllers)])
 
 
 def resting_control(model: Model, states: Any) -> ControlStep | None:
-    """Of traced controllers whose states do not change; None without any controllers."""
+    """A step of traced controllers with constant states; None without controllers."""
     if not model.controllers:
         return None
     every = []
@@ -138,14 +138,14 @@ def states_by_controller(model: Model, states: Any) -> list[Any]:
 def _step(motion: SystemMotion) -> ControlStep:
     if motion.control is None:
         raise ModelError(
-            "controllers act along runs and at rest: for anything else leave them out, "
+            "controllers act in runs and at equilibrium only; otherwise remove them, "
             "replace(system, controllers=())"
         )
     return motion.control
 
 
 def seen_ends(law: ControlLaw) -> list[Ends]:
-    """All that a controller sees and drives: readers first."""
+    """All ends that a controller reads or drives: readers first."""
     read = [end for each in law.readers for end in (each.first, each.second)]
     return read + driven_ends(law)
 
@@ -165,9 +165,9 @@ def by_body(ends: list[Ends]) -> dict[int, list[int]]:
 
 
 def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[Places, jax.Array]:
-    """Where a body's velocities stand, and the local freedoms (k 12, 6 + r) of its ends that they give.
+    """Positions of a body's velocities, and the local freedoms (k 12, 6 + r) of its ends as a linear map.
 
-    With `turn` (3, 3), for increments of the frame's rotation vector instead of its turn.
+    With `turn` (3, 3), the map is from increments of the frame's rotation vector instead.
     """
     frame = jax.scipy.linalg.block_diag(jnp.eye(3), jnp.eye(3) if turn is None else turn)
     parts = [jax.scipy.linalg.block_diag(frame, jnp.asarray(ends[number].motion)[0]) for number in numbers]
@@ -177,7 +177,7 @@ def moved_with(ends: list[Ends], numbers: list[int], turn: Any = None) -> tuple[
 
 
 def _all_markers(law: ControlLaw, motion: SystemMotion) -> Marker:
-    """All ends as they are, stacked."""
+    """All ends in their present state, stacked."""
     every = [markers(end, motion.configuration, motion.velocity) for end in seen_ends(law)]
     return jax.tree.map(lambda *leaves: jnp.concatenate([jnp.asarray(leaf) for leaf in leaves]), *every)
 
@@ -193,7 +193,7 @@ def moved_markers(law: ControlLaw, motion: SystemMotion) -> Callable[[jax.Array,
 
 
 def _poses(law: ControlLaw, motion: SystemMotion) -> Pose:
-    """Of all ends, stacked."""
+    """Poses of all ends, stacked."""
     return jax.vmap(pose)(_all_markers(law, motion))
 
 
@@ -202,7 +202,7 @@ def _one(stacked: Any, number: int) -> Any:
 
 
 def readings_of(law: ControlLaw, states: Any, seen: Pose) -> dict[str, Any]:
-    """By name; angles near those of the states, which count the turns."""
+    """Readings by name; joint angles near those of the states, which count revolutions."""
     found: dict[str, Any] = {}
     counted = len(law.initial)
     for number, reader in enumerate(law.readers):
@@ -229,19 +229,19 @@ def rates_of(law: ControlLaw, time: Any, readings: Mapping[str, Any], states: ja
 
 
 def _called(function: Any, *arguments: Any) -> Any:
-    """What a function of the user's gives; ModelError where it cannot be traced, or asks for too much."""
+    """Result of a user's function; ModelError if it cannot be traced, or reads an unknown name."""
     name = getattr(function, "__qualname__", repr(function))
     try:
         return function(*arguments)
     except (jax.errors.ConcretizationTypeError, jax.errors.TracerArrayConversionError) as error:
         raise ModelError(
-            f"the controller's function {name} asks for the numbers of what is traced: write jnp.where "
+            f"the controller's function {name} needs the value of a traced array: write jnp.where "
             "instead of if, and jax.numpy instead of math and numpy; or make it a SampledController, in "
             "plain Python"
         ) from error
     except KeyError as error:
         raise ModelError(
-            f"the controller's function {name} asks for {error}; it reads {sorted(arguments[1])}"
+            f"the controller's function {name} uses {error}; available are {sorted(arguments[1])}"
         ) from error
 
 
@@ -264,14 +264,14 @@ def _new_states(law: ControlLaw, number: int, motion: SystemMotion, readings: Ma
         return states - old - half * (rates + rates_of(law, motion.time, readings, states))
 
     states = old + step.size * rates
-    # Unrolled, so that derivatives pass: that of the last iteration is the exact one of the solution.
+    # Unrolled for differentiation: the derivative of the last iteration is the exact one of the solution.
     for _ in range(_ITERATIONS):
         states = states - jnp.linalg.solve(jax.jacfwd(left)(states), left(states))
     return states
 
 
 def _outputs(law: ControlLaw, number: int, motion: SystemMotion, readings: Mapping[str, Any]) -> Any:
-    """By name of the actuator."""
+    """Outputs by name of the actuator."""
     if law.outputs is None:
         return _step(motion).start.held[number]
     states = _new_states(law, number, motion, readings)

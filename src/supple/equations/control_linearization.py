@@ -1,4 +1,4 @@
-"""Controllers, linearised where they rest: what changes their states, and what their states change."""
+"""Linearised controllers at equilibrium: inputs to their states, and the effect of their states."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ __all__ = ["LinearControl", "RestingControl", "control_at_rest", "unrest"]
 
 
 class LinearControl(NamedTuple):
-    """Small changes `z` of the states of all controllers beside motions `p` and velocities `v`.
+    """Small changes `z` of the states of all controllers, for motions `p` and velocities `v`.
 
     z' = E_p p + E_v v + E_z z,      with the forces H z
     """
 
     forces: AnyArray
-    """`H` (n, k), by the states"""
+    """`H` (n, k), forces by the states"""
     by_position: AnyArray
     """`E_p` (k, n)"""
     by_velocity: AnyArray
@@ -52,14 +52,14 @@ class LinearControl(NamedTuple):
         return len(self.by_state)
 
     def along(self, motions: AnyArray) -> LinearControl:
-        """For machines that move as some motions (n, m) allow: `N^T H`, `E_p N`, `E_v N`."""
+        """The same for motions restricted to (n, m): `N^T H`, `E_p N`, `E_v N`."""
         return LinearControl(
             motions.T @ self.forces, self.by_position @ motions, self.by_velocity @ motions, self.by_state
         )
 
 
 class RestingControl(NamedTuple):
-    """Rates of the states of all controllers, which vanish at rest, and the linear equations about it."""
+    """Rates of the states of all controllers, which vanish at equilibrium, and their linear equations."""
 
     rates: AnyArray
     """(k,)"""
@@ -67,7 +67,7 @@ class RestingControl(NamedTuple):
 
 
 def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
-    """At a motion whose controllers are `resting_control`, for increments and velocities of the model."""
+    """Linear controllers at a motion with `resting_control`, for the model's increments and velocities."""
     n, k = model.n_velocities, len(first_states(model))
     if not k:
         none = np.zeros((n, 0))
@@ -78,16 +78,16 @@ def control_at_rest(model: Model, motion: SystemMotion) -> RestingControl:
 def unrest(
     system: System, control: RestingControl, position_scale: Any, velocity: Any, states: Any
 ) -> dict[str, float]:
-    """Rate of each state over the parts that it may be the difference of: states in words, with their rates.
+    """Relative rate of each state, keyed by a description with the rate.
 
-    position_scale, velocity : (n,) a large motion, and the velocities at rest
+    position_scale, velocity : (n,) a large motion, and the velocities at equilibrium
     """
     rates, linear = control
     controllers = [own for own in system.controllers if isinstance(own, Controller)]
     if not linear.size:
         return {}
     first = np.concatenate([own.initial for own in controllers])
-    # States are of many units: those of the matrix that couples them make them comparable.
+    # States have different units: the matrix that couples them makes them comparable.
     _, (units, _) = scipy.linalg.matrix_balance(linear.by_state, permute=False, separate=True)
     largest = np.max(np.maximum(np.abs(states), np.abs(first)) / units)
     parts = abs(linear.by_position) @ position_scale + abs(linear.by_velocity) @ abs(velocity)
@@ -142,7 +142,7 @@ _at_rest = KeptProgram(_terms, STARTING)
 
 
 def _states(motion: SystemMotion, number: int) -> Any:
-    """Of one controller, and behind them the angles of joints."""
+    """States of one controller, followed by the angles of joints."""
     assert motion.control is not None
     return jnp.asarray(motion.control.start.states[number])
 

@@ -1,4 +1,4 @@
-"""States of controllers at the start of a run, and from one part of a run to the next."""
+"""States of controllers at the start of a run, and their transfer from one part of a run to the next."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["control_after", "first_control", "fresh_control", "kept_control", "r
 
 
 def fresh_control(system: System) -> ControlState | None:
-    """As controllers begin: sampled ones hold nothing yet."""
+    """Initial controllers: sampled ones have no outputs yet."""
     if not system.controllers:
         return None
     states, rates, held, memory = [], [], [], []
@@ -37,7 +37,7 @@ def fresh_control(system: System) -> ControlState | None:
 
 
 def first_control(system: System, model: Model, instant: SystemMotion) -> ControlState | None:
-    """At the start: angles of joints, and rates of the states."""
+    """Controllers at the start: angles of joints, and rates of the states."""
     fresh = fresh_control(system)
     if fresh is None:
         return None
@@ -45,7 +45,7 @@ def first_control(system: System, model: Model, instant: SystemMotion) -> Contro
 
 
 def control_after(model: Model, motion: SystemMotion) -> ControlState:
-    """At the end of the step that has led to a motion with controllers."""
+    """Controllers at the end of the step that led to a motion."""
     return jax.tree.map(np.asarray, _stepped(model, motion))
 
 
@@ -57,14 +57,14 @@ _stepped = KeptProgram(_stepped_at, STARTING)
 
 
 def kept_control(control: ControlState | None) -> dict[str, np.ndarray]:
-    """By name, for result files."""
+    """Controller states by name, for result files."""
     if control is None:
         return {}
     return {name: np.asarray(leaf) for name, leaf in _named(control)}
 
 
 def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | None:
-    """As it was kept; ModelError where a recorded part kept nothing, or something else."""
+    """The stored controller states; ModelError if the recorded part has none, or different ones."""
     fresh = fresh_control(system)
     if fresh is None:
         return None
@@ -74,7 +74,7 @@ def resumed_control(system: System, known: Mapping[str, Any]) -> ControlState | 
         if name not in known or np.shape(known[name]) != np.shape(leaf):
             raise ModelError(
                 "the recorded part was made with other controllers, or without: it cannot be continued; "
-                "begin anew"
+                "start a new run"
             )
     return jax.tree.unflatten(structure, [np.asarray(known[name]) for name in names])
 

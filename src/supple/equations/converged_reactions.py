@@ -1,4 +1,4 @@
-"""Accelerations at one instant under friction that depends on what the joints carry."""
+"""Accelerations at one time with friction that depends on the joint forces."""
 
 from __future__ import annotations
 
@@ -12,24 +12,25 @@ from supple.errors import ConvergenceError
 __all__ = ["converged_reactions"]
 
 MOST, CONVERGED = 100, 1e-12
-"""Iterations, and the change of the joint forces at which they end, of the largest."""
+"""Iterations, and the relative change of the joint forces at which they stop."""
 
 S = TypeVar("S", bound=tuple[Any, ...])
 
 
 def converged_reactions(answered: Callable[[np.ndarray], S], found: S) -> S:
-    """Accelerations, multipliers, and whatever else belongs to them, by iteration.
+    """Accelerations, multipliers and any further quantities, by fixed-point iteration.
 
-    answered : these, with the forces that depend on given multipliers (m,)
-    found : without such forces
+    answered : these quantities, for forces at given multipliers (m,)
+    found : the same without such forces
 
-    Raises ConvergenceError where friction raises the joints' forces that it comes from by more each time.
+    Raises ConvergenceError where friction and the joint forces that cause it increase each other without
+    limit.
     """
     for _ in range(MOST):
         before, found = found[1], answered(found[1])
         if not np.isfinite(found[1]).all():
             break
-        # Of what grows without bound the largest entry, whose square would overflow.
+        # For diverging values the largest entry, as its square would overflow.
         if np.max(abs(found[1] - before)) <= CONVERGED * np.max(abs(found[1])):
             return found
     raise ConvergenceError(

@@ -1,4 +1,4 @@
-"""Translations, rotations and deformations among the coordinates, and what is a large change of each."""
+"""Translations, rotations and deformations among the coordinates, and the scale of each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["kinds_of_rows", "known_position_scale", "position_scale"]
 
 
 def position_scale(model: Model) -> jax.Array:
-    """What counts as a large change of each freedom, (n,)."""
+    """Scale of a large change of each freedom, (n,)."""
 
     def of_group(group: BodyGroup) -> tuple[Places, jax.Array]:
         k = len(group.members)
@@ -27,11 +27,11 @@ def position_scale(model: Model) -> jax.Array:
 
 
 known_position_scale = KeptProgram(position_scale, STARTING)
-"""`position_scale` by one program, of numbers."""
+"""`position_scale` as one compiled program with concrete values."""
 
 
 def kinds_of_rows(model: Model) -> np.ndarray:
-    """(3, n) rows that pick translations, rotations and deformations out of the velocity vector."""
+    """(3, n) rows that select translations, rotations and deformations of the velocity vector."""
     kinds = np.zeros((3, model.n_velocities))
     for part in model.slices:
         kinds[0, part.start : part.start + 3] = 1

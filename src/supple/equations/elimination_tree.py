@@ -1,9 +1,9 @@
-"""In which order the unknowns of a machine are eliminated, so that little fills in.
+"""Elimination order of the unknowns of a machine for little fill-in.
 
-Bodies are nodes, and whatever connects two bodies, joint or force, is an edge. Bodies whose removal leaves
-no closed path make the border. The others are trees: each body goes after all of its children, together
-with the equations of the joint to its parent, and what is left of it then concerns its parent and the border
-alone. The roots carry their joints with the ground. Joints that close a path belong to the border.
+Bodies are nodes, and each joint or force between two bodies is an edge. Bodies whose removal leaves no closed
+path form the border. The others are trees: each body is eliminated after all of its children, together with
+the equations of the joint to its parent; its Schur complement then involves its parent and the border only.
+The roots include their joints with the ground. Joints that close a path belong to the border.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ NONE = -1
 
 
 class _Joint(NamedTuple):
-    """A joint of the model, by numbers; -1 is the ground."""
+    """A joint of the model by body numbers; -1 is the ground."""
 
     first: int
     second: int
@@ -37,11 +37,11 @@ class _Joint(NamedTuple):
 
 @dataclass(frozen=True)
 class EliminationTree:
-    """Bodies in the order of their elimination, and the border that is left for the end."""
+    """Bodies in the order of their elimination, and the border, which is solved last."""
 
     bodies: tuple[int, ...]
     parents: tuple[int, ...]
-    """Place of each one's parent in this order; of a root, the number of bodies here"""
+    """Position of each body's parent in this order; for a root, the number of bodies here"""
     rows: tuple[tuple[Places, ...], ...]
     """Constraint equations eliminated together with each body"""
     border_bodies: tuple[int, ...]
@@ -49,7 +49,7 @@ class EliminationTree:
 
 
 def elimination_tree(model: Model) -> EliminationTree:
-    """The order for a machine, from what is known of it when a program is compiled."""
+    """The elimination order of a machine, known when a program is compiled."""
     joints = list(_joints(model))
     neighbours = _neighbours(model)
     border = _border(model, neighbours)
@@ -62,7 +62,7 @@ def elimination_tree(model: Model) -> EliminationTree:
     place = {body: i for i, body in enumerate(order)} | {NONE: len(order)}
     own: dict[int, list[Places]] = {body: [] for body in order}
     border_rows = []
-    # Of several joints with one parent the largest: the rest may be more than a body can obey by itself.
+    # Of several joints with one parent, the largest: all together may overconstrain the body.
     taken: set[int] = set()
     for joint in sorted(joints, key=lambda joint: -joint.size):
         rows = Places((joint.row,), joint.size)
@@ -90,7 +90,7 @@ def _joints(model: Model) -> Iterator[_Joint]:
 
 
 def _neighbours(model: Model) -> dict[int, set[int]]:
-    """The bodies that each body is connected with."""
+    """The neighbours of each body."""
     found: dict[int, set[int]] = {body: set() for body in range(len(model.sizes))}
     for group in (*model.joints, *model.forces):
         for first, second in zip(group.first.bodies, group.second.bodies, strict=True):
@@ -104,7 +104,7 @@ def _neighbours(model: Model) -> dict[int, set[int]]:
 
 
 def _border(model: Model, neighbours: dict[int, set[int]]) -> set[int]:
-    """Bodies whose removal leaves trees: again and again the one with most neighbours on closed paths."""
+    """Bodies whose removal leaves trees: repeatedly the one with the most neighbours on closed paths."""
     left = {body: set(others) for body, others in neighbours.items()}
 
     def without(body: int) -> None:
@@ -123,7 +123,7 @@ def _border(model: Model, neighbours: dict[int, set[int]]) -> set[int]:
 
 
 def _children_first(trees: dict[int, set[int]], grounded: dict[int, int]) -> tuple[list[int], dict[int, int]]:
-    """All bodies of the trees, children before parents, and their parents; roots hang on the ground."""
+    """All bodies of the trees, children before parents, and their parents; roots are joined to the ground."""
     parent_of: dict[int, int] = {}
     order: list[int] = []
     for root in sorted(trees, key=lambda body: (-grounded[body], body)):

@@ -1,4 +1,4 @@
-"""The ends of joints and forces: their markers, and the way of local forces and derivatives to the bodies."""
+"""The ends of joints and forces: markers, and the maps between local freedoms and the bodies."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Element = JointGroup | ForceGroup
 
 
 def markers(ends: Ends, configuration: Configuration, velocity: jax.Array | None = None) -> Marker:
-    """States of k markers, stacked; at rest without velocities (n,), as the ground's are."""
+    """States of k markers, stacked; at rest without velocities (n,), and for the ground."""
     if ends.velocities is None or ends.coordinates is None:
         k = len(ends.bodies)
         zero = jnp.zeros((k, 3))
@@ -48,19 +48,19 @@ def markers(ends: Ends, configuration: Configuration, velocity: jax.Array | None
 
 
 def _of_bodies(ends: Ends, per_body: Any) -> Any:
-    """Rows of an array (nb, ...) that belong to the bodies of the ends, (k, ...)."""
+    """Rows of an array (nb, ...) for the bodies of the ends, (k, ...)."""
     return Places(ends.bodies, 1).take(per_body)[:, 0]
 
 
 def turns_of(ends: Ends, turns: jax.Array) -> jax.Array | None:
-    """`T` of the bodies of the ends, (k, 3, 3), from that of all bodies; None for the ground."""
+    """`T` of the bodies of the ends, (k, 3, 3), selected from all bodies; None for the ground."""
     return None if ends.on_ground else _of_bodies(ends, turns)
 
 
 def forces_on_bodies(
     element: Element, local: tuple[jax.Array, jax.Array]
 ) -> Iterator[tuple[Places, jax.Array]]:
-    """Generalised forces (k, 6 + r) at both ends of elements, from those on the local freedoms (k, 12)."""
+    """Generalised forces (k, 6 + r) at both ends of elements, from forces on the local freedoms (k, 12)."""
     for ends, part in zip((element.first, element.second), local, strict=True):
         if ends.velocities is not None:
             own = over(
@@ -70,7 +70,7 @@ def forces_on_bodies(
 
 
 def columns_on_velocities(ends: Ends, by_local: jax.Array, turns: jax.Array | None) -> jax.Array:
-    """Columns for the bodies' velocities (k, m, 6 + r) from those for the local freedoms (k, m, 12).
+    """Columns for the bodies' velocities (k, m, 6 + r) from columns for the local freedoms (k, m, 12).
 
     With `turns` (k, 3, 3), for the increments of the frames' rotation vectors instead of `dpsi`.
     """
@@ -85,7 +85,7 @@ def columns_on_velocities(ends: Ends, by_local: jax.Array, turns: jax.Array | No
 def blocks_on_bodies(
     element: Element, local: tuple[tuple[jax.Array, jax.Array], ...], turns: jax.Array | None
 ) -> Iterator[MatrixBlock]:
-    """Blocks for the bodies of matrices (k, 12, 12) for the local freedoms, row end by column end.
+    """Blocks for the bodies from matrices (k, 12, 12) for the local freedoms, row end by column end.
 
     With `turns` (nb, 3, 3), columns are for the increments of the bodies' rotations.
     """

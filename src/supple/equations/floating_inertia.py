@@ -1,9 +1,9 @@
-"""Inertia of a body in a floating frame: all couplings from one Gram matrix, with analytic tangent.
+"""Inertia of a body in a floating frame: all coupling terms from one Gram matrix, with analytic tangent.
 
 The velocity field of the body is `W z` with the constant fields `W = [Phi_t | Phi_w0 | Phi_1 .. Phi_r | V]`
 and `z = (v, w, g_1 w, .., g_r w, gdot)`; `G = W^T M W` is the *inertia Gram matrix*. Written with the frame's
-global acceleration, `a = A^T (Rddot - gravity)` in body components, the frame's velocity `v` drops out of
-the equations of motion altogether (a Galilean frame cannot matter), and gravity needs no load vector. With
+global acceleration, `a = A^T (Rddot - gravity)` in body components, the equations of motion do not contain
+the frame's velocity `v` (Galilean invariance), and gravity needs no load vector. With
 
     h = G (0, w, g_k w, gdot),     d = G (a, wdot, g_k wdot + gdot_k w, gddot),
 
@@ -44,7 +44,7 @@ __all__ = [
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class InertiaArrays:
-    """The blocks of the Gram matrix in the order in which the equations of motion run through them."""
+    """The blocks of the Gram matrix in the order in which the equations of motion use them."""
 
     fixed: Any
     """(3 + r, 6 + 4r): rows of the translations and of the deformation"""
@@ -54,7 +54,7 @@ class InertiaArrays:
     """(12, r^2): coefficients of `w_i` in the gyroscopic matrix (3), its transposes (3), of `w_i w_j` in the
     centrifugal one (6, `i <= j`)"""
     inertia: Any
-    """(r, r): of the deformation, the identity for orthonormal shapes"""
+    """(r, r): mass of the deformation, the identity for orthonormal shapes"""
 
 
 class FloatingState(NamedTuple):
@@ -75,7 +75,7 @@ class FloatingState(NamedTuple):
 
 
 class InertiaTerms(NamedTuple):
-    """Inertia force of a moving body, and what its tangent needs of the same evaluation."""
+    """Inertia force of a moving body, and the data of its tangent from the same evaluation."""
 
     force: jax.Array
     """`(p, m, e)`, (6 + r,)"""
@@ -92,7 +92,7 @@ class InertiaTerms(NamedTuple):
 
 
 class _Parts(NamedTuple):
-    """A vector (or the rows of a matrix) of the Gram matrix's size, split by field."""
+    """A vector (or the rows of a matrix) with the size of the Gram matrix, split by field."""
 
     translation: jax.Array
     rotation: jax.Array
@@ -139,7 +139,7 @@ def inertia_arrays(gram: Any) -> InertiaArrays:
 
 
 def inertia_terms(arrays: InertiaArrays, motion: FloatingState) -> InertiaTerms:
-    """Inertia force of a moving body, and what its tangent needs of the same evaluation."""
+    """Inertia force of a moving body, and the data of its tangent from the same evaluation."""
     r = motion.coordinates.shape[0]
     n = 6 + 4 * r
     one, zero = jnp.ones(1), jnp.zeros(1)
@@ -197,11 +197,11 @@ def inertia_tangent(
     terms: InertiaTerms,
     factors: StepFactors,
 ) -> jax.Array:
-    """Derivative of the inertia force for accelerations whose change carries velocity and position along.
+    """Derivative of the inertia force with respect to accelerations, with velocity and position following.
 
     Column j belongs to `d(a, wdot, gddot) = e_j` together with `d(w, gdot) = by_velocity e_j` and
-    `dg = by_position e_j`, the combination that a Newmark step needs; (6 + r, 6 + r). The change of `a` with
-    the frame's rotation is the caller's.
+    `dg = by_position e_j`, the combination of a Newmark step; (6 + r, 6 + r). The caller adds the change of
+    `a` with the frame's rotation.
     """
     position, velocity = factors
     r = motion.coordinates.shape[0]
@@ -217,7 +217,7 @@ def inertia_tangent(
     )
     deformed = rows[:, 6 + 3 * r :]
 
-    # What d and h, seen by those rows, owe to the accelerations: columns of force, moment and its rate.
+    # Contributions of the accelerations to d and h in those rows: columns of force, moment and its rate.
     d_columns = jnp.concatenate(
         [
             rows[:, :3],

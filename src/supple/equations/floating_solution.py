@@ -1,4 +1,4 @@
-"""States of floating-frame engines as solutions, and back."""
+"""Conversion between the states of floating-frame methods and solutions."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ def floating_solution(
 ) -> Solution:
     """Stacked states (leading axis: time) as a solution, with the forces of the joints.
 
-    slices : where the velocities of each body stand
-    active : constraint equations that were kept, to which the multipliers belong
-    engine_state : what an exact resume needs besides these numbers
-    seen : of bodies that are seen at stations, if there are any
+    slices : positions of the velocities of each body
+    active : constraint equations that were kept, in the order of the multipliers
+    engine_state : further numbers for an exact resume
+    seen : motions of bodies represented by stations, if there are any
     """
     bodies: dict[str, Any] = dict(
         body_motions(system, slices, motion.configuration, motion.velocity, motion.acceleration)
@@ -66,7 +66,7 @@ def body_motions(
 ) -> dict[str, FloatingMotion]:
     """Split stacked states (leading axis: time) by body.
 
-    slices : where the velocities of each body stand
+    slices : positions of the velocities of each body
     """
     motions = {}
     first = 0
@@ -98,7 +98,7 @@ def joint_multipliers(
 
 
 class SeenMotions(NamedTuple):
-    """Motions of bodies that are seen at stations, and of these, by name; and the system that has them."""
+    """Motions of bodies represented by stations, by name; and the system that contains them."""
 
     system: System
     bodies: Mapping[str, Motion]
@@ -113,16 +113,14 @@ class LastInstant(NamedTuple):
     velocity: np.ndarray
     acceleration: np.ndarray
     multipliers: np.ndarray
-    """Of all equations"""
+    """Multipliers of all equations"""
 
 
 def last_instant(system: System, done: Solution) -> LastInstant:
-    """Where a recorded part ends; ModelError when it has other bodies or joints than the system."""
+    """The last state of a recorded part; ModelError when its bodies or joints are not those of the system."""
     known, names = done.engine_state, [placed.body.name for placed in system.bodies]
     if set(names) != set(done.bodies) or {joint.name for joint in system.joints} != set(done.multipliers):
-        raise ModelError(
-            "the recorded part has other bodies or joints than this system: it cannot be continued"
-        )
+        raise ModelError("the recorded part has other bodies or joints than this system: start a new run")
 
     last = {name: done.motion(name, FramedMotion) for name in names}
 
@@ -149,7 +147,7 @@ def last_instant(system: System, done: Solution) -> LastInstant:
 
 
 def failure_message(time: float, relative_residual: np.ndarray, *, undamped: bool = False) -> str:
-    """Why and where a run stopped; `relative_residual` is that of the four kinds of equations.
+    """Time and cause of a failed run; `relative_residual` is that of the four kinds of equations.
 
     undamped : the machine has joints, and the method does not damp their forces
     """
@@ -157,9 +155,9 @@ def failure_message(time: float, relative_residual: np.ndarray, *, undamped: boo
     worst = int(np.argmax(np.where(np.isfinite(relative_residual), relative_residual, np.inf)))
     if not np.isfinite(relative_residual).all():
         return (
-            f"no convergence at t = {time:.6g} with the smallest step allowed: the {kinds[worst]} are no "
-            "numbers. A controller, a law or a load of one's own that gives nan or infinity is the usual "
-            "cause; what was computed until then is kept"
+            f"no convergence at t = {time:.6g} with the smallest step allowed: the {kinds[worst]} are not "
+            "numbers. A user-defined controller, law or load that returns nan or infinity is the usual "
+            "cause; the results until then are stored"
         )
     likely = (
         "The likely cause is the method: with rho_inf = 1, as with the trapezoidal rule, nothing damps the "
@@ -172,5 +170,5 @@ def failure_message(time: float, relative_residual: np.ndarray, *, undamped: boo
         f"no convergence at t = {time:.6g} with the smallest step allowed: relative residual "
         f"{relative_residual[worst]:.2g} in the {kinds[worst]}. {likely} position (a mechanism stretched "
         "out), a motion prescribed with a jump, loads far beyond the body's stiffness, or a basis without "
-        "the nonlinear terms it needs are the usual causes; what was computed until then is kept"
+        "the nonlinear terms it needs are the usual causes; the results until then are stored"
     )

@@ -7,7 +7,7 @@ momentum `S q'` of the rates and the first moment `s = s_0 + S q`:
     force        p = P' + w x P,             P = w x s + S q',     P' = m a + w' x s + w x S q' + S q''
     moment       m = H' + w x H + s x a,     H = P_i . q' + q B_i q' + J(q) w
 
-The velocity of the frame's origin drops out of these; `momenta` takes it. These are the equations of
+These do not contain the velocity of the frame's origin; `momenta` does. They are the equations of
 `floating_inertia` with V = I, for sparse matrices.
 """
 
@@ -70,7 +70,7 @@ class InertiaBorder(NamedTuple):
 
 
 class _State(NamedTuple):
-    """What force and tangent share at one motion."""
+    """Quantities shared by force and tangent at one motion."""
 
     turned: np.ndarray
     """`B_i^T q`, (3, n)"""
@@ -79,7 +79,7 @@ class _State(NamedTuple):
     rates_turned: np.ndarray
     """`B_i q'`, (3, n)"""
     growth: np.ndarray
-    """Derivative of `J_ij` for q, (3, 3, n)"""
+    """Derivative of `J_ij` with respect to q, (3, 3, n)"""
     inertia: np.ndarray
     """J(q), (3, 3)"""
     inertia_rate: np.ndarray
@@ -92,7 +92,7 @@ class _State(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FullInertia:
-    """The mass of a body, ready for floating-frame inertia."""
+    """The mass of a body, prepared for floating-frame inertia."""
 
     body: FlexibleBody
 
@@ -180,7 +180,7 @@ class FullInertia:
     def momenta(
         self, coordinates: np.ndarray, rates: np.ndarray, angular_velocity: np.ndarray, velocity: np.ndarray
     ) -> FullMomenta:
-        """Kinetic energy and momenta at t instants.
+        """Kinetic energy and momenta at t times.
 
         coordinates, rates : (n, t)
         angular_velocity, velocity : (3, t) of the frame, `w` and `v = A^T Rdot`
@@ -208,7 +208,7 @@ class FullInertia:
     def first_moment(self, coordinates: np.ndarray) -> np.ndarray:
         """`sum m (x + u)` in body components, (3, t), for coordinates (n, t).
 
-        At rest from `Phi_t^T M Phi_w(0) = -(m c)~`, in motion with `Phi_t^T M q`, whose rate is momentum.
+        The static part is `Phi_t^T M Phi_w(0) = -(m c)~`, the rest `Phi_t^T M q`, whose rate is the momentum.
         """
         turning = self._rigid[:3, 3:]
         rest = np.array([turning[1, 2], turning[2, 0], turning[0, 1]])
@@ -242,7 +242,7 @@ class FullInertia:
         }
 
     def border(self, motion: FullMotion, factors: StepFactors) -> InertiaBorder:
-        """Tangents between the coordinates and the frame, for the same factors as `inertia_tangent`."""
+        """Tangents between the coordinates and the frame, with the same factors as `inertia_tangent`."""
         position, velocity = factors
         w, dw, a = motion.angular_velocity, motion.angular_acceleration, motion.frame_acceleration
         state, momenta = self._state(motion), self._rigid_momenta.T
@@ -251,7 +251,7 @@ class FullInertia:
         spun = np.einsum("ijn,j->in", state.growth, w)
         columns = np.concatenate([momenta[:3], turning + velocity * (state.turned_rates - spun)]).T
 
-        # Of H', of H, and of s x a.
+        # Parts from H', from H, and from s x a.
         rate_rows = 2 * state.rates_turned + state.turned_rates
         place_rows = (
             self._energy.rate_products(motion.accelerations)[1]

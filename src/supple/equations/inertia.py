@@ -48,7 +48,7 @@ def floating_states(model: Model, group: BodyGroup, motion: SystemMotion) -> Flo
 
 
 def force(group: BodyGroup, rotations: jax.Array, states: FloatingState) -> tuple[jax.Array, InertiaTerms]:
-    """Inertia forces (k, 6 + r), the first three global, and what their tangent takes over."""
+    """Inertia forces (k, 6 + r), the first three global, and the data of their tangent."""
 
     def of_body(arrays, rotation: jax.Array, state: FloatingState) -> tuple[jax.Array, InertiaTerms]:
         terms = inertia_terms(arrays, state)
@@ -66,7 +66,7 @@ def tangent(
     turns: jax.Array,
     factors: StepFactors,
 ) -> jax.Array:
-    """Derivatives of the inertia forces for the new accelerations (k, 6 + r, 6 + r), the elastic ones added.
+    """Derivatives of the inertia forces by the new accelerations (k, 6 + r, 6 + r), with the elastic ones.
 
     elastic : (k, r, r)     of the internal forces
     turns : (k, 3, 3)       `T` of the rotation increments

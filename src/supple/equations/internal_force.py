@@ -17,7 +17,7 @@ __all__ = ["InternalMatrices", "force", "tangent"]
 
 
 class InternalMatrices(NamedTuple):
-    """What the tangent takes over from the force, (k, r, r) each."""
+    """Data of the tangent from the force, (k, r, r) each."""
 
     stiffness: jax.Array
     """Tangents of the elastic forces"""
@@ -47,9 +47,9 @@ def force(group: BodyGroup, states: FloatingState) -> tuple[jax.Array, InternalM
 
 
 def tangent(matrices: InternalMatrices, factors: StepFactors) -> jax.Array:
-    """Derivative of the internal forces for the new accelerations of the coordinates, (k, r, r).
+    """Derivative of the internal forces with respect to the coordinates' new accelerations, (k, r, r).
 
-    How D(g) changes with g is left out: the damping is small beside the elastic force, and Newton's
-    iteration converges as fast without.
+    The change of D(g) with g is left out: the damping is small beside the elastic force, and Newton's
+    iteration converges equally fast without it.
     """
     return factors.by_position * matrices.stiffness + factors.by_velocity * matrices.damping

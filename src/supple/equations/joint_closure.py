@@ -1,4 +1,4 @@
-"""Joints shut by the least rigid motion of the bodies, in the mass norm."""
+"""Closing of open joints by the least rigid motion of the bodies, in the mass norm."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from supple.machine import System
 __all__ = ["joints_assembled", "joints_closed", "row_labels"]
 
 _LARGEST_TURN = 0.3
-"""rad by which a body is turned at most before the joints are evaluated again; with shifts in proportion."""
+"""rad, largest rotation of a body before the joints are evaluated again; translations in proportion."""
 _MOST_ITERATIONS = 200
 _UNCLOSED = 1e-10
-"""Of the machine's size, and rad: joints that stay open by more do not fit."""
+"""Relative to the machine's size, and rad: joints with a larger remaining gap cannot be closed."""
 
 
 def joints_closed(
     machine: StartingMachine, time: float, configuration: Configuration, velocity: np.ndarray
 ) -> Configuration:
-    """Project the configuration on the joints by Newton's method, as closely as arithmetic allows."""
+    """The configuration projected on the joints by Newton's method, to rounding accuracy."""
     still = np.zeros_like(velocity)
     largest, before = 0.0, np.inf
     for _ in range(20):
@@ -32,7 +32,7 @@ def joints_closed(
         rounding = machine.model.length * float(
             position_rounding(machine.model.length, configuration.origins)
         )
-        # A further iteration takes away what is left of rounding errors, until it gains nothing.
+        # A further iteration removes remaining rounding errors, until there is no improvement.
         if largest <= 0.01 * rounding or (largest <= rounding and largest > 0.1 * before):
             return configuration
         before = largest
@@ -42,7 +42,7 @@ def joints_closed(
         configuration = machine.moved(configuration, change)
     raise ConvergenceError(
         f"the joints could not be closed at the start: largest gap {largest:.3g} after 20 iterations. "
-        "Place the bodies closer to a configuration in which every joint fits"
+        "Place the bodies closer to a configuration in which every joint is closed"
     )
 
 
@@ -57,7 +57,7 @@ def _rigid_change(
 def _least_rigid_change(
     machine: StartingMachine, configuration: Configuration, terms: JointTerms
 ) -> tuple[np.ndarray, float]:
-    """The least rigid motion (nb, 6) in the mass norm that closes the joints best; what it leaves open."""
+    """The least rigid motion (nb, 6) in the mass norm that best closes the joints; the remaining residual."""
     frames = [slice(part.start, part.start + 6) for part in machine.seen_slices]
     whitening = [np.linalg.inv(np.linalg.cholesky(own)).T for own in machine.frame_masses(configuration)]
     jacobian = np.hstack([terms.jacobian[:, part] @ own for part, own in zip(frames, whitening, strict=True)])
@@ -67,7 +67,7 @@ def _least_rigid_change(
 
 
 def _of_bodies(machine: StartingMachine, change: np.ndarray) -> np.ndarray:
-    """An increment (n,) of the frames' motions (nb, 6)."""
+    """An increment (n,) from the frames' motions (nb, 6)."""
     increment = np.zeros(machine.slices[-1].stop)
     for part, own in zip(machine.slices, change, strict=True):
         increment[part.start : part.start + 6] = own
@@ -75,14 +75,14 @@ def _of_bodies(machine: StartingMachine, change: np.ndarray) -> np.ndarray:
 
 
 def joints_assembled(machine: StartingMachine, time: float, configuration: Configuration) -> Configuration:
-    """The configuration near the one given in which all joints fit, however far they are open.
+    """The configuration near the given one in which all joints are closed, however far they are open.
 
-    Gauss and Newton's method on the rows of all joints, each step of least rigid motion, cut so that no body
-    turns by more than 0.3 rad, nor moves by more than 0.3 of the machine's size.
+    Gauss-Newton iteration on the rows of all joints, each step of least rigid motion, limited so that no body
+    rotates by more than 0.3 rad, nor moves by more than 0.3 of the machine's size.
 
     Raises
     ------
-    ConvergenceError    joints that do not fit: the worst, and by how much it stays open
+    ConvergenceError    joints that cannot be closed: the worst, and its remaining gap
     """
     system, length = machine.system, float(machine.model.length)
     scales, still = row_scales(system), np.zeros(machine.slices[-1].stop)
@@ -102,10 +102,10 @@ def joints_assembled(machine: StartingMachine, time: float, configuration: Confi
     raise ConvergenceError(
         f"the machine cannot be assembled: joint {row_labels(system)[worst]} stays open by "
         f"{abs(left[worst]) * scales[worst]:.3g} after {_MOST_ITERATIONS} iterations. Correct lengths and "
-        "places of the bodies; a law must begin with a value that they can reach"
+        "positions of the bodies; a law must begin with a value that they can reach"
     )
 
 
 def row_labels(system: System) -> list[str]:
-    """What to call each constraint equation."""
+    """Labels of the constraint equations."""
     return [f"'{joint.name}' ({row})" for joint in system.joints for row in joint.rows]

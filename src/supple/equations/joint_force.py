@@ -47,7 +47,7 @@ class LinearizedJoints(NamedTuple):
     """A group of joints at one configuration."""
 
     coefficients: Any
-    """`L` of every joint, (k, m, 12), where it changes with a law; None where the whole group has one"""
+    """`L` of each joint, (k, m, 12), where it varies with a law; None where it is the same for the group"""
     at: JointLinearization
     """Stacked"""
 
@@ -100,22 +100,22 @@ def residuals(model: Model, joints: tuple[LinearizedJoints, ...]) -> jax.Array:
 def constraint_rows(
     model: Model, joints: tuple[LinearizedJoints, ...], increments: jax.Array | None = None
 ) -> jax.Array:
-    """Derivative `G` of the active equations of linearised joints for the velocities, (m, n).
+    """Derivative `G` of the active equations of linearised joints with respect to the velocities, (m, n).
 
-    With `increments` (n,), for the increments that led here instead: `dpsi = T(increment) dincrement`.
+    With `increments` (n,), for the increments of this step instead: `dpsi = T(increment) dincrement`.
     """
     blocks = constraint_blocks(model, joints, increments)
     return _active(model, assembled_matrix((model.n_equations, model.n_velocities), blocks))
 
 
 joint_rows = KeptProgram(constraint_rows, STARTING)
-"""`constraint_rows` by one program, of numbers."""
+"""`constraint_rows` as one compiled program with concrete values."""
 
 
 def constraint_blocks(
     model: Model, joints: tuple[LinearizedJoints, ...], increments: jax.Array | None = None
 ) -> Iterator[MatrixBlock]:
-    """The contributions to `constraint_rows` of all equations, the redundant ones included."""
+    """The contributions to `constraint_rows` of all equations, with the redundant ones."""
     turns = None if increments is None else turns_by_increment(model, increments)
     for own, each in zip(model.joints, joints, strict=True):
         for ends, part in zip((own.first, own.second), each.at.by_end, strict=True):
@@ -146,7 +146,7 @@ def tangent(
     turns: jax.Array,
     by_position: Any,
 ) -> Iterator[MatrixBlock]:
-    """Geometric stiffness of the joint forces, for the increments of the bodies times `by_position`."""
+    """Geometric stiffness of the joint forces, for the bodies' increments, times `by_position`."""
     every = by_position * all_multipliers(model, motion.multipliers)
     for own, each in zip(model.joints, joints, strict=True):
         ends = (markers(end, motion.configuration, motion.velocity) for end in (own.first, own.second))

@@ -1,12 +1,12 @@
 """A joint at one configuration: its equations, their derivatives, and the stiffness of its forces.
 
-Constraint equations see the two joint frames through the second's position and orientation relative to the
-first, and are affine in both:
+Constraint equations depend on the two joint frames through the second's position and orientation relative to
+the first, and are affine in both:
 
     g = L (d, Q) + c,      d = A_1^T (r_2 - r_1),     Q = A_1^T A_2
 
-so that `L` and `c`, functions of time at most, are all there is to know of a joint, and the derivatives are
-the same few lines for every kind. For small motions `(dr, dphi)` of the frames, `dA = A skew(dphi)`:
+so that `L` and `c`, which depend at most on time, determine a joint completely, and the derivatives have the
+same form for every kind. For small motions `(dr, dphi)` of the frames, `dA = A skew(dphi)`:
 
     dd = A_1^T (dr_2 - dr_1) + d x dphi_1,      dQ = Q skew(dphi_2) - skew(dphi_1) Q
 """
@@ -48,7 +48,7 @@ __all__ = [
 
 
 class JointLinearization(NamedTuple):
-    """What one evaluation of a joint leaves for forces, Jacobian and tangent."""
+    """Results of one evaluation of a joint, for forces, Jacobian and tangent."""
 
     equations: jax.Array
     """`g`, (m,)"""
@@ -92,14 +92,14 @@ Affine = tuple[Any, Any]
 def affine_form(constraint: Constraint, value: Any) -> Affine:
     """The affine form of a joint's equations.
 
-    Constants of the compiled program for a joint without a law, of which `value` is None.
+    For a joint without a law, of which `value` is None, they are constants of the compiled program.
     """
     return _constant(constraint) if value is None else _affine(constraint, value)
 
 
 @lru_cache(maxsize=64)
 def _constant(constraint: Constraint) -> Affine:
-    """The affine form of a joint without a law, by one small program, compiled aside of one being traced."""
+    """The affine form of a joint without a law, by a separate small program while another is traced."""
     coefficients, constant = map(read_only, KeptProgram(partial(_affine, constraint, None), STARTING)())
     return coefficients, constant
 
@@ -118,14 +118,14 @@ def axial(matrix: jax.Array) -> jax.Array:
 
 
 def _seen(second: Marker, coefficients: Any) -> Marker:
-    """The second marker, unturned where the joint does not see it turn: the compiler drops what follows."""
+    """The second marker, unrotated if the joint ignores its rotation: the compiler drops the unused part."""
     if isinstance(coefficients, np.ndarray) and not coefficients[:, 3:].any():
         return second._replace(rotation_vector=jnp.zeros(3))
     return second
 
 
 def linearize_joint(affine: Affine, first: Marker, second: Marker) -> JointLinearization:
-    """Equations and derivatives of a joint whose affine form and markers are known."""
+    """Equations and derivatives of a joint with given affine form and markers."""
     coefficients, constant = affine
     second = _seen(second, coefficients)
     axes = orientation(first)
@@ -157,7 +157,7 @@ Blocks = tuple[tuple[jax.Array, jax.Array], tuple[jax.Array, jax.Array]]
 def geometric_stiffness(
     coefficients: Any, at: JointLinearization, first: Marker, second: Marker, multipliers: jax.Array
 ) -> Blocks:
-    """Change of the joint's generalised forces with the local freedoms at constant multipliers.
+    """Derivative of the joint's generalised forces by the local freedoms at constant multipliers.
 
     With `p = L_d^T lambda` and `P = L_Q^T lambda` the wrenches on the joint frames are
 

@@ -1,4 +1,4 @@
-"""Joint forces: what each joint does to its second end, as six components, from its multipliers.
+"""Joint forces: the six components that each joint exerts on its second end, from its multipliers.
 
 With the affine form `g = L (d, Q) + c` of the joint's equations (`joint_linearization`) and its multipliers
 lambda, `p = L_d^T lambda` and `P = L_Q^T lambda`, the joint exerts at the second end's point
@@ -27,7 +27,7 @@ from supple.programs.kept_programs import KeptProgram
 
 __all__ = ["joint_wrenches"]
 
-# Instants whose equations are linearised at a time: one compiled program for runs of any length.
+# Times linearised together: one compiled program for runs of any length.
 _BLOCK = 256
 
 
@@ -36,8 +36,8 @@ def joint_wrenches(
 ) -> dict[str, np.ndarray]:
     """Force and moment (t, 6) of each joint on its second end, at that end's point.
 
-    Components along the joint axes that turn with the first end, z the joint's axis; those that the joint
-    leaves free are zero.
+    Components are along the joint axes, which rotate with the first end, z the joint's axis; components along
+    free directions are zero.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def _wrench(
 
 
 def _axes(system: System, joint: Joint, end: At, bodies: Mapping[str, Any]) -> np.ndarray:
-    """Joint axes on an end over time, (t, 3, 3), or (1, 3, 3) of the ground."""
+    """Joint axes on an end over time, (t, 3, 3), or (1, 3, 3) for the ground."""
     if end == GROUND:
         return joint.initial_axes[None]
     placed, motion = system.bodies[system.body_index(end.body)], bodies[end.body]

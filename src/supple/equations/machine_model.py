@@ -1,8 +1,8 @@
-"""A system as arrays: what the compiled equations of motion read.
+"""A system as arrays, the input of the compiled equations of motion.
 
 Every class here is a JAX pytree. Velocities of all bodies form one vector: per body `(dR/dt, omega, dg/dt)`,
 the velocity of the frame's origin in global, the frame's angular velocity in body components. Equal bodies,
-joints and forces stand in groups, as arrays with a leading axis.
+the velocity of the frame's origin in global, the frame's angular velocity in body components. Equal bodies,
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 STATIC = {"static": True}
-"""Marks what belongs to the structure of a compiled program, not to its data."""
+"""Marks a field that belongs to the structure of a compiled program, not to its data."""
 
 
 @jax.tree_util.register_dataclass
@@ -42,35 +42,35 @@ class BodyGroup:
     """k rigid (r = 0) or reduced bodies of one size."""
 
     members: tuple[int, ...] = field(metadata=STATIC)
-    """Their numbers in the system"""
+    """Numbers of the bodies in the system"""
     velocities: Places = field(metadata=STATIC)
     """6 + r each"""
     coordinates: Places = field(metadata=STATIC)
     gram: Any
     """(k, 6 + 4r, 6 + 4r)"""
     inertia: InertiaArrays
-    """The same, as the equations of motion read it."""
+    """The Gram matrix, rearranged for the equations of motion."""
     stiffness: Any
     """(k, r, r)"""
     cubic: Any
-    """(k, n2, r), or (1, n2, r) of equal bodies; None of linear ones"""
+    """(k, n2, r), or (1, n2, r) for equal bodies; None for linear ones"""
     quartic: Any
-    """(k, n2, n2), or (1, n2, n2), or `PairBlocks` of such"""
+    """(k, n2, n2), or (1, n2, n2), or `PairBlocks` of these"""
     damping: Any
     """(k, r, r), undeformed"""
     damping_cubic: Any
-    """What it gains by deformation, with the next; None where it does not follow the strain rate."""
+    """Change of the damping with deformation, with the next; None without strain-rate damping."""
     damping_quartic: Any
     coordinate_scale: Any
     """(k,) size of a coordinate that moves the body by the system's length: `length sqrt(mass)`."""
 
     @property
     def r(self) -> int:
-        """Number of deformation coordinates of each."""
+        """Number of deformation coordinates of each body."""
         return self.coordinates.size
 
     def of(self, per_body: Any) -> Any:
-        """The rows of an array (nb, ...) that belong to the group, (k, ...)."""
+        """The rows of an array (nb, ...) for the group, (k, ...)."""
         first, last = self.members[0], self.members[-1]
         if self.members == tuple(range(first, last + 1)):
             return per_body[first : last + 1]
@@ -83,7 +83,7 @@ class Ends:
     """The k ends on one side of a group of joints or forces: markers of equal bodies, or of the ground."""
 
     bodies: tuple[int, ...] = field(metadata=STATIC)
-    """Numbers of the bodies; -1 for the ground, then of all of them"""
+    """Numbers of the bodies; -1 for the ground, then for all of them"""
     velocities: Places | None = field(metadata=STATIC)
     """6 + r each; None for the ground"""
     coordinates: Places | None = field(metadata=STATIC)
@@ -98,7 +98,7 @@ class Ends:
 
     @property
     def on_ground(self) -> bool:
-        """Whether these ends do not move."""
+        """Whether these ends are fixed."""
         return self.velocities is None
 
 
@@ -109,9 +109,9 @@ class JointGroup:
 
     constraint: Callable[..., Any] = field(metadata=STATIC)
     rows: Places = field(metadata=STATIC)
-    """Of the constraint equations, the redundant ones included"""
+    """Numbers of the constraint equations, with the redundant ones"""
     law: Any
-    """With a leading axis on all its numbers, or None"""
+    """Law with a leading axis on all its numbers, or None"""
     first: Ends
     second: Ends
 
@@ -127,7 +127,7 @@ class ForceGroup:
     first: Ends
     second: Ends
     reaction: Places | None = field(default=None, metadata=STATIC)
-    """Constraint equations whose multipliers they read, in the place of a law"""
+    """Constraint equations whose multipliers the forces use, in place of a law"""
 
 
 @jax.tree_util.register_dataclass
@@ -139,7 +139,7 @@ class NodalLoadArrays:
     velocities: Places = field(metadata=STATIC)
     coordinates: Places = field(metadata=STATIC)
     load: Any
-    """`PreparedLoad`, which tells forces and their derivatives from the places of the nodes"""
+    """`PreparedLoad`, which gives forces and their derivatives from the positions of the nodes"""
     positions: Any
     """(k, 3) rest positions"""
     basis: Any
@@ -149,7 +149,7 @@ class NodalLoadArrays:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Reader:
-    """What a controller reads, under a name: the motion of two ends against each other, or of the first."""
+    """A named reading of a controller: the relative motion of two ends, or the motion of the first."""
 
     name: str = field(metadata=STATIC)
     of_joint: bool = field(metadata=STATIC)
@@ -160,13 +160,13 @@ class Reader:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Actuator:
-    """A force element that a controller drives, under a name."""
+    """A named force element driven by a controller."""
 
     name: str = field(metadata=STATIC)
     shape: tuple[int, ...] = field(metadata=STATIC)
-    """Of the output"""
+    """Shape of the output"""
     force: ForceGroup
-    """Of one element"""
+    """Parameters of one element"""
 
 
 @jax.tree_util.register_dataclass
@@ -175,7 +175,7 @@ class ControlLaw:
     """A controller."""
 
     outputs: Callable[..., Any] | None = field(metadata=STATIC)
-    """None of a sampled one, whose outputs are held"""
+    """None for a sampled controller, whose outputs are held constant"""
     rates: Callable[..., Any] | None = field(metadata=STATIC)
     readers: tuple[Reader, ...]
     actuators: tuple[Actuator, ...]
@@ -184,7 +184,7 @@ class ControlLaw:
 
     @property
     def bodies(self) -> tuple[int, ...]:
-        """Numbers of the bodies that it reads or drives; none of the ground."""
+        """Numbers of the bodies that it reads or drives, without the ground."""
         ends = [end for reader in self.readers for end in (reader.first, reader.second)]
         ends += [end for each in self.actuators for end in (each.force.first, each.force.second)]
         return tuple(sorted({end.bodies[0] for end in ends if not end.on_ground}))
@@ -196,13 +196,13 @@ class Model:
     """The whole system."""
 
     groups: tuple[BodyGroup, ...]
-    """The bodies that have inertia here; a full body has its own, outside the compiled equations"""
+    """The bodies with inertia here; the inertia of a full body is outside the compiled equations"""
     joints: tuple[JointGroup, ...]
     forces: tuple[ForceGroup, ...]
     nodal_loads: tuple[NodalLoadArrays, ...]
     gravity: Any
     base_accelerations: tuple[Any, ...]
-    """Laws of (3,)"""
+    """Laws with values (3,)"""
     length: Any
     """Size of the system, the scale of translations."""
     mass: Any
@@ -217,12 +217,12 @@ class Model:
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Where each body's velocities stand in the common vector."""
+        """Positions of each body's velocities in the common vector."""
         return _slices([6 + r for r in self.sizes])
 
     @property
     def coordinate_slices(self) -> tuple[slice, ...]:
-        """Where each body's coordinates stand in their common vector."""
+        """Positions of each body's coordinates in their common vector."""
         return _slices(self.sizes)
 
     @property
@@ -232,7 +232,7 @@ class Model:
 
     @property
     def deforming_slices(self) -> tuple[slice, ...]:
-        """Velocities of the bodies that have coordinates."""
+        """Velocities of the deformable bodies."""
         return tuple(part for part in self.slices if part.stop > part.start + 6)
 
     @property
@@ -242,28 +242,28 @@ class Model:
 
     @property
     def reads_reactions(self) -> bool:
-        """Whether forces depend on what the joints carry."""
+        """Whether forces depend on joint multipliers."""
         return any(group.reaction is not None for group in self.forces)
 
     @property
     def joints_alone(self) -> Model:
-        """What constraint equations depend on: a program of theirs serves other bodies and loads as well."""
+        """The data of constraint equations only: their program then serves other bodies and loads as well."""
         return self._without_loads(groups=())
 
     @property
     def bodies_alone(self) -> Model:
-        """What the mass matrix depends on."""
+        """The data of the mass matrix only."""
         return self._without_loads(joints=(), n_equations=0, active=())
 
     def _without_loads(self, **others: Any) -> Model:
         return replace(self, forces=(), nodal_loads=(), base_accelerations=(), controllers=(), **others)
 
     def gravity_at(self, time: Any) -> Any:
-        """Gravity seen from a base that accelerates, (3,)."""
+        """Gravity in the frame of an accelerated base, (3,)."""
         return self.gravity - sum(law(time) for law in self.base_accelerations)
 
     def loads_at(self, time: Any) -> Model:
-        """The model whose loads stay as they are at a time: without their tables, which may be long."""
+        """The model with loads fixed at a time: without their tables, which may be long."""
 
         def held(group: ForceGroup) -> ForceGroup:
             if group.law is None:

@@ -1,18 +1,18 @@
-"""Markers: where joints and forces take hold of a body.
+"""Markers: the points and axes of a body at which joints and forces act.
 
-A marker sits at an interface (or node) p of a body. With the frame's origin `R` and rotation `A`, the rest
+A marker is at an interface (or node) p of a body. With the frame's origin `R` and rotation `A`, the rest
 position `x_p`, and the displacement `u` and rotation `theta` relative to the frame,
 
     r_p = R + A (x_p + u),        A_p = A exp(phi) C,        phi = theta (1 + c theta.theta),
 
-where the constant `C` turns the interface's axes into the joint's, and `c` is the interface's
-(`BodyInterface.cubic_turn`): its nodes turn by a little more. The twelve *local freedoms* of a marker
-are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the body's
-coordinates, so one constant matrix (`selection`, 12 x (6 + r)) carries them to the body and back.
+where the constant `C` rotates the interface's axes to the joint's, and `c` is the interface's
+(`BodyInterface.cubic_turn`), a third-order correction of the rotation. The twelve *local freedoms* of a
+marker are the variations of `(R, psi, u, theta)`, `dA = A skew(dpsi)`; `u` and `theta` are linear in the
+body's coordinates, so one constant matrix (`selection`, 12 x (6 + r)) maps them to the body and back.
 
 Source: [Wu2019] (1)-(5), (26)-(28).
 
-As rotations, they are traced once for all their uses (`algebra/rotation.py`).
+Like rotations, they are traced once for all their uses (`algebra/rotation.py`).
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Marker(NamedTuple):
     rotation_vector: jax.Array
     """`theta`, body components."""
     cubic_turn: jax.Array
-    """`c`, (); of its rotation vector `phi = theta (1 + c theta.theta)`."""
+    """`c`, (); in its rotation vector `phi = theta (1 + c theta.theta)`."""
     offset: jax.Array
     """Rest position `x_p` in the body frame."""
     axes: jax.Array
@@ -71,7 +71,7 @@ class Marker(NamedTuple):
 
 @jax.jit
 def displaced(marker: Marker, variation: jax.Array) -> Marker:
-    """The marker moved by a finite amount along its local freedoms; (12,) in the order of `N_LOCAL`."""
+    """The marker after a finite displacement along its local freedoms; (12,) in the order of `N_LOCAL`."""
     return marker._replace(
         origin=marker.origin + variation[0:3],
         rotation=marker.rotation @ rotation_exp(variation[3:6]),
@@ -81,7 +81,7 @@ def displaced(marker: Marker, variation: jax.Array) -> Marker:
 
 
 def with_rates(marker: Marker, variation: jax.Array) -> Marker:
-    """The marker with its velocities `(dR/dt, omega, du/dt, dtheta/dt)` changed by the given twelve."""
+    """The marker with its velocities `(dR/dt, omega, du/dt, dtheta/dt)` changed by twelve values."""
     return marker._replace(
         velocity=marker.velocity + variation[0:3],
         angular_velocity=marker.angular_velocity + variation[3:6],
@@ -109,7 +109,7 @@ def _tilt(marker: Marker) -> jax.Array:
 
 @jax.jit
 def _turning(theta: jax.Array, cubic_turn: jax.Array) -> jax.Array:
-    """T(phi) dphi/dtheta (3, 3): the angular velocity per rate of theta, in the turned axes."""
+    """T(phi) dphi/dtheta (3, 3): the angular velocity per rate of theta, in the rotated axes."""
     square = theta @ theta
     phi = (1 + cubic_turn * square) * theta
     by_theta = (1 + cubic_turn * square) * jnp.eye(3) + 2 * cubic_turn * jnp.outer(theta, theta)
@@ -118,7 +118,7 @@ def _turning(theta: jax.Array, cubic_turn: jax.Array) -> jax.Array:
 
 @jax.jit
 def pose(marker: Marker) -> Pose:
-    """What a force sees of the marker."""
+    """The pose and velocities of the marker, for force elements."""
     arm = marker.offset + marker.displacement
     seen = jnp.cross(marker.angular_velocity, arm) + marker.displacement_rate
     tilted = _tilt(marker)
@@ -133,7 +133,7 @@ def pose(marker: Marker) -> Pose:
 
 @jax.jit
 def pose_at_rest(marker: Marker) -> Pose:
-    """What a joint sees of the marker: its place alone."""
+    """The pose of the marker, for joints."""
     return Pose(point(marker), orientation(marker), jnp.zeros(3), jnp.zeros(3))
 
 
@@ -154,7 +154,7 @@ def generalized_force(marker: Marker, wrench: Wrench) -> jax.Array:
 
 @jax.jit
 def frame_motion(marker: Marker) -> jax.Array:
-    """How the twelve local freedoms move the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
+    """Map of the twelve local freedoms to the joint frame: `(dr global, dphi in the joint's axes)`, (6, 12).
 
     dr = dR + A (du - (x + u)~ dpsi),      dphi = C^T ( exp(phi)^T dpsi + T(phi) dphi/dtheta dtheta )
     """
@@ -171,7 +171,7 @@ def frame_motion(marker: Marker) -> jax.Array:
 
 @jax.jit
 def wrench_stiffness(marker: Marker, wrench: jax.Array, motion: jax.Array) -> jax.Array:
-    """Change of `frame_motion(marker)^T wrench` with the local freedoms while the wrench stays, (12, 12).
+    """Derivative of `frame_motion(marker)^T wrench` by the local freedoms at constant wrench, (12, 12).
 
     `wrench` (6,) is the force in global components and the moment in the joint's axes; `motion` (6, 12) is
     the `frame_motion`.
@@ -194,7 +194,7 @@ def wrench_stiffness(marker: Marker, wrench: jax.Array, motion: jax.Array) -> ja
 
 
 def _turning_slope(marker: Marker, moment: jax.Array) -> jax.Array:
-    """Derivative of `(T(phi) dphi/dtheta)^T moment` for theta, (3, 3)."""
+    """Derivative of `(T(phi) dphi/dtheta)^T moment` with respect to theta, (3, 3)."""
     theta, cubic = marker.rotation_vector, marker.cubic_turn
     stretch = 1 + cubic * (theta @ theta)
     carried, slope = right_jacobian_slope(stretch * theta, moment)

@@ -49,7 +49,7 @@ def _ends(forces: ForceGroup, motion: SystemMotion) -> tuple[Marker, Marker]:
 
 
 def _reactions(model: Model, forces: ForceGroup, motion: SystemMotion) -> Any:
-    """What the joints carry that the forces depend on, (k, 2); None for most."""
+    """Joint multipliers on which the forces depend, (k, 2); None for most."""
     if forces.reaction is None:
         return None
     return forces.reaction.take(all_multipliers(model, jnp.asarray(motion.multipliers)))
@@ -72,10 +72,10 @@ def force(model: Model, forces: ForceGroup, motion: SystemMotion) -> Iterator[tu
 def tangent(
     model: Model, forces: ForceGroup, motion: SystemMotion, turns: jax.Array, factors: StepFactors
 ) -> Iterator[MatrixBlock]:
-    """Change of the generalised forces with the new accelerations, at constant reactions of the joints.
+    """Derivative of the generalised forces by the new accelerations, at constant joint multipliers.
 
-    How friction follows the joints' own multipliers is left to Newton's iteration, which gains by the part
-    that friction has in the balance.
+    The dependence of friction on the joints' multipliers is not in the tangent: Newton's iteration converges
+    linearly, at a rate equal to the share of friction in the balance.
     """
     still = jnp.zeros(2 * N_LOCAL)
 

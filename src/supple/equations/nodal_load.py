@@ -1,6 +1,6 @@
 """Loads on nodes, as a term of the equations: the forces of all facets and their derivatives.
 
-The functions here serve reduced bodies through their basis and full ones node by node. With arms
+The functions here apply to reduced bodies, by their basis, and to full ones, by nodes. With arms
 `x_a = X_a + u_a` and forces `F_a` in body components the generalised forces are
 
     force  A sum F_a,     moment  sum x_a x F_a,     deformation  sum V_a^T F_a
@@ -41,10 +41,10 @@ class PreparedLoad:
     follows_nodes: bool = field(metadata=STATIC)
     turns_against_frame: bool = field(metadata=STATIC)
     value_rank: int = field(metadata=STATIC)
-    """Of the law's value for one facet"""
+    """Axis of the law's value for one facet"""
     law: Any
     facets: Any
-    """(e, m) nodes of every facet, as positions among those of the load"""
+    """(e, m) nodes of every facet, by their positions among the nodes of the load"""
 
 
 def prepared(load: NodalLoad) -> PreparedLoad:
@@ -66,7 +66,7 @@ def _over_facets(load: PreparedLoad, function: Callable[..., Any], places: jax.A
 
 
 def _on_nodes(load: PreparedLoad, values: jax.Array, k: int) -> jax.Array:
-    """Sum of what all facets (e, m, ...) contribute to their nodes, (k, ...)."""
+    """Sum of the contributions of all facets (e, m, ...) to their nodes, (k, ...)."""
     if load.facets.shape[1] == 1:
         return values[:, 0]
     return jnp.zeros((k, *values.shape[2:])).at[load.facets].add(values)
@@ -80,7 +80,7 @@ def nodal_forces(load: PreparedLoad, places: jax.Array, rotation: jax.Array, tim
 
 
 def forces_by_rotation(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: Any) -> jax.Array:
-    """Change of the forces with a small turn `dpsi` of the frame, (k, 3, 3)."""
+    """Derivative of the forces by a small rotation `dpsi` of the frame, (k, 3, 3)."""
     if not load.turns_against_frame:
         return jnp.zeros((len(places), 3, 3))
     value = jnp.asarray(load.law(time))
@@ -93,14 +93,14 @@ def forces_by_rotation(load: PreparedLoad, places: jax.Array, rotation: jax.Arra
 
 
 def forces_by_places(load: PreparedLoad, places: jax.Array, rotation: jax.Array, time: Any) -> jax.Array:
-    """Change of the forces of every facet with the places of its nodes, (e, m, 3, m, 3)."""
+    """Derivative of the forces of every facet by the positions of its nodes, (e, m, 3, m, 3)."""
     value = jnp.asarray(load.law(time))
     change = jax.jacfwd(lambda x, v: load.facet_forces(x, rotation, v))
     return _over_facets(load, change, places, value)
 
 
 def _places(load: NodalLoadArrays, motion: SystemMotion) -> tuple[jax.Array, jax.Array]:
-    """Places of the nodes (k, 3), and the rotation of the frame."""
+    """Positions of the nodes (k, 3), and the rotation of the frame."""
     coordinates = load.coordinates.take(motion.configuration.coordinates)[0]
     displaced = load.positions + jnp.einsum("kir,r->ki", load.basis, coordinates)
     return displaced, motion.configuration.rotations[load.body]
@@ -120,7 +120,7 @@ def force(load: NodalLoadArrays, motion: SystemMotion) -> jax.Array:
 
 
 def tangent(load: NodalLoadArrays, motion: SystemMotion, turn: jax.Array) -> jax.Array:
-    """Change of the generalised forces with the increments of the body's freedoms, (1, 6 + r, 6 + r)."""
+    """Derivative of the generalised forces by the body's increments, (1, 6 + r, 6 + r)."""
     own, basis = load.load, load.basis
     arms, rotation = _places(load, motion)
     forces = nodal_forces(own, arms, rotation, motion.time)

@@ -1,8 +1,8 @@
-"""Where equal pieces of a system stand in its common vectors and matrices.
+"""Positions of equal pieces of a system in its common vectors and matrices.
 
-Known when a program is compiled, so that pieces which lie side by side are cut out by a slice, and only the
-others are gathered and scattered one by one. Equal bodies and equal joints are treated together, as arrays
-with a leading axis: the number of traced operations grows with the number of their kinds.
+They are known when a program is compiled, so that adjacent pieces are read by a slice, and only the others
+are gathered and scattered one by one. Equal bodies and equal joints are treated together, as arrays with a
+leading axis: the number of traced operations grows with the number of their kinds.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ class Places:
 
     @property
     def adjacent(self) -> bool:
-        """Whether the pieces follow each other without a gap."""
+        """Whether the pieces are contiguous."""
         first = self.starts[0]
         return self.starts == tuple(first + self.size * i for i in range(len(self.starts)))
 
     @property
     def span(self) -> slice:
-        """From the first to the last piece, where they are adjacent."""
+        """From the first to the last piece, for contiguous pieces."""
         return slice(self.starts[0], self.starts[0] + self.size * self.number)
 
     @property
@@ -59,17 +59,17 @@ class Places:
 
 
 def over(function: Callable[..., Any], *arguments: Any) -> Any:
-    """The function of every member of a group; arguments and result have a leading axis.
+    """The function applied to every member of a group; arguments and result have a leading axis.
 
-    A single member is computed by itself: its program is as if there were no groups. An array with a leading
-    axis of one is shared by all members: products with it become products of matrices.
+    A single member is computed without vectorisation, as if there were no groups. An array with a leading
+    axis of one is shared by all members: products with it become matrix products.
     """
     leaves, structure = jax.tree.flatten(arguments)
     shared = [leaf.shape[0] == 1 for leaf in leaves]
-    # A machine may be a constant of a program: rules of derivatives take arrays of JAX alone.
+    # A machine may be a constant of a program, but differentiation rules take JAX arrays only.
     own = [leaf[0] if once else jnp.asarray(leaf) for leaf, once in zip(leaves, shared, strict=True)]
 
-    # By leaves: laws of time check what they are made of, which axes are not.
+    # Applied to leaves: time laws check their arguments, and axes would fail that check.
     def of_leaves(each: list[Any]) -> Any:
         return function(*structure.unflatten(each))
 
@@ -95,7 +95,7 @@ def assembled_vector(n: int, parts: Iterable[tuple[Places, Any]]) -> jax.Array:
 
 
 def _is_partition(n: int, parts: Sequence[Places]) -> bool:
-    """Whether adjacent pieces cover a vector in their order."""
+    """Whether contiguous pieces cover a vector in order."""
     reached = 0
     for places in parts:
         if not places.adjacent or places.starts[0] != reached:

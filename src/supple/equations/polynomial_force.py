@@ -5,7 +5,7 @@ With `m2 = (g_k g_l)_{k <= l}` the packed products of the coordinates,
     A3 = unpack(cubic g),   A4 = unpack(quartic m2)
     K_t = K + A3 + A4,      f = K g + A3 g / 2 + A4 g / 3
 
-so that force and tangent cost one pass over the quartic matrix, of which zero blocks are left out
+so that force and tangent need one pass over the quartic matrix without its zero blocks
 (`PairBlocks`). Source: [Wu2019] (49), packed.
 """
 
@@ -64,7 +64,7 @@ def _force_and_tangent(
 
 @partial(_force_and_tangent.defjvp, symbolic_zeros=True)
 def _(primals: Any, tangents: Any) -> Any:
-    """`df = K_t dg`, without another pass over the tensors; what these change by is added."""
+    """`df = K_t dg`, without another pass over the tensors; their own changes are added."""
     *tensors, coordinates = primals
     *tensor_changes, change = jax.tree.map(_instantiated, tangents, primals, is_leaf=_is_zero)
     found = _force_and_tangent(*primals)
@@ -89,7 +89,7 @@ def _instantiated(tangent: Any, primal: Any) -> Any:
 
 
 def _with_changes(tensors: Any, changes: Any) -> Any:
-    """The changes in place of the numbers of tensors, whose places stay."""
+    """The tensors with their numbers replaced by changes, in the same layout."""
 
     def is_number(leaf: Any) -> bool:
         return jnp.issubdtype(jnp.asarray(leaf).dtype, jnp.floating)
@@ -100,7 +100,7 @@ def _with_changes(tensors: Any, changes: Any) -> Any:
 def polynomial_damping(
     damping: jax.Array, cubic: jax.Array | None, quartic: Quartic | None, coordinates: jax.Array
 ) -> jax.Array:
-    """D(g) (r, r) of damping that follows the strain rate; `damping` itself where it does not."""
+    """D(g) (r, r) of strain-rate damping; `damping` itself without it."""
     if cubic is None or quartic is None:
         return damping
     third, fourth = _unpacked(cubic, quartic, coordinates)

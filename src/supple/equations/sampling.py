@@ -1,4 +1,4 @@
-"""Sampled controllers: when they are called in a run, and what they give."""
+"""Sampled controllers: their call times in a run, and the check of their results."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ __all__ = ["ControllerSampling", "march_sampled", "sampling_of"]
 S = TypeVar("S")
 
 _SAME = 1e-6
-"""Of a period: instants as near to an output time are that time."""
+"""Relative to a period: call times nearer to an output time are that time."""
 
 
 @dataclass(frozen=True, eq=False)
 class ControllerSampling:
-    """Sampled controllers of a machine, and when each is called.
+    """Sampled controllers of a machine, and the call times of each.
 
-    What is due at an instant is called when the march goes on from there, so that a part that ends at an
-    instant, and the one that follows, together call it once.
+    A call due at an instant is made when the march continues from there, so that a part that ends at an
+    instant and the following part together make one call.
     """
 
     system: System
@@ -45,7 +45,7 @@ class ControllerSampling:
         return np.unique(np.concatenate(list(self.instants.values())))
 
     def called(self, model: Model, motion: SystemMotion, control: ControlState) -> ControlState | None:
-        """The controllers after those that are due are called; None where none is."""
+        """The controllers after the due calls; None when none is due."""
         time = float(motion.time)
         due = [number for number, instants in self.instants.items() if time in instants]
         if not due:
@@ -80,17 +80,17 @@ class ControllerSampling:
             held[name] = value.reshape(element.value_shape)
         remembered = as_memory(controller.name, after)
         shapes = {name: value.shape for name, value in remembered.items()}
-        # Against what it was given, not against `given`, which the law may have changed in place.
+        # Compared with the memory before the call, not with `given`, which the law may have changed in place.
         if shapes != {name: np.shape(value) for name, value in memory.items()}:
             raise ModelError(
-                f"{what}: its memory must keep its names and shapes, for it stands in result files; it gave "
-                f"{shapes}; give all it will need as memory={{..}}"
+                f"{what}: its memory must keep its names and shapes, as result files contain it; it gave "
+                f"{shapes}; give all entries in memory={{..}}"
             )
         return held, remembered
 
 
 def sampling_of(system: System, run: Run) -> ControllerSampling | None:
-    """When the controllers of a machine are called in a run; None where none is sampled."""
+    """Call times of a machine's controllers in a run; None without sampled controllers."""
     times = run.times
     found = {}
     for number, controller in enumerate(system.controllers):
@@ -113,9 +113,9 @@ def march_sampled(
     state: S,
     times: np.ndarray,
 ) -> Leg[S]:
-    """To each of the output times by a march between instants.
+    """March to each output time, interrupted at call times.
 
-    marched : the march without a break;   sampled : a state after the controllers that are due were called
+    marched : the march without interruption;   sampled : a state after the due calls
     """
     now = float(cast(Any, state).time)
     if times[-1] <= now:
@@ -128,7 +128,7 @@ def march_sampled(
         end = float(later[0]) if later.size else float(times[-1])
         outputs = times[(times > now) & (times <= end)]
         leg = marched(state, np.unique(np.append(outputs, end)))
-        if end not in times:  # an instant alone is no output
+        if end not in times:  # a call time is not an output time
             kept = min(leg.n_reached, len(outputs))
             rows = jax.tree.map(lambda leaf, kept=kept: leaf[:kept], leg.states)
             leg = Leg(rows, kept, leg.last, leg.statistics, leg.stopped)

@@ -1,9 +1,9 @@
-"""Is a constraint equation redundant everywhere, or in the initial configuration alone?
+"""Check whether a constraint equation is redundant everywhere, or in the initial configuration alone.
 
-Where a mechanism stands in a dead point (a flat parallelogram, a folded slider-crank, a taut chain between
-two pins) its constraint equations depend on each other there and nowhere else. Left out for the whole run,
-such an equation opens its joint as soon as the mechanism moves. It is found out by moving: a little along the
-free motions of the joints that are kept, which are closed again; an equation that is truly redundant holds.
+In a singular position (a flat parallelogram, a folded slider-crank, a taut chain between two pins) a
+mechanism's constraint equations depend on each other, but nowhere else. If such an equation is left out of
+the run, its joint opens as soon as the mechanism moves. The test moves the mechanism a little along the free
+motions of the kept joints, and closes these again; a truly redundant equation is still satisfied.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from supple.errors import ConvergenceError, ModelError
 __all__ = ["check_redundant_nearby", "neighbours"]
 
 MOVED_BY = 1e-3
-"""Parts of the system's size, and rad: a joint that opens with the square of the motion opens by 1e-6."""
+"""Relative to the system's size, and rad: a gap quadratic in the motion is then 1e-6."""
 OPENED_BY = 1e-8
-"""What the joint of a truly redundant equation stays below: a thousand times what closing leaves."""
+"""Limit for the gap of a truly redundant equation: a thousand times the residual of closing."""
 DIRECTIONS = 3
-"""Combinations of the free motions that are tried: one alone may be the one that opens nothing."""
+"""Number of random combinations of the free motions: a single motion may open no joint."""
 
 
 def neighbours(length: float, parts: Sequence[slice], jacobian: np.ndarray) -> np.ndarray:
     """Small motions of the bodies' frames (k, nb, 6) that the joints allow to first order.
 
     length : size of the system
-    parts : where the velocities of each body stand in the columns of the jacobian, its frame's six first
+    parts : positions of the velocities of each body in the columns of the jacobian, its frame's six first
     jacobian : (m, n)   of the constraint equations that are kept
     """
     scale = np.tile(np.concatenate([np.full(3, length), np.ones(3)]), len(parts))
@@ -51,11 +51,11 @@ def check_redundant_nearby(
     closed: Callable[[np.ndarray], Configuration],
     relative_residual: Callable[[Configuration], np.ndarray],
 ) -> None:
-    """Raise ModelError when an equation left out does not hold in a neighbouring configuration.
+    """Raise ModelError when an omitted equation is violated in a neighbouring configuration.
 
     labels : of all equations           left_out : those that depend on others in the initial configuration
     nearby : motions of the frames      closed : the configuration after such a motion, kept joints closed
-    relative_residual : of all equations, positions in parts of the system's size
+    relative_residual : of all equations, positions relative to the system's size
     """
     for motion in nearby:
         try:

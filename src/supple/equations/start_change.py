@@ -1,4 +1,4 @@
-"""What was chosen and changed of the initial state: motions, velocities, energies."""
+"""Corrections of the initial state: motions, velocities, energies."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ __all__ = [
 ]
 
 OPEN = 1e-6
-"""Of the machine's size, and rad: placements written with six digits pass."""
+"""Relative to the machine's size, and rad: placements given with six digits pass."""
 SLOWED = 1e-5
-"""Of the kinetic energy: velocities written with three digits pass."""
+"""Relative to the kinetic energy: velocities given with three digits pass."""
 UNMET = 1e-3
-"""Of the largest rate of the joints' equations: placements written with three digits pass."""
+"""Relative to the largest rate of the joints' equations: placements given with three digits pass."""
 NAMED = 0.1
-"""Of the largest change: bodies and joints with less are not named."""
+"""Relative to the largest change: bodies and joints with smaller changes are not reported."""
 ROUNDING = 1e-9
-"""Of the largest velocity."""
+"""Relative to the largest velocity."""
 
 
 @dataclass(frozen=True)
 class ConstraintViolation:
-    """A constraint equation of a joint that was not met, by `gap` (length or rad; its rate, per time)."""
+    """A violated constraint equation of a joint, with its residual `gap` (length or rad; or its rate)."""
 
     joint: str
     row: str
@@ -47,7 +47,7 @@ class ConstraintViolation:
 
 @dataclass(frozen=True)
 class PositionCorrection:
-    """A body that was moved by a distance, and turned by an angle (rad), to close the joints."""
+    """A body moved by a distance, and rotated by an angle (rad), to close the joints."""
 
     body: str
     distance: float
@@ -56,7 +56,7 @@ class PositionCorrection:
 
 @dataclass(frozen=True)
 class VelocityCorrection:
-    """A body whose given velocity was changed: speeds and angular speeds before and after."""
+    """A body whose given velocity was changed: speed and angular speed before and after."""
 
     body: str
     speeds: tuple[float, float]
@@ -65,7 +65,7 @@ class VelocityCorrection:
 
 @dataclass(frozen=True)
 class Taken:
-    """A body that was given no velocity and takes one from what drives it: its speed and angular speed."""
+    """A body without a given velocity that takes one from its drives: its speed and angular speed."""
 
     body: str
     speed: float
@@ -74,7 +74,7 @@ class Taken:
 
 @dataclass(frozen=True)
 class DeformingStart:
-    """A body that starts with a deformation rate, of some kinetic energy, as no rigid motion fits."""
+    """A body that starts with a deformation rate, and its kinetic energy, as no rigid motion suffices."""
 
     body: str
     energy: float
@@ -86,22 +86,22 @@ class StartEnergies(NamedTuple):
     given: np.ndarray
     found: np.ndarray
     against: np.ndarray
-    """Of the change of velocities that were given"""
+    """Energies of the change of given velocities"""
     deforming: np.ndarray
-    """Of what no rigid motion meets"""
+    """Energies of the motion beyond rigid motion"""
 
 
 @dataclass(frozen=True)
 class StartChange:
-    """What was chosen and changed of an initial state; empty where it was nothing but rounding.
+    """Corrections of an initial state; empty if they are only rounding.
 
-    open, moved : joints that did not meet, the worst first; bodies moved to close them
-    against, slowed : joints that did not allow the velocities, the worst first; bodies whose velocity was
-        given and was changed
-    energies : kinetic energy of the bodies that were given a velocity, as given, and as changed
-    taken : bodies that were given no velocity and start with one
-    unmet, deforming : joints whose rates no rigid motion of the bodies meets, the worst first; bodies that
-        start with a deformation rate for it
+    open, moved : open joints, the worst first; bodies moved to close them
+    against, slowed : joints violated by the velocities, the worst first; bodies whose given velocity was
+        changed
+    energies : kinetic energy of the bodies with a given velocity, as given, and as changed
+    taken : bodies without a given velocity that start with one
+    unmet, deforming : joints whose rates no rigid motion of the bodies satisfies, the worst first; bodies
+        that start with a deformation rate for it
     """
 
     open: tuple[ConstraintViolation, ...]
@@ -126,13 +126,13 @@ class StartChange:
         velocities: tuple[np.ndarray, np.ndarray],
         energies: StartEnergies,
     ) -> StartChange:
-        """Compare the state given with the state found.
+        """Compare the given state with the corrected one.
 
-        residual, rates : (m,)      of all constraint equations before, their rates at the velocities given
+        residual, rates : (m,)      of all constraint equations before, their rates at the given velocities
         closed : Configuration      with the joints closed
-        unmet : (m,)                rates that no rigid motion meets
+        unmet : (m,)                rates that no rigid motion satisfies
         largest_rate : of an equation, over its scale
-        velocities : (nb, 6) each   of the frames, given and found
+        velocities : (nb, 6) each   of the frames, given and corrected
         """
         scales = row_scales(system)
         gaps = _open(system, np.abs(residual), np.abs(residual) / scales > OPEN)
@@ -163,7 +163,7 @@ class StartChange:
 
 
 def velocities_taken(system: System, velocities: np.ndarray) -> tuple[Taken, ...]:
-    """Bodies that were given no velocity, and move with the velocities (nb, 6) of their frames."""
+    """Bodies without a given velocity that move with the velocities (nb, 6) of their frames."""
     sizes = np.linalg.norm(velocities.reshape(-1, 2, 3), axis=2)
     least = ROUNDING * np.max(sizes, axis=0, initial=0.0)
     return tuple(
@@ -198,7 +198,7 @@ def _open(system: System, gaps: np.ndarray, which: np.ndarray) -> tuple[Constrai
 
 
 def _moved(system: System, closed: Configuration) -> tuple[PositionCorrection, ...]:
-    """Bodies moved by a tenth of the largest motion or more, an angle at the arm of the machine's size."""
+    """Bodies moved by a tenth of the largest motion or more; angles count times the machine's size."""
     distances = np.linalg.norm(
         np.asarray(closed.origins) - [placed.position for placed in system.bodies], axis=1
     )

@@ -1,14 +1,14 @@
-"""Velocities that fit the joints: rigid motions of the bodies first, deformation only where none fits.
+"""Velocities that satisfy the joints: by rigid motions first, by deformation only where these fail.
 
 With velocities `v` as given, rates `r = G v + dg/dt` of the joints' equations, and rigid motions `R w` of the
 bodies,
 
     G R w = - r,        least  w^T (R^T M R) w / 2
 
-A body keeps a velocity that is given while those that are not given can meet the joints. Levels are bodies
-without any velocity; the velocity, or angular velocity, that other bodies were not given; what was given. A
-level changes only by what those before it cannot meet, each by the least in kinetic energy. What no
-rigid motion meets is met by the motion `x` of least kinetic energy beside the best rigid one:
+A given velocity is kept as long as the velocities not given can satisfy the joints. There are three levels:
+bodies without any given velocity; the missing velocity, or angular velocity, of other bodies; given values. A
+level changes only by what the earlier levels cannot satisfy, each with the least kinetic energy. What no
+rigid motion satisfies is satisfied by the motion `x` of least kinetic energy beside the best rigid one:
 
     G x = - (r + G R w),    least over x and w of  x^T M x / 2
 """
@@ -37,33 +37,33 @@ __all__ = [
 ]
 
 _RANK = 1e-9
-"""Of a motion's effect on the joints: what is left of it by others counts for nothing below this part."""
+"""Relative effect of a motion on the joints, after projection on others, below which it is ignored."""
 _MET = 1e-9
-"""Of the rates from all velocities: what is left of them below this part is rounding."""
+"""Relative to the rates from all velocities: a smaller remainder is rounding."""
 
 
 class RigidFit(NamedTuple):
-    """The rigid motion that meets the joints' rates, or comes nearest to it."""
+    """The rigid motion that satisfies the joints' rates, or comes nearest to it."""
 
     by_level: list[np.ndarray]
     """Velocities (n,) that each level adds"""
     left: np.ndarray
-    """Rates (m,) that are left, rounding included"""
+    """Remaining rates (m,), with rounding"""
     unmet: np.ndarray
-    """The same, and zero where it is nothing but rounding"""
+    """The same, with rounding set to zero"""
     largest: float
-    """Rate of an equation from all velocities, over what counts as one of it"""
+    """Rate of an equation from all velocities, over its scale"""
 
 
 class VelocityChange(NamedTuple):
-    """By what velocities are changed to fit the joints, vectors (n,); `rigid + deforming` is all of it."""
+    """Changes of velocities that satisfy the joints, vectors (n,); their sum is `rigid + deforming`."""
 
     rigid: np.ndarray
     """Of the frames"""
     against: np.ndarray
-    """The part of `rigid` that changes velocities that were given"""
+    """The part of `rigid` that changes given velocities"""
     deforming: np.ndarray
-    """For what no rigid motion meets, of least kinetic energy; rounding where there is none"""
+    """The motion beyond rigid motion, of least kinetic energy; rounding if there is none"""
     fit: RigidFit
 
 
@@ -73,7 +73,7 @@ def velocity_change(
     """The change of velocities after which the joints' rates vanish: `G change = - rate`.
 
     machine : without redundant equations, its joints closed
-    velocity : (n,)  as given, zero where not
+    velocity : (n,)  as given, zero by default
     """
     frames = np.concatenate([np.arange(part.start, part.start + 6) for part in machine.seen_slices])
     motions = zip(given_parts(machine.system), machine.frame_masses(configuration), strict=True)
@@ -99,13 +99,13 @@ def rigid_fit(
     scales: np.ndarray,
     joint_masses: Callable[[], np.ndarray],
 ) -> RigidFit:
-    """The rigid motion that takes away the joints' rates, level by level.
+    """The rigid motion that cancels the joints' rates, level by level.
 
     levels : (n, k) each    rigid motions, of unit mass and orthogonal in it
     rows : (m, n)           derivatives of the rates
-    rates, scales : (m,)    to take away, and what counts as one of each
-    joint_masses : (m, m)   asked for where no rigid motion takes all away: what is left is then least in the
-        kinetic energy of the motion of all freedoms that it takes
+    rates, scales : (m,)    rates to cancel, and the scale of each
+    joint_masses : (m, m)   called where no rigid motion cancels all: the remainder is then least in the
+        kinetic energy of the motion of all freedoms that cancels it
     """
     effects = [rows @ own for own in levels]
 
@@ -132,11 +132,11 @@ def given_parts(system: System) -> np.ndarray:
 
 
 def change_by_levels(effects: Sequence[np.ndarray], wanted: np.ndarray) -> list[np.ndarray]:
-    """Least squares in which each level does only what those before it cannot.
+    """Least squares in levels: each level adds only what the earlier ones cannot.
 
     effects : (m, k) each, in coordinates of unit mass
-    wanted : (m,)       `sum effects x = wanted` in the least squares; of all such the last level's x is
-        least, then that of the one before it
+    wanted : (m,)       `sum effects x = wanted` in the least squares; of all solutions the last level's x is
+        least, then that of the level before
 
     Returns x (k,) of each level.
     """
@@ -160,7 +160,7 @@ def _range(matrix: np.ndarray) -> np.ndarray:
 
 
 def _least_squares(alone: np.ndarray, rest: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """Least squares of a level; singular values are compared with those it has without the levels before."""
+    """Least squares of a level; singular values are relative to those without earlier levels."""
     if not alone.size:
         return np.zeros(alone.shape[1])
     left, sizes, right = np.linalg.svd(alone, full_matrices=False)
@@ -169,7 +169,7 @@ def _least_squares(alone: np.ndarray, rest: np.ndarray, own: np.ndarray) -> np.n
 
 
 def levels_of_body(given: np.ndarray, mass: np.ndarray) -> list[np.ndarray]:
-    """Of one body, rigid motions (6, k) of unit mass for each of the three levels.
+    """Rigid motions (6, k) of one body, of unit mass, for each of the three levels.
 
     given : (2,)        whether its velocity and angular velocity are given
     mass : (6, 6)       of its rigid motion

@@ -1,4 +1,4 @@
-"""A machine in the hands of one engine, as its start needs it, and what joints say of one state."""
+"""Protocol of a machine for its consistent start, and the joint terms at one state."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def joint_terms(model: Model, time: AnyArray, configuration: Configuration, velo
 
 
 class StartingMachine(Protocol):
-    """A machine in the hands of one engine, as its start needs it. Vectors (n,) are the engine's own."""
+    """A machine as one method represents it, for its start. Vectors (n,) are those of the method."""
 
     @property
     def system(self) -> System:
@@ -63,11 +63,11 @@ class StartingMachine(Protocol):
 
     @property
     def model(self) -> Model:
-        """What joints and forces see of it."""
+        """The model for joints and forces."""
         ...
 
     def restricted(self, active: tuple[int, ...]) -> Self:
-        """The machine with some of its constraint equations left out."""
+        """The machine without some of its constraint equations."""
         ...
 
     def joint_terms(self, time: float, configuration: Configuration, velocity: np.ndarray) -> JointTerms:
@@ -75,17 +75,17 @@ class StartingMachine(Protocol):
         ...
 
     def metric(self, configuration: Configuration) -> np.ndarray:
-        """Positive matrix in whose inverse rows of the Jacobian are compared."""
+        """Positive definite matrix whose inverse is the norm for rows of the Jacobian."""
         ...
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Where each body's freedoms stand in the engine's vectors, its frame's six first."""
+        """Positions of each body's freedoms in the method's vectors, its frame's six first."""
         ...
 
     @property
     def seen_slices(self) -> tuple[slice, ...]:
-        """Where each body's velocities stand in the Jacobian's columns, its frame's six first."""
+        """Positions of each body's velocities in the Jacobian's columns, its frame's six first."""
         ...
 
     def frame_masses(self, configuration: Configuration) -> np.ndarray:
@@ -103,15 +103,15 @@ class StartingMachine(Protocol):
         terms: JointTerms,
         joint_residual: np.ndarray,
     ) -> np.ndarray:
-        """The vector (n,) of least mass norm that takes away a residual of the joints, to first order.
+        """The vector (n,) of least mass norm that cancels a residual of the joints, to first order.
 
-        `velocity` is what it is added to: conditions on it beside the joints' hold afterwards as well. The
-        `terms` are those of the joints in this configuration.
+        The result is added to `velocity`, and preserves further conditions on it. The `terms` are those of
+        the joints in this configuration.
         """
         ...
 
     def joint_masses(self, configuration: Configuration, terms: JointTerms) -> np.ndarray:
-        """`(G M^-1 G^T)^-1` (m, m): the mass that the machine has along its joints' equations."""
+        """`(G M^-1 G^T)^-1` (m, m): the effective mass along the joints' equations."""
         ...
 
     def moved(self, configuration: Configuration, increment: np.ndarray) -> Configuration:

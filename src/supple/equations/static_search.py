@@ -1,4 +1,4 @@
-"""Search for a static equilibrium: a damped way downhill that ends as Newton's method.
+"""Search for a static equilibrium: damped descent that becomes Newton's method.
 
 At rest the equations of motion leave `f(q) + G(q)^T lambda = Q(t, q)`, `g(q, t) = 0`. Each iteration takes
 one implicit step of length `k` down the potential, in the mass norm,
@@ -10,13 +10,13 @@ States of controllers, whose rates vanish at rest, take a step of `sqrt(k)` in t
 
     ( 1 / sqrt(k) - E_z ) dz - ( E_p + E_v / sqrt(k) ) dq = f(q, z),
 
-and their forces `H dz` stand in the first equation.
-Small k follow the fall into the next stable equilibrium, large k are Newton's method. The step is so long
-that no point moves far at once, and that the matrix of a body that nothing else holds can be factored.
+and their forces `H dz` enter the first equation.
+Small k follow the descent to the next stable equilibrium, large k are Newton's method. The step is limited so
+that no point moves far at once, and so that the matrix of an unsupported body can be factored.
 
-Where that leads nowhere, as with shells whose walls wrinkle on the way, load and spin come up in steps: at a
-share s the machine turns at s times its rate, and a part 1 - s of what is unbalanced at the start, without
-spin, is held back. The equilibrium of one share is where the search at the next begins.
+If the search fails, as for shells whose walls wrinkle on the way, load and rotation are increased in steps:
+at a share s the machine rotates at s times its rate, and a part 1 - s of the initial unbalance without
+rotation is held back. Each search begins at the equilibrium of the share before.
 Source: pseudo-transient continuation, [KelleyKeyes1998]; natural parameter continuation.
 """
 
@@ -45,41 +45,41 @@ _LONGEST = 1e100
 """Step of Newton's method."""
 
 _FASTEST = 100.0
-"""What a step may be over the one before."""
+"""Largest ratio of a step to the one before."""
 _LOST = 30.0
-"""What a residual may be over the smallest before: more, and the search has left the equilibrium near by."""
+"""Largest ratio of a residual to the smallest before; above it the search has left the equilibrium."""
 _FAR = 0.3
-"""A residual below which no search is lost."""
+"""A search with a residual below this is not considered lost."""
 _WORSE = 10.0
-"""What it may be over the one before, of a step that is refused otherwise, on the way up in steps."""
+"""Largest growth of the residual in a step that would otherwise be rejected, in continuation."""
 _SHORTEST = 1e-4
-"""Of the first step: no step is refused that is shorter."""
+"""Relative to the first step: shorter steps are not rejected."""
 _ARRIVAL = 20
-"""Iterations for what is left after a whole turn in the largest moves, as of a beam that a moment rolls up: a
-direct search that takes more has lost its way, and load and spin are followed up in steps instead."""
+"""Iterations for a full revolution by the largest moves, as of a beam rolled up by a moment. A direct search
+that needs more is stopped, and load and rotation are increased in steps instead."""
 _OF_A_SHARE = 12
-"""Iterations with one share of them."""
+"""Iterations per share."""
 _FIRST_SHARE, _SMALLEST_SHARE = 0.25, 1 / 256
 _WANTED = 5
-"""Iterations that a step should take: the next one is longer or shorter in proportion."""
+"""Target number of iterations per step: the next step is longer or shorter in proportion."""
 _SLOWER, _FASTER = 0.5, 1.5
-"""What the next step is at least and at most over one that was found."""
+"""Smallest and largest ratio of the next step to a successful one."""
 _ON_THE_WAY = 1e-6
-"""Residual of equilibria that are only on the way."""
+"""Residual of intermediate equilibria."""
 
 ROUND_OFF = 1e-4
-"""Where all terms of a kind vanish, as the moments of a hanging rod do, rounding of the others is left: what
-residuals are compared with is no less than this part of the largest kind, both as work in a large motion. Of
-a machine that turns, all its inertia forces may be balanced: it is no less than this part of theirs."""
+"""Where all terms of a kind vanish, as the moments of a hanging rod, only rounding remains: the reference of
+residuals is at least this part of the largest kind, both as work in a large motion. In a rotating machine all
+inertia forces may be balanced: the reference is at least this part of theirs."""
 
 
 @dataclass(frozen=True)
 class StaticSearch:
-    """When an equilibrium is found, and how far an iteration may move.
+    """Convergence criteria and step limits of an equilibrium search.
 
     residual        : unbalanced force, moment and deformation, over the largest term in balance
-    largest_move    : of any point in an iteration, over the size of the system; of any turn, rad
-    max_iterations  : before giving up
+    largest_move    : of any point in an iteration, over the size of the system; of any rotation, rad
+    max_iterations  : limit before ConvergenceError
     """
 
     residual: float = 1e-9
@@ -94,30 +94,30 @@ class StaticSearch:
 
 
 class StaticState(NamedTuple):
-    """A configuration and the forces that hold it."""
+    """A configuration and the forces in equilibrium with it."""
 
     configuration: Any
-    """In the machine's own form"""
+    """Configuration in the machine's own form"""
     multipliers: AnyArray
     frame_multipliers: tuple[np.ndarray, ...] = ()
-    """Of full bodies, (6,) each"""
+    """Multipliers of the frames of full bodies, (6,) each"""
     control: np.ndarray = _NONE
     """States of all controllers, one after the other"""
 
 
 class EquilibriumResidual(NamedTuple):
-    """What is missing to an equilibrium."""
+    """Residuals of equilibrium."""
 
     relative: np.ndarray
     """Forces, moments, deformation, over the largest term of each, (3,)"""
     gap: float
     """Largest of the joints' and frames' equations, over the size of the system"""
     terms: Any
-    """What the correction needs of it"""
+    """Data of the correction"""
     size: float = 0.0
     """Largest term in balance, as work in a large motion"""
     unrest: Mapping[str, float] = MappingProxyType({})
-    """States of controllers, in words: their rates over the largest part of each"""
+    """Described states of controllers, with their rates over the largest part of each"""
 
 
 class StaticStep(NamedTuple):
@@ -130,40 +130,40 @@ class StaticStep(NamedTuple):
     control: np.ndarray = _NONE
     """Of the controllers' states"""
     climbs: bool = False
-    """Known to go uphill: the tangent of the step has negative directions"""
+    """True when the step is known to ascend: its tangent has negative directions"""
 
 
 class Equations(Protocol):
-    """The equations of a machine at rest, or turning steadily, as one method has them.
+    """The equations of a machine at rest, or in steady rotation, by one method.
 
-    Its vectors (n,) are the method's own. Statics, modes and batches ask for nothing else.
+    Its vectors (n,) are the method's own. Statics, modes and batches use these members only.
     """
 
     @property
     def model(self) -> Model:
-        """What joints and forces see of it."""
+        """The model for joints and forces."""
         ...
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Where the motions of each body stand in its linear equations."""
+        """Positions of the motions of each body in its linear equations."""
         ...
 
     @property
     def is_discrete(self) -> bool:
-        """Whether forces act on velocities that differ from those that have mass, by what a mesh leaves."""
+        """Whether velocities of forces and of masses differ, by the discretisation error of a mesh."""
         ...
 
     def start(self) -> StaticState:
-        """As its bodies are placed, without any force in the joints."""
+        """The state with bodies as placed and without joint forces."""
         ...
 
     def unbalance(self, state: StaticState, time: float) -> EquilibriumResidual:
-        """The residuals at rest."""
+        """The residuals of equilibrium."""
         ...
 
     def residual(self, state: StaticState, time: float) -> np.ndarray:
-        """What is unbalanced in all freedoms, (n,)."""
+        """Unbalanced forces of all freedoms, (n,)."""
         ...
 
     def correction(
@@ -173,11 +173,11 @@ class Equations(Protocol):
         ...
 
     def at_rest(self) -> Self:
-        """The machine without its spin."""
+        """The machine without its rotation."""
         ...
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its spin's rate, with forces (n,) held back."""
+        """The machine at a share of its angular velocity, with forces (n,) held back."""
         ...
 
     def moved(self, configuration: Any, increment: np.ndarray) -> Any:
@@ -185,7 +185,7 @@ class Equations(Protocol):
         ...
 
     def bodies_at(self, configuration: Any) -> Configuration:
-        """Where the bodies are, in their order."""
+        """Poses of the bodies, in their order."""
         ...
 
     def linear_equations(self, state: StaticState, time: float) -> Any:
@@ -202,7 +202,7 @@ class Equations(Protocol):
 
     @property
     def position_scale(self) -> np.ndarray:
-        """What counts as a large change of each freedom, (n,)."""
+        """Scale of a large change of each freedom, (n,)."""
         ...
 
 
@@ -213,12 +213,13 @@ def search_equilibrium(
     search: StaticSearch,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> tuple[StaticState, int]:
-    """The equilibrium downhill from a configuration whose joints are closed, and the iterations it took.
+    """The equilibrium reached by descent from a configuration with closed joints, and the iterations.
 
-    Load and spin are followed up in steps where the direct search finds none in the iterations that a whole
-    turn takes.
+    Load and rotation are increased in steps where the direct search fails within the iterations of a full
+    revolution.
     progress : called with the iteration and the largest relative residual
-    Raises ConvergenceError   none was found: nothing holds a body, or loads beyond what the bodies can bear
+    Raises ConvergenceError   no equilibrium found: an unsupported body, or loads beyond the strength of a
+    body
     """
     enough = int(2 * np.pi / search.largest_move) + _ARRIVAL
     if search.max_iterations <= enough:
@@ -252,12 +253,12 @@ def search_equilibrium(
         share, step, iterations = asked, faster * (asked - share), iterations + used
     if share == 1:
         return state, iterations
-    # A free body that spins falls outwards before Newton's method brings it back: then only patience helps.
+    # A free rotating body first moves outwards before Newton's method converges: that needs iterations.
     try:
         return _downhill(machine, begun, time, search, progress)
     except ConvergenceError:
         raise ConvergenceError(
-            f"{direct}. Load and spin, followed up in steps, came to {share:.3g} of what they are"
+            f"{direct}. Load and rotation, increased in steps, reached {share:.3g} of their values"
         ) from None
 
 
@@ -275,14 +276,14 @@ def _downhill(
     careful: bool = False,
     lost: float = np.inf,
 ) -> tuple[StaticState, int]:
-    """The equilibrium downhill by implicit steps; errors as above.
+    """The equilibrium by descent in implicit steps; errors as above.
 
-    lost : what a residual may be over the smallest before, without giving up
-    careful : shorten steps that leave far more than there was, as where membranes stiffen on the way, and
-        those that go uphill, as Newton's method does where walls are about to wrinkle
+    lost : largest ratio of a residual to the smallest before, without stopping
+    careful : shorten steps after which the residual is far larger, as where membranes stiffen, and steps that
+        ascend, as in Newton's method where walls are about to wrinkle
     """
     found = machine.unbalance(state, time)
-    # Without stiffness a step moves by k times the acceleration from rest: the first no further than allowed.
+    # Without stiffness a step moves by k times the initial acceleration: the first one is limited.
     scale = machine.position_scale
     fall = machine.correction(state, time, found, 1e-12).increment * 1e12
     k = search.largest_move / max(float(np.max(abs(fall) / scale, initial=0.0)), 1 / _LONGEST)
@@ -294,8 +295,8 @@ def _downhill(
         best = min(best, largest)
         if not np.isfinite(largest) or largest > max(lost * best, _FAR):
             break
-        # A move that arithmetic cannot tell from none, in a step that went far from the start, is none too:
-        # where the terms of a kind all vanish, what is left of them has no size to be compared with.
+        # In a step that went far from the start, a move within rounding is zero as well: where all terms of a
+        # kind vanish, their remainder has no reference.
         stagnant = move <= 1e-13 and k >= first and _restless(found, search) is None
         if found.gap <= 1e-12 and (largest <= search.residual or stagnant):
             return state, iteration
@@ -321,8 +322,8 @@ def _downhill(
             if not k >= first / _LONGEST:
                 raise ConvergenceError(
                     f"no equilibrium at t = {time:g}: derivatives of the forces are not finite in iteration "
-                    f"{iteration}. A law of one's own with a square root or a division at zero is the usual "
-                    "cause: jnp.where takes the other branch, before the root"
+                    f"{iteration}. A user-defined law with a square root or a division at zero is the usual "
+                    "cause: use jnp.where to replace its argument before the root"
                 )
         state, found = moved, after
         growth = min(3 * growth, _FASTEST)
@@ -330,14 +331,14 @@ def _downhill(
     if restless := _restless(found, search):
         raise ConvergenceError(
             f"no equilibrium at t = {time:g}: {restless}. An integrator rests only where its input vanishes: "
-            "let it follow what the machine can reach, let it leak (add -z / T to its rate), leave the "
+            "give it a reachable setpoint, add a leak (-z / T) to its rate, leave the "
             "controller out, replace(system, controllers=()), or simulate the motion"
         )
     worst = int(np.argmax(np.where(np.isfinite(found.relative), found.relative, np.inf)))
     raise ConvergenceError(
         f"no equilibrium at t = {time:g} after {iteration + 1} iterations: relative residual "
         f"{found.relative[worst]:.2g} in the {_KINDS[worst]}, last move {move:.2g} of the size. A body that "
-        "nothing holds, loads that no deformation can bear (buckling, a follower load that does work on a "
+        "is not supported, loads that no deformation can bear (buckling, a follower load with work on a "
         "round trip), or a basis without the nonlinear terms it needs are the usual causes"
     )
 
@@ -354,7 +355,7 @@ def moved_state(machine: Equations, state: StaticState, change: StaticStep) -> S
 
 
 def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
-    """As the bodies are placed, the joints carrying what is unbalanced; and what part they cannot."""
+    """The state with bodies as placed and joints carrying the unbalance; the share that they cannot carry."""
     state, weights = machine.start(), machine.position_scale
     found = machine.unbalance(state, time)
     unbalanced = weights * machine.residual(state, time)
@@ -367,11 +368,11 @@ def carried_state(machine: Equations, time: float) -> tuple[StaticState, float]:
 
 
 def _largest(found: EquilibriumResidual) -> float:
-    """Relative residual, of controllers too."""
+    """Largest relative residual, with that of controllers."""
     return float(np.max([*found.relative, *found.unrest.values()]))
 
 
 def _restless(found: EquilibriumResidual, search: StaticSearch) -> str | None:
-    """The state of a controller that is farthest from rest, in words; None where all rest."""
+    """Description of the controller state farthest from rest; None if all are at rest."""
     worst = max(found.unrest, key=lambda name: np.nan_to_num(found.unrest[name], nan=np.inf), default=None)
     return worst if worst and not found.unrest[worst] <= search.residual else None

@@ -1,8 +1,8 @@
-"""A body in a floating frame that joints and forces see at stations: any form of body, beside the others.
+"""A body in a floating frame with joints and forces at stations: any form of body.
 
-Its velocities u are those of its frame and the rates of its r coordinates, as of a reduced body; how its mass
-and its strains enter is its own affair. To joints and forces each station is a rigid body without mass, whose
-velocities are J(q) u, and whose forces f come back as J^T f:
+Its velocities u are those of its frame and the rates of its r coordinates, as for a reduced body; its mass
+and strains are internal. For joints and forces each station is a rigid body without mass, whose velocities
+are J(q) u, and whose forces f act as J^T f:
 
     M(q) u' + c(q, u) + f(q) - Q + J^T f_s = 0
 """
@@ -34,11 +34,11 @@ class BodyState(NamedTuple):
 
 
 class Stations(NamedTuple):
-    """The s stations of a body that joints and forces take hold of.
+    """The s stations of a body, at which joints and forces act.
 
     positions : (s, 3)
     rotations : (s, 3, 3)
-    motion : J (6 s, 6 + r)     their velocities, global, and angular velocities in own axes, by u
+    motion : J (6 s, 6 + r)     their velocities, global, and angular velocities in own axes, from u
     bias : (6 s,)               their rates at constant u
     """
 
@@ -57,7 +57,7 @@ class StationBodyForces(NamedTuple):
 
 
 class StationBody(Protocol):
-    """One such body, with the loads on it that are no force elements."""
+    """A body with stations, and the loads on it that are not force elements."""
 
     @property
     def index(self) -> int:
@@ -66,36 +66,36 @@ class StationBody(Protocol):
 
     @property
     def n_stations(self) -> int:
-        """Number of stations that are seen."""
+        """Number of stations in use."""
         ...
 
     def stations(self, state: BodyState) -> Stations:
-        """Where they are and how they move."""
+        """Positions and motion of the stations."""
         ...
 
     def forces(self, state: BodyState) -> StationBodyForces:
-        """Its own equations."""
+        """The forces of its own equations."""
         ...
 
     def tangent(self, state: BodyState, station_forces: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Derivatives M, C, K (6 + r, 6 + r) by u', u and increments, under forces (6 s,) at the stations."""
+        """Derivatives M, C, K (6 + r, 6 + r) by u', u and increments, for forces (6 s,) at the stations."""
         ...
 
     def motion(self, states: list[BodyState]) -> FramedMotion:
-        """Its motion over some instants."""
+        """Its motion over some times."""
         ...
 
     def station_motions(self, motion: Motion) -> Mapping[str, FloatingMotion]:
-        """Poses of its stations over time, by the names that they have as bodies."""
+        """Poses of its stations over time, by their names as bodies."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class SeenMachine:
-    """A machine with such bodies.
+    """A machine with station bodies.
 
     system : System     itself
-    seen : System       as joints and forces see it: the other bodies in their order, then all stations
+    seen : System       as joints and forces use it: the other bodies in their order, then all stations
     bodies : of stations, in the order in which they are seen
     """
 

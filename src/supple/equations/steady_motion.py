@@ -1,16 +1,16 @@
-"""Machines that turn steadily: their motion at one instant, and their equations seen in axes that turn along.
+"""Machines in steady rotation: their motion at one time, and their equations in co-rotating axes.
 
-A body that turns about an axis fixed in space has constant velocities in its own axes. Small motions about
-that state are measured there as well: `p = (A^T dR, psi, e)`, with the velocities and accelerations
+A body that rotates about a fixed axis has constant velocities in its own axes. Small motions about that state
+are measured there as well: `p = (A^T dR, psi, e)`, with the velocities and accelerations
 
     V = dp/dt + S p,        a = dV/dt + S_R V,
 
-`S` holding `w x` for the translation and the rotation of each frame, `S_R` for the translation alone; `w` in
-the body's axes. Linear equations `M a + C V + K p` then have constant coefficients,
+with `S` the operator `w x` for the translation and rotation of each frame, `S_R` for translation alone; `w`
+in the body's axes. Linear equations `M a + C V + K p` then have constant coefficients,
 
     M p'' + [ C + M (S + S_R) ] p' + [ K + C S + M S_R S ] p.
 
-The last bracket is also the derivative of the unbalanced force of a steady state for its configuration.
+The last bracket is also the derivative of the unbalanced force of a steady state by its configuration.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ __all__ = [
 
 
 _LARGE = 2.0**300
-"""A power of two: by it nothing is rounded."""
+"""A power of two: scaling by it causes no rounding."""
 
 
 class SteadyTurning(NamedTuple):
-    """How every body turns."""
+    """Steady rotation of all bodies."""
 
     angular_velocities: AnyArray
     """(nb, 3), global"""
@@ -66,12 +66,12 @@ class SteadyTurning(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SteadyEquations:
-    """What the `Equations` of all methods hold: a machine, its start, its spin, and forces held back.
+    """Data of the `Equations` of all methods: a machine, its start, its rotation, and forces held back.
 
-    machine : Any               ready for its method, its equations independent
-    begin : Any                 as its bodies are placed
-    turning : Turning | None    of its bodies in their order; None at rest
-    held : (n,)                 forces that are held back
+    machine : Any               prepared for its method, with independent equations
+    begin : Any                 state with bodies as placed
+    turning : Turning | None    rotation of the bodies in their order; None at rest
+    held : (n,)                 forces held back
     """
 
     machine: Any
@@ -80,33 +80,33 @@ class SteadyEquations:
     held: np.ndarray | float = 0.0
 
     def at_rest(self) -> Self:
-        """The machine without its spin."""
+        """The machine without its rotation."""
         return replace(self, turning=None)
 
     def eased(self, share: float, held: np.ndarray) -> Self:
-        """The machine at a share of its spin's rate, with forces (n,) held back."""
+        """The machine at a share of its angular velocity, with forces (n,) held back."""
         return replace(self, turning=None if self.turning is None else self.turning.slowed(share), held=held)
 
     @property
     def model(self) -> Model:
-        """What joints and forces see of it."""
+        """The model for joints and forces."""
         return self.machine.model
 
     @property
     def slices(self) -> tuple[slice, ...]:
-        """Where the motions of each body stand."""
+        """Positions of the motions of each body."""
         return self.machine.slices
 
 
 class LinearEquations(NamedTuple):
-    """`M p'' + C p' + K p + G^T l = H z`, `G p = 0`, in axes that turn with the bodies."""
+    """`M p'' + C p' + K p + G^T l = H z`, `G p = 0`, in axes that rotate with the bodies."""
 
     mass: AnyArray
     """(n, n)"""
     damping: AnyArray
     """(n, n), with the gyroscopic terms"""
     stiffness: AnyArray
-    """(n, n), with the centrifugal terms and those of the forces that are carried"""
+    """(n, n), with the centrifugal terms and those of the internal and joint forces"""
     constraint: AnyArray
     """`G` (m, n)"""
     control: LinearControl
@@ -125,7 +125,7 @@ def steady_motion(
     multipliers: AnyArray,
     states: AnyArray,
 ) -> SystemMotion:
-    """The motion of bodies that turn without any other change of what they see.
+    """The motion of bodies in steady rotation, with all else constant.
 
     states : of all controllers, one after the other
     """
@@ -137,7 +137,7 @@ def steady_motion(
 
 
 def work_of_turning(model: Model, turning: SteadyTurning) -> float:
-    """Of the inertia forces of a machine that turns, as if all its mass went round."""
+    """Work of the inertia forces of a rotating machine, as if all its mass were at a radius of its size."""
     rate = np.max(np.linalg.norm(turning.angular_velocities, axis=1))
     return float(model.mass * (rate * model.length) ** 2)
 
@@ -145,7 +145,7 @@ def work_of_turning(model: Model, turning: SteadyTurning) -> float:
 def turning_velocities(
     turning: SteadyTurning, configuration: Configuration, frame_starts: Sequence[int], n: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities and accelerations (n,) of bodies that turn steadily, their frames from `frame_starts` on.
+    """Velocities and accelerations (n,) of bodies in steady rotation; `frame_starts` locates their frames.
 
     The angular velocities are constant, in space and in the body's axes.
     """
@@ -162,9 +162,9 @@ def turning_velocities(
 def linear_equations(
     model: Model, turning: SteadyTurning, motion: SystemMotion, terms: Balance
 ) -> LinearEquations:
-    """The equations of motion, linearised about a steady motion, at which `terms` were evaluated."""
+    """The equations of motion, linearised about a steady motion; `terms` were evaluated there."""
     mass = step_matrix(model, motion, terms, 0.0, 0.0)
-    # So large a factor that nothing is lost beside the mass, whatever the unit of time.
+    # A factor so large that no digit is lost beside the mass, in any unit of time.
     damping = (step_matrix(model, motion, terms, 0.0, _LARGE) - mass) / _LARGE
     stiffness = (step_matrix(model, motion, terms, _LARGE, 0.0) - mass) / _LARGE
     axes = in_turning_axes(model, motion.configuration)
@@ -183,7 +183,7 @@ def linear_equations(
 def step_matrix(
     model: Model, motion: SystemMotion, terms: Balance, by_position: float, by_velocity: float
 ) -> np.ndarray:
-    """`M + by_velocity C + by_position K` (n, n), by one compiled program whatever the factors are."""
+    """`M + by_velocity C + by_position K` (n, n), by one compiled program for all factors."""
     factors = StepFactors(np.asarray(by_position), np.asarray(by_velocity))
     return np.asarray(_tangent(model, motion, terms.linearization, factors))
 

@@ -1,4 +1,4 @@
-"""Step sizes from local errors, and what counts as a rounding error of a position."""
+"""Step sizes from local errors, and the rounding error of a position."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ __all__ = ["next_step", "position_rounding"]
 
 
 def position_rounding(length: Any, origins: Any) -> Any:
-    """Change of position, in parts of the system's `length`, that arithmetic cannot tell from none.
+    """Rounding error of positions, relative to the system's `length`.
 
-    Far from the global origin, positions themselves have fewer digits after the point.
+    Far from the global origin, positions have fewer significant digits for small changes.
     """
-    of: Any = np if isinstance(origins, np.ndarray) else jnp  # NumPy compiles nothing
+    of: Any = np if isinstance(origins, np.ndarray) else jnp  # NumPy needs no compilation
     return 1e-13 * of.maximum(1.0, of.max(of.abs(origins)) / length)
 
 
@@ -31,8 +31,8 @@ def next_step(
     """Step size after a converged step of size `h` whose local error, of third order, was `error`.
 
     Every change of the step excites the integrator's spurious roots, which look like errors: the step grows
-    only when it can by half. And a step shortened to meet an output time is no reason to go on with short
-    ones: it is measured against the step that was `intended`.
+    only if it can grow by half. A step shortened to end at an output time does not shorten later ones: growth
+    is measured relative to the `intended` step.
     """
     ratio = jnp.where(error > 0, tolerance / jnp.where(error > 0, error, 1.0), jnp.inf)
     best = 0.9 * h * ratio ** (1 / 3)

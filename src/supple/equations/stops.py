@@ -1,4 +1,4 @@
-"""Where steps stop besides the output times: the instants that an adaptive step must not jump over."""
+"""Times at which steps stop besides output times: the instants that an adaptive step must not skip."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from supple.machine.laws.instants import instants_of
 __all__ = ["Stops", "filled_up", "laws_of", "stepping_instants"]
 
 _NEAREST = 1e-5
-"""Of the duration: instants nearer to a stop are not met; steps that short lose digits of accelerations."""
+"""Relative to the duration: instants nearer to a stop are skipped, as accelerations would lose digits."""
 
 
 def laws_of(system: System) -> list[tuple[str, TimeLaw]]:
-    """Names and laws of all prescribed motions and loads, in that order, those without a law left out."""
+    """Names and laws of all prescribed motions and loads, in that order; without elements that have none."""
     every = [(f"joint '{joint.name}'", joint.law) for joint in system.joints]
     every += [(load.label, load.law) for load in system.loads]
     return [(name, law) for name, law in every if law is not None]
 
 
 def stepping_instants(systems: Sequence[System], run: Run) -> np.ndarray:
-    """Ascending times (k,) in the run that adaptive steps meet besides its output times; none of fixed."""
+    """Ascending times (k,) at which adaptive steps stop besides output times; none for fixed steps."""
     control, times = run.step_control, run.times
     if not isinstance(control, AdaptiveStep):
         return np.zeros(0)
@@ -39,7 +39,7 @@ def stepping_instants(systems: Sequence[System], run: Run) -> np.ndarray:
 
 
 def _spaced(instants: np.ndarray, nearest: float) -> np.ndarray:
-    """Without those that follow the one before too closely."""
+    """The instants without those too close to the one before."""
     kept, last = [], -np.inf
     for instant in instants:
         if instant - last > nearest:
@@ -56,7 +56,7 @@ class Stops:
     instants: np.ndarray
 
     def on_the_way(self, reached: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Where to stop on the way from a time to some output times, and which of the stops are these."""
+        """Stops between a time and some output times, and which of the stops are output times."""
         between = self.instants[(self.instants > reached) & (self.instants < times[-1])]
         if not between.size:
             return times, np.arange(len(times))
@@ -65,6 +65,6 @@ class Stops:
 
 
 def filled_up(stops: np.ndarray, fewest: int = 1) -> np.ndarray:
-    """As many stops as a power of two, the last one repeated: runs nearly as long share a program."""
+    """Stops, with the last one repeated, to a power of two: runs of similar length share a program."""
     number = max(fewest, 2 ** (len(stops) - 1).bit_length())
     return np.pad(stops, (0, number - len(stops)), mode="edge")

@@ -1,4 +1,4 @@
-"""Fatigue: rainflow counts, damage-equivalent loads, damage by S-N curves, lifetimes; of histories alone."""
+"""Fatigue of histories: rainflow counts, damage-equivalent loads, damage by S-N curves, lifetimes."""
 
 from supple.fatigue.cycle_count import *
 from supple.fatigue.equivalent_load import *

@@ -29,7 +29,7 @@ their time is linear."""
 
 
 class Residue(Enum):
-    """Counting of the residue, the ranges of no closed cycle; damage-equivalent loads differ by -8 to +6 %.
+    """Counting of the residue, the ranges without closed cycle; damage-equivalent loads differ by -8 to +6 %.
 
     HALF_CYCLES : each as half a cycle (ASTM E1049-85, 5.4.4)
     CLOSED : as cycles of the repeated history (ASTM E1049-85, 5.4.5)

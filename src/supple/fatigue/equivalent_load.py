@@ -1,4 +1,4 @@
-"""Damage-equivalent loads: the constant range that does the damage of a history."""
+"""Damage-equivalent loads: the constant range with the damage of a history."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Array = NDArray[np.float64]
 
 
 class MeanCorrection(Protocol):
-    """How the mean of a cycle enters its range."""
+    """Effect of the mean of a cycle on its range."""
 
     def corrected(self, cycles: Cycles) -> Array:
-        """Ranges (c,) about a mean of zero that do the same damage."""
+        """Ranges (c,) about a mean of zero with the same damage."""
         ...
 
 
@@ -45,7 +45,7 @@ class Goodman:
         object.__setattr__(self, "ultimate", read_only(ultimate))
 
     def corrected(self, cycles: Cycles) -> Array:
-        """Ranges (c,) about a mean of zero; ModelError where a peak lies beyond the ultimate load."""
+        """Ranges (c,) about a mean of zero; ModelError where a peak exceeds the ultimate load."""
         try:
             ultimate = np.broadcast_to(self.ultimate, cycles.shape).ravel()[cycles.channels]
         except ValueError:
@@ -65,7 +65,7 @@ class Goodman:
 
 @dataclass(frozen=True, eq=False)
 class EquivalentLoad:
-    """Damage-equivalent ranges, with all that they depend on.
+    """Damage-equivalent ranges, with their conventions.
 
     ranges : (...) of each channel, peak to peak, in the units of the history
     """
@@ -78,7 +78,7 @@ class EquivalentLoad:
 
     @property
     def conventions(self) -> str:
-        """What the numbers depend on, in words."""
+        """Description of the conventions of the numbers."""
         mean = "no mean correction" if self.correction is None else f"mean correction {self.correction}"
         return (
             f"ranges peak to peak, exponent {self.exponent:g}, {self.reference_cycles:g} reference cycles, "
@@ -94,16 +94,16 @@ class EquivalentLoad:
 def damage_equivalent_load(
     cycles: Cycles, exponent: Positive, reference_cycles: Positive, correction: MeanCorrection | None = None
 ) -> EquivalentLoad:
-    """The range of constant amplitude that does the damage of a history in a number of cycles.
+    """The constant-amplitude range with the damage of a history in a number of cycles.
 
         L_eq = (sum_i n_i S_i^m / N_eq)^(1/m)
 
-    of each channel; 0 of a channel without cycles.
+    for each channel; 0 for a channel without cycles.
 
     Parameters
     ----------
     cycles : of `rainflow`
-    exponent : m, slope of the S-N curve: 3 to 5 of welded steel, 8 to 12 of composites
+    exponent : m, slope of the S-N curve: 3 to 5 for welded steel, 8 to 12 for composites
     reference_cycles : N_eq; the duration in seconds for loads of 1 Hz
     correction : of the means, such as `Goodman`
 
@@ -121,7 +121,7 @@ def damage_equivalent_load(
             f"{exponent} and {reference_cycles}"
         )
     ranges = cycles.ranges if correction is None else correction.corrected(cycles)
-    # Powers of ratios: of forces in N to the twelfth, little is left of the exponents of a float.
+    # Powers of ratios: forces in N to the twelfth power nearly exceed the range of a float.
     largest = cycles.largest(ranges)
     scale = np.where(largest > 0, largest, 1.0)
     ratios = ranges / scale.ravel()[cycles.channels]

@@ -1,4 +1,4 @@
-"""Fatigue over a lifetime: cases weighted by how often their wind speed occurs."""
+"""Fatigue over a lifetime: cases weighted by the frequency of their wind speed."""
 
 from __future__ import annotations
 
@@ -34,23 +34,23 @@ class Weibull:
         return -np.expm1(-((np.maximum(speed, 0.0) / self.scale) ** self.shape))
 
     def quantiles(self, shares: Array) -> Array:
-        """Speeds below which these shares of all lie: v = scale (-ln(1 - F))^(1 / shape)."""
+        """Speeds at given cumulative probabilities: v = scale (-ln(1 - F))^(1 / shape)."""
         return self.scale * (-np.log1p(-shares)) ** (1 / self.shape)
 
 
 @dataclass(frozen=True, eq=False)
 class Lifetime:
-    """How often each case occurs in a lifetime.
+    """Number of occurrences of each case in a lifetime.
 
     repeats : (n,) of the cases
-    covered : the share of the lifetime that the bins of the cases cover; the rest does no damage
+    covered : the share of the lifetime covered by the bins of the cases; the rest has no damage
     """
 
     repeats: Array = field(repr=False)
     covered: float
 
     def damage(self, damages: ArrayLike) -> Array:
-        """Damage (...) in the lifetime, of damages (n, ...) of the cases."""
+        """Damage (...) in the lifetime, from damages (n, ...) of the cases."""
         return np.tensordot(self.repeats, self._of_cases(damages, "damages"), axes=1)
 
     def equivalent_load(
@@ -95,12 +95,12 @@ def lifetime_of_cases(
     cut_in: float | None = None,
     cut_out: float | None = None,
 ) -> Lifetime:
-    """How often cases occur in a lifetime, by the wind speeds that they stand for.
+    """Number of occurrences of cases in a lifetime, by their wind speeds.
 
         w_j = (F(v_b) - F(v_a)) T / sum of the durations of the cases at this speed
 
-    Cases of equal speed, such as seeds, share a bin; bins meet midway between speeds. The outer ones reach to
-    `cut_in` and `cut_out`, by default as far out as in.
+    Cases of equal speed, such as seeds, share a bin; bins meet midway between speeds. The outer bins extend
+    to `cut_in` and `cut_out`, by default symmetrically.
 
     Parameters
     ----------

@@ -36,17 +36,17 @@ class ThicknessEffect:
 
     @property
     def factor(self) -> float:
-        """Of stress ranges, 1 or more."""
+        """Factor on stress ranges, 1 or more."""
         return max(1.0, self.thickness / self.reference) ** self.exponent
 
 
 @dataclass(frozen=True)
 class SNCurve:
-    """Cycles to failure by the stress range, straight or bent in a diagram of logarithms (Basquin).
+    """Cycles to failure by the stress range, straight or bilinear in logarithms (Basquin).
 
         N(S) = N_0 (S / S_0)^-m,    with m_2 in place of m where S < S_0
 
-    reference_range, reference_cycles : S_0 in the units of the stress, N_0; of a bent curve its knee
+    reference_range, reference_cycles : S_0 in the units of the stress, N_0; for a bilinear curve its knee
     exponent : m
     exponent_beyond : m_2, for ranges below S_0; None for a straight curve
     thickness : effect of the plate's thickness, or None

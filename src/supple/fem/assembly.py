@@ -32,14 +32,14 @@ IntArray = NDArray[np.integer]
 # Any scipy.sparse array: their common base declares no shape.
 SparseArray = Any
 
-# Numbers held at once while many elements are evaluated: 2 MiB, within a processor's cache.
+# Entries held at once while many elements are evaluated: 2 MiB, within a processor's cache.
 CHUNK = 2**18
-# Times as large for works: a larger portion shares more nodes, whose forces all columns see once.
+# Factor on this for works: a larger portion shares more nodes, whose forces are applied once to all columns.
 LARGER_FOR_WORKS = 4
 
 
 class StrainWorks(NamedTuple):
-    """Works of the parts of the internal force of q = X g on k columns z; pairs j <= l in the order of
+    """Works of the parts of the internal force of q = X g on k columns z, with pairs j <= l in the order of
     numpy.triu_indices(m).
 
     linear : (k, p)     sum w (B z)^T D N(G x_j, G x_l)
@@ -59,11 +59,11 @@ class _Portion(NamedTuple):
     directions: FloatArray
     """(e, n_e, m), of the elements' freedoms"""
     reached: IntArray
-    """Freedoms q that they reach: few of all"""
+    """Freedoms q of these elements, a small part of all"""
     to_reached: SparseArray
 
     def summed(self, forces: FloatArray) -> FloatArray:
-        """Forces (e, n_e, p) of the elements as those of the freedoms reached."""
+        """Element forces (e, n_e, p) summed on their freedoms."""
         return self.to_reached @ forces.reshape(-1, forces.shape[-1])
 
 
@@ -71,7 +71,7 @@ class _Portion(NamedTuple):
 class Assembly:
     """Sums over the elements of a body, prepared once for one expansion T (nodal freedoms u = T q).
 
-    Every matrix has the same sparsity (`indices`, `indptr`, symmetric), whatever q. Forces, energies and
+    Every matrix has the same sparsity (`indices`, `indptr`, symmetric) for all q. Forces, energies and
     tangents accept complex q.
 
     Parameters
@@ -91,7 +91,7 @@ class Assembly:
     indptr: IntArray
 
     def __post_init__(self) -> None:
-        # Every matrix shares them.
+        # All matrices share these arrays.
         self.indices.setflags(write=False)
         self.indptr.setflags(write=False)
 
@@ -122,24 +122,24 @@ class Assembly:
         return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
     def strain_rate_force(self, q: Array, rates: Array) -> Array:
-        """Force K_mat(q) q_dot (n,) of stresses D eps_dot; none in a rigid motion."""
+        """Force K_mat(q) q_dot (n,) of stresses D eps_dot; zero in a rigid motion."""
         forces = self._over_elements(quadratic_strain.strain_rate_force, q, rates)
         return np.sum([gather.T @ f.ravel() for gather, f in zip(self.gathers, forces, strict=True)], axis=0)
 
     def strain_rate_tangent(self, q: Array, rates: Array) -> csr_array:
-        """Derivative of the force of stresses D eps_dot by q at given rates, (n, n); not symmetric."""
-        # The sums go by rows, which in the columns of a symmetric matrix makes no difference.
+        """Derivative (n, n) by q of the force of stresses D eps_dot at given rates; not symmetric."""
+        # The sums are by rows; the matrix pattern is symmetric, so rows and columns are interchangeable.
         return self._matrix(self._over_elements(quadratic_strain.strain_rate_tangent, q, rates)).T
 
     def tangent(self, q: Array, *, material: float = 1.0) -> csc_array:
         """Tangent stiffness (n, n), the derivative of the internal force.
 
-        material : a factor of all but the geometric term
+        material : a factor on all but the geometric term
         """
         return self._matrix(self._over_elements(partial(quadratic_strain.tangent, material=material), q))
 
     def tangent_parts(self, q: Array) -> tuple[csc_array, csc_array]:
-        """The two terms of the tangent (n, n), of the strains and of the stress, from one evaluation."""
+        """The material and the geometric term of the tangent (n, n), from one evaluation."""
         both = self._over_elements(quadratic_strain.tangent_parts, q)
         material, geometric = (self._matrix([each[:, number] for each in both]) for number in (0, 1))
         return material, geometric
@@ -181,7 +181,7 @@ class Assembly:
         return StrainWorks(linear, turned.swapaxes(0, 1), cubic)
 
     def strain_pair_forces(self, X: FloatArray, first: IntArray, second: IntArray) -> FloatArray:
-        """Forces that balance the quadratic strain of pairs of columns of X by linear strains alone.
+        """Forces by which linear strains alone balance the quadratic strain of pairs of columns of X.
 
             f_p = sum w B^T D N(G x_first(p), G x_second(p))
 
@@ -203,7 +203,7 @@ class Assembly:
 
     @cached_property
     def _portions(self) -> tuple[tuple[QuadraticStrain, ...], ...]:
-        """The elements of each block in portions whose matrices stay in a processor's cache."""
+        """The elements of each block in portions whose matrices fit a processor's cache."""
         portions = []
         for block in self.blocks:
             n_elements, n_points, s, n_e = block.B.shape
@@ -215,7 +215,7 @@ class Assembly:
     def _along(
         self, X: FloatArray, numbers: Callable[[QuadraticStrain], int], *, larger: int = 1
     ) -> Iterator[_Portion]:
-        """All elements in portions, along the columns of X (n, m); `numbers` held for each of a block."""
+        """All elements in portions, along the columns of X (n, m); `numbers` is the storage per block."""
         for block, gather in zip(self.blocks, self.gathers, strict=True):
             n_elements, _, _, n_e = block.B.shape
             for elements in _ranges(n_elements, numbers(block), larger):
@@ -250,8 +250,8 @@ def assemble(model: FiniteElementModel, expansion: SparseArray | None = None) ->
     ----------
     model : FiniteElementModel
     expansion : sparse array (n_nodal, n) or None
-        T of u = T q; an empty row holds its freedom fixed, a row of several entries ties it (rigid
-        interfaces); the identity when None
+            T of u = T q; an empty row fixes its freedom, a row of several entries ties it (rigid interfaces);
+            the identity when None
 
     Raises
     ------
@@ -270,7 +270,7 @@ def assemble_strains(
     dofs_per_node: int,
     expansion: SparseArray | None = None,
 ) -> Assembly:
-    """Prepare the sums over elements of any nodes, whose freedoms `blocks` number node by node.
+    """Prepare the sums over elements of any nodes; `blocks` number the freedoms node by node.
 
     expansion : as for `assemble`, of n_nodes * dofs_per_node rows
     """
@@ -309,9 +309,9 @@ def _congruence(nodal: NodeSparsity, T: SparseArray) -> tuple[csr_array, IntArra
 
 
 def _stacked(pieces: Iterable[tuple[Array, int]], n: int) -> Array:
-    """Arrays (e, ...) one after the other in one of n rows, each with the row it ends at.
+    """Arrays (e, ...) one after the other in an array of n rows, each with the row where it ends.
 
-    A concatenation would hold all of them at once: twice the memory, which costs more than the arithmetic.
+    A concatenation would store all of them at once: twice the memory, which costs more than the arithmetic.
     """
     stacked = None
     for piece, end in pieces:
@@ -323,13 +323,13 @@ def _stacked(pieces: Iterable[tuple[Array, int]], n: int) -> Array:
 
 
 def _pair_numbers(block: QuadraticStrain, m: int, n_pairs: int) -> int:
-    """Numbers held for each element by the forces of pairs of m directions."""
+    """Storage (numbers) per element for the forces of pairs of m directions."""
     _, n_points, s, n_e = block.B.shape
     d = block.G.shape[2]
     return n_points * (s + d) * (d + 3 * m) + n_e * n_pairs
 
 
 def _ranges(n_elements: int, each: int, larger: int = 1) -> Iterator[slice]:
-    """Elements, `each` numbers of work apiece, in portions of about `CHUNK` numbers, or of so many times."""
+    """Slices of elements of `each` numbers apiece, in portions of about `CHUNK` numbers times `larger`."""
     bounds = np.append(np.arange(0, n_elements, max(1, larger * CHUNK // each)), n_elements)
     return (slice(first, last) for first, last in pairwise(bounds))

@@ -1,4 +1,4 @@
-"""What stands beside the cells of a model: springs, masses and dashpots of nodes, and their ties."""
+"""Springs, masses and dashpots at the nodes of a model, and its ties."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class RigidPiece:
-    """Nodes that move as one, to second order in their rotation.
+    """Nodes tied rigidly, to second order in their rotation.
 
-    nodes : (k,) with the one whose motion the others follow;  position : (3,) of that one, m
+    nodes : (k,) including the reference node, which the others follow;  position : (3,) of that node, m
     """
 
     name: str
@@ -35,7 +35,7 @@ class Constraints:
 
     matrix : csr (m, n)
     dependent : (m,) the freedom that each row should eliminate, or -1
-    labels : what each row is called in messages
+    labels : name of each row in messages
     """
 
     matrix: csr_array
@@ -45,12 +45,12 @@ class Constraints:
 
 @dataclass(frozen=True, eq=False)
 class Attached:
-    """What a model has beside its cells, in nodal freedoms u.
+    """Springs, masses, dashpots and ties beside the cells of a model, in nodal freedoms u.
 
-    springs : as strains without a quadratic part: their stiffness alone counts
-    mass, damping : csc (n, n), kg and kg m^2, N s/m; None where there is none
-    rigid : pieces; a node may be in several, which then move as one
-    constraints : of u, beside what the pieces say
+    springs : as strains without a quadratic part: they have linear stiffness only
+    mass, damping : csc (n, n), kg and kg m^2, N s/m; None without
+    rigid : pieces; a node in several pieces joins them into one
+    constraints : of u, in addition to the rigid pieces
     """
 
     springs: tuple[QuadraticStrain, ...] = field(default=(), repr=False)
@@ -61,7 +61,7 @@ class Attached:
 
     @property
     def what(self) -> str:
-        """What there is, in words; empty where there is nothing."""
+        """The kinds of attachments present, for messages; empty if there are none."""
         there = {
             "springs": bool(self.springs),
             "concentrated masses": self.mass is not None,
@@ -79,10 +79,10 @@ def linear_strains(
 
     Parameters
     ----------
-    terms : (freedoms (n,), B (s, n), k (s,)) each; k may be negative, as of a condensed matrix
+    terms : (freedoms (n,), B (s, n), k (s,)) each; k may be negative, as in a condensed matrix
     Returns
     -------
-    QuadraticStrain of all freedoms of their nodes, one for each number of nodes and of rows
+    QuadraticStrain of all freedoms of their nodes, one for each pair of node count and row count
     """
     alike: dict[tuple[int, int], list[tuple[IntArray, FloatArray, FloatArray]]] = {}
     for freedoms, B, k in terms:

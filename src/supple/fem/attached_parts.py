@@ -1,4 +1,4 @@
-"""What stands beside the cells of a model, shared out over parts of it; concentrated masses by node."""
+"""Assignment of springs, masses and ties to the parts of a model; concentrated masses by node."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ IntArray = NDArray[np.int64]
 def attached_parts(
     attached: Attached, parts: Sequence[IntArray], node_ids: IntArray, dofs_per_node: int
 ) -> tuple[Attached, ...]:
-    """What each part has: whatever acts between some nodes is of the first part that has all of them.
+    """The attachments of each part: each belongs to the first part that contains all of its nodes.
 
-    parts : nodes of each, ascending, which may share some;  node_ids : (N,) what the nodes are called
+    parts : nodes of each, ascending; parts may share nodes;  node_ids : (N,) node names for messages
 
     Raises
     ------
@@ -38,14 +38,14 @@ def attached_parts(
 
 @dataclass(frozen=True, eq=False)
 class _Shares:
-    """Parts by their nodes, and who has what."""
+    """Parts by their nodes, and the assignment of attachments to them."""
 
     parts: tuple[IntArray, ...]
     node_ids: IntArray
     d: int
 
     def of(self, given: Attached, part: int) -> Attached:
-        """What is attached to a part, in its numbers."""
+        """The attachments of a part, in its own numbering."""
         springs = (self.springs(each, part) for each in given.springs)
         return Attached(
             springs=tuple(each for each in springs if len(each.dofs)),
@@ -60,7 +60,7 @@ class _Shares:
         )
 
     def holders(self, group: IntArray, nodes: IntArray, n: int, called: Callable[[int], str]) -> IntArray:
-        """The first part (n,) with all nodes of each group; group and nodes (k,) name its members."""
+        """The first part (n,) that contains all nodes of each group; members (k,) are (group, nodes)."""
         sizes = np.bincount(group, minlength=n)
         inside = [np.bincount(group[np.isin(nodes, own)], minlength=n) == sizes for own in self.parts]
         found = np.array(inside)
@@ -69,16 +69,16 @@ class _Shares:
             ids = ", ".join(str(i) for i in self.node_ids[np.unique(nodes[group == lost[0]])[:6]])
             raise ModelError(
                 f"{called(int(lost[0]))} (one of {lost.size}) acts between nodes of several parts: {ids}; "
-                "move the cut away from it, or leave it out of the model and join the parts by it"
+                "move the cut away from it, or remove it from the model and join the parts by it"
             )
         return found.argmax(axis=0)
 
     def freedoms(self, given: IntArray, part: int) -> IntArray:
-        """Freedoms in the numbers of a part."""
+        """Freedoms in the numbering of a part."""
         return np.searchsorted(self.parts[part], given // self.d) * self.d + given % self.d
 
     def holder_of_piece(self, piece: RigidPiece) -> int:
-        """The part that has all nodes of a rigid tie."""
+        """The part that contains all nodes of a rigid tie."""
         group = np.zeros(len(piece.nodes), dtype=np.int64)
         return int(self.holders(group, piece.nodes, 1, lambda _: f"rigid tie {piece.name}")[0])
 
@@ -110,7 +110,7 @@ class _Shares:
         return csc_array(coo_array((entries.data[mine], places), shape=(size, size)))
 
     def constraints(self, given: Constraints | None, part: int) -> Constraints | None:
-        """The constraints of a part; None where it has none."""
+        """The constraints of a part; None without."""
         if given is None:
             return None
         entries = coo_array(given.matrix)
@@ -132,9 +132,9 @@ class _Shares:
 
 
 def point_masses(attached: Attached, dofs_per_node: int) -> CellMass | None:
-    """Concentrated masses as cells of one node; None where there is none.
+    """Concentrated masses as cells of one node; None without.
 
-    Raises ModelError for a mass that several nodes share, as a scalar mass between two grids.
+    Raises ModelError for a mass shared by several nodes, as a scalar mass between two grids.
     """
     if attached.mass is None:
         return None
@@ -142,8 +142,8 @@ def point_masses(attached: Attached, dofs_per_node: int) -> CellMass | None:
     i, j = (np.asarray(each, dtype=np.int64) for each in entries.coords)
     if (shared := (i // d != j // d) & (entries.data != 0)).any():
         raise ModelError(
-            f"{np.count_nonzero(shared)} terms of the concentrated masses act between nodes; here each mass "
-            "has one node: leave the others out of the model"
+            f"{np.count_nonzero(shared)} terms of concentrated masses act between nodes; each mass must have "
+            "one node: remove the others from the model"
         )
     nodes, place = np.unique(i // d, return_inverse=True)
     blocks = np.zeros((len(nodes), 6, 6))

@@ -1,10 +1,10 @@
-"""Two-node Timoshenko beam with six strains, quadratic in freedoms whose rotations are rotation vectors.
+"""Two-node Timoshenko beam with six strains, quadratic in the nodal rotation vectors.
 
-Local axes: x along the chord, y and z those of the section. Nothing of the energy stays linear, so bending
-and torsion couple and a rigid rotation costs energy of the eighth order in its angle only.
+Local axes: x along the chord, y and z those of the section. All strains are quadratic, so bending and torsion
+couple, and the energy of a rigid rotation is of eighth order in its angle.
 
-Whatever the section (coupled, tapered, its neutral axis or mass beside the chord), the stiffness of the six
-strains is the inverse of the flexibility, integrated over the forces that end loads cause: exact at rest.
+For any section (coupled, tapered, neutral axis or mass off the chord), the stiffness of the six strains is
+the inverse of the flexibility, integrated for the forces of end loads: exact in the linear limit.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from supple.fem.shell_kinematics import GREEN_LAGRANGE, ShellKinematics
 
 FloatArray = NDArray[np.float64]
 
-# An orientation within this angle of the beam, rad, gives no axes.
+# An orientation within this angle of the beam, rad, does not define axes.
 NEARLY_PARALLEL = 1e-6
 
-# Of the stiffness of released freedoms, scaled to a unit diagonal: below, they are free without a release.
+# Relative stiffness of released freedoms, scaled to a unit diagonal, below which they count as free.
 UNHELD = 1e-10
 
-# The displacement gradients of a membrane that lie in its plane (see ShellKinematics).
+# The in-plane displacement gradients of a membrane (see ShellKinematics).
 IN_PLANE = (0, 1, 2, 3)
 
 # Rows of the beam's gradients: g, t, theta_1, theta_2; with offsets also the rotations of the nodes.
@@ -40,7 +40,7 @@ EPSILON = np.cross(np.eye(3)[None, :], np.eye(3)[:, None]).transpose(2, 1, 0)
 
 
 class BeamLine(NamedTuple):
-    """Where beams run: from end to end, which rigid arms hold at the nodes.
+    """Lines of beams between their ends, which rigid arms connect to the nodes.
 
     axes : (E, 3, 3) unit vectors x, y, z as rows;  length : (E,), m
     arms : (E, 2, 3) from the nodes to the ends in these axes, m
@@ -78,7 +78,7 @@ def beam_line(
     length = np.linalg.norm(chord, axis=1)
     bad = np.flatnonzero(length <= NEARLY_PARALLEL * np.linalg.norm(nodes[:, 1] - nodes[:, 0], axis=1))
     if bad.size:
-        raise ModelError(f"the offsets of beam {bad[0]} of its section bring its ends together; correct them")
+        raise ModelError(f"the offsets of beam {bad[0]} of its section make its ends coincide; correct them")
     x = chord / length[:, None]
     towards = np.broadcast_to(np.asarray(section.orientation) if directions is None else directions, x.shape)
     z = np.cross(x, towards)
@@ -111,21 +111,21 @@ def beam_strain(
         m_y = t_y + g_z + 1/3 (g_x t_y - t_x g_y) - 1/6 t_x t_z
         m_z = t_z - g_y + 1/3 (g_x t_z - t_x g_z) + 1/6 t_x t_y
 
-    k is the rotation of one end against the other, log(R_1^T R_2); m_y and m_z are the rotation of the
-    sections against the chord. All to second order; 1/3 and 1/6 are the factors that leave a rigid rotation
-    no third order either. Their stiffness: `chord_stiffness`; of a section with its axes in their middle it
-    is E A L of eps, (G J, E I2, E I1) / L of k, 12 E I / (L (1 + phi)) of m, phi the shear flexibility.
+    k is the rotation of one end relative to the other, log(R_1^T R_2); m_y and m_z are the rotation of the
+    sections relative to the chord. All hold to second order; the factors 1/3 and 1/6 also cancel the third
+    order of a rigid rotation. Their stiffness is `chord_stiffness`; for a section with its axes at the centre
+    it is E A L for eps, (G J, E I2, E I1) / L for k, 12 E I / (L (1 + phi)) for m, phi the shear flexibility.
 
-    An end on an arm o moves by u + theta x o + 1/2 theta x (theta x o); a rigid rotation then keeps strains
-    of third order, as beside a rigid interface. Released freedoms follow the others as the linear stiffness
-    says, which makes the energy right up to its third order and the force to its second.
+    An end on an arm o moves by u + theta x o + 1/2 theta x (theta x o); a rigid rotation then leaves strains
+    of third order, as at a rigid interface. Released freedoms follow the others by the linear stiffness, so
+    that the energy is correct to third order and the force to second.
 
     Parameters
     ----------
     dofs : int array (E, 12)    ux uy uz rx ry rz of either node
     kinematics : ShellKinematics
-        one without gradients in the plane (VON_KARMAN) is for small rotations: only the slopes of the chord
-        enter, in eps, and k and m stay linear
+            kinematics without in-plane gradients (VON_KARMAN) are for small rotations: only the slopes of the
+            chord enter, in eps, and k and m stay linear
     released : bool array (E, 12) or None       as in `Section`
     Source: J. S. Przemieniecki, Theory of Matrix Structural Analysis (1968), eq. (5.116), the stiffness at
     rest; the quadratic terms: docs/theory/quadratic_strain.md.
@@ -160,14 +160,14 @@ def beam_strain(
 
 
 def chord_stiffness(L: FloatArray, section: LineSection) -> FloatArray:
-    """Stiffness (E, 6, 6) of eps, k, m_y, m_z: inverse of the flexibility of the forces Q on them.
+    """Stiffness (E, 6, 6) of eps, k, m_y, m_z: inverse of the flexibility for the conjugate forces Q.
 
         N = Q_1 / L,  M_x = Q_2,  M_y = Q_3 + xi Q_5,  M_z = Q_4 + xi Q_6,  V_z = Q_5 / L,  V_y = -Q_6 / L
 
-    with xi from -1/2 to 1/2 along the beam: what equilibrium leaves of a beam that is loaded at its ends.
-    What the section does not carry has no stiffness.
+    with xi from -1/2 to 1/2 along the beam: the forces in equilibrium with loads at the ends alone. Forces
+    that the section does not carry have no stiffness.
     """
-    # Exact for a constant section; the flexibility of a tapered one is a smooth, not a polynomial.
+    # Exact for a constant section; the flexibility of a tapered one is smooth, but no polynomial.
     xi, weights = np.polynomial.legendre.leggauss(2 if section.second is None else 12)
     xi, weights = xi / 2, weights / 2
     even, by_length = np.zeros((len(xi), 6, 6)), np.zeros((6, 6))
@@ -190,7 +190,7 @@ def chord_stiffness(L: FloatArray, section: LineSection) -> FloatArray:
 def beam_mass(line: BeamLine, nodes: NDArray[np.int64], section: LineSection) -> CellMass:
     """Consistent mass of beams with linear shape functions: m L/6 (1 + delta_ab), rotary inertia likewise.
 
-    The mass of released freedoms stays with their nodes.
+    The mass of released freedoms remains at their nodes.
     """
     s, weights = np.polynomial.legendre.leggauss(2)
     s, weights = (1 + s) / 2, weights / 2
@@ -218,7 +218,7 @@ def _gradients(L: FloatArray) -> FloatArray:
 def _condensed(
     D: FloatArray, linear: FloatArray, released: NDArray[np.bool_]
 ) -> tuple[FloatArray, FloatArray]:
-    """Stiffness (E, 6, 6) without the released freedoms, and how all freedoms of the ends follow (E, 12, 12).
+    """Stiffness (E, 6, 6) without the released freedoms, and the map of all end freedoms (E, 12, 12).
 
     With C the linear strains of the released freedoms, which take the value of least energy:
         D - D C (C^T D C)^+ C^T D,   1 - (C^T D C)^+ C^T D B

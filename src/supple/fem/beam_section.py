@@ -1,6 +1,6 @@
-"""Beam sections: what a beam is made of across its axis, as flexibility and inertia per length.
+"""Beam sections: flexibility and inertia per length of the cross-section of a beam.
 
-Every section answers with matrices (6, 6) at places along the beam, in its axes x (along), y and z: forces
+Every section returns matrices (6, 6) at positions along the beam, in its axes x (along), y and z: forces
 N, V_y, V_z and moments M_x, M_y, M_z; velocities of x, y, z and rotations about them.
 """
 
@@ -27,7 +27,7 @@ N, VY, VZ, MX, MY, MZ = range(6)
 
 @dataclass(frozen=True, eq=False)
 class BeamSection:
-    """A section about its shear centre; y is `orientation` without its part along the beam.
+    """A section about its shear centre; y is `orientation` projected normal to the beam.
 
     Parameters
     ----------
@@ -37,16 +37,16 @@ class BeamSection:
     J : float                           torsion constant, m^4; a second moment or J of 0 carries no moment
     K1, K2 : float                      shear factors of the two planes; 0 for no shear deformation
     orientation : float array (3,)      a direction in the x-y plane, in the mesh axes; `Section.directions`
-                                        takes its place
+                                                 overrides it
     mass_per_length : float or None     kg/m; density times area when None
     I12 : float                         int y z dA, m^4; 0 in principal axes
     neutral : (y, z)                    of the neutral axis from the shear centre, m
     mass_centre : (y, z)                of the mass from the shear centre, m
     rotary : float array (3,) or None   inertia per length about x, y, z through the mass centre, kg m;
-                                        density times I1 + I2, I2, I1 (and -I12 between y and z) when None
-    second : BeamSection or None        the section at the second end of a tapered beam; values between are
-                                        linear (inertia: its matrix)
-    geometry : SectionGeometry or None  its outline and the points at which stress is recovered
+             density times I1 + I2, I2, I1 (and -I12 between y and z) when None
+    second : BeamSection or None        the section at the second end of a tapered beam; its values vary
+             linearly in between (inertia: its matrix)
+    geometry : SectionGeometry or None  its outline and the points of stress recovery
 
     Raises
     ------
@@ -111,8 +111,9 @@ class BeamSection:
     def flexibility(self, places: FloatArray) -> FloatArray:
         """Strains and curvatures (p, 6, 6) by forces and moments, at fractions (p,) of the length.
 
-        About the neutral axis 1/EA, the inverse of E [I2 -I12; -I12 I1], 1/(K G A) and 1/GJ; a force N at
-        the shear centre bends by its lever to the neutral axis. Rows that are not carried are zero.
+        About the neutral axis 1/EA, the inverse of E [I2 -I12; -I12 I1], 1/(K G A) and 1/GJ; the eccentricity
+        of the neutral axis makes a force N at the shear centre cause bending. Rows that are not carried are
+        zero.
         """
         return np.array([_flexibility(self._at(s)) for s in places])
 
@@ -133,14 +134,14 @@ class BeamSection:
 
 @dataclass(frozen=True, eq=False)
 class CoupledBeamSection:
-    """A beam's section by its matrices, as section tools and blade tables give them; fully coupled.
+    """A beam section given by its matrices, as from section tools and blade tables; fully coupled.
 
     Parameters
     ----------
     stiffness : float array (6, 6)      forces N V_y V_z and moments M_x M_y M_z by strains and curvatures,
                                         about the beam's axis; N, N m, N m^2
     mass : float array (6, 6)           per length, of the motion of the axis; kg/m, kg, kg m
-    orientation : float array (3,)      a direction in the x-y plane; `Section.directions` takes its place
+    orientation : float array (3,)      a direction in the x-y plane; `Section.directions` overrides it
     second : CoupledBeamSection or None     the section at the second end; matrices between are linear
 
     Raises
@@ -183,7 +184,7 @@ class CoupledBeamSection:
 
 
 LineSection = BeamSection | CoupledBeamSection
-"""What a beam is made of."""
+"""The section of a beam."""
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,8 @@ def end_forces(block: QuadraticStrain, length: FloatArray, section: LineSection 
 
         N = Q_1 / L,  M_x = Q_2,  M_y = Q_3 -+ Q_5 / 2,  M_z = Q_4 -+ Q_6 / 2,  V_z = Q_5 / L,  V_y = -Q_6 / L
 
-    They are what lies beyond, towards the second end, exerts on what lies before, in the axes of the section.
-    A rod has Q_1, and where it resists torsion Q_2.
+    The part on the side of the second end exerts them on the part on the side of the first, in the axes of
+    the section. A rod has Q_1, and Q_2 if it resists torsion.
 
     length : (E,) from end to end, m
     """
@@ -56,9 +56,9 @@ def stress_by_forces(section: LineSection | RodSection, end: int) -> FloatArray:
 
         sigma = E (eps + z kappa_y - y kappa_z),   (eps, kappa) = flexibility (N, M_y, M_z)
 
-    and the shear of torsion. Components xx yy zz yz xz xy, in the axes of the section. The shear stress of
-    V_y and V_z, which is zero where bending stress is largest, is not in it. A rod has one point, with the
-    shear stress c M_x / J.
+    and the shear stress of torsion. Components xx yy zz yz xz xy, in the axes of the section. The shear
+    stress of V_y and V_z, zero where bending stress is largest, is not included. A rod has one point, with
+    the shear stress c M_x / J.
 
     end : FIRST or SECOND, of a tapered beam
     """
@@ -92,7 +92,7 @@ def line_to_global(axes: FloatArray) -> FloatArray:
 
 
 def rod_line(ends: FloatArray) -> BeamLine:
-    """Axes of rods with ends (E, 2, 3): x along them, the others anyhow across."""
+    """Axes of rods with ends (E, 2, 3): x along the rod, the others any normal directions."""
     chord = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(chord, axis=1)
     x = chord / length[:, None]

@@ -1,6 +1,6 @@
-"""Flat triangles that are too large for a thin wall of double curvature: where it is still too stiff.
+"""Flat triangles that are too large for a thin doubly curved wall, whose stiffness is then too high.
 
-What is left of locking grows with `|det K| h^3 / t`: angles between neighbours squared, times size over
+The remaining locking grows with `|det K| h^3 / t`: angles between neighbours squared, times size over
 thickness. Twisted strips and hemispheres are 1 to 10 % too stiff where it is 2, and 10 to 40 % at 10.
 """
 
@@ -24,15 +24,15 @@ FloatArray = NDArray[np.float64]
 
 COARSE = 3.0
 SHARE = 0.25
-"""Of the area of walls of double curvature, that may be coarser without a warning."""
+"""Share of the area of doubly curved walls that may be coarser without a warning."""
 COARSEST = np.radians(45.0)
-"""Angle between neighbours that may still mean a curved wall; those that bend with it have less."""
+"""Largest angle between neighbours on a curved wall; cells connected across an edge exceed it."""
 
 
 def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatArray, FloatArray]:
-    """`|det K| h^3 / t` of the triangles of some sections, 0 where nothing bends, and their areas, (E,).
+    """`|det K| h^3 / t` of the triangles of some sections, 0 without bending stiffness; their areas; (E,).
 
-    h^2 is twice the area, t the thickness of a plain wall that bends as stiffly.
+    h^2 is twice the area, t the thickness of a plain wall of the same bending stiffness.
     """
     triangles = np.concatenate([section.nodes(mesh) for section in shells])
     corners = mesh.nodes[triangles]
@@ -47,7 +47,7 @@ def curvature_over_thickness(mesh: Mesh, shells: list[Section]) -> tuple[FloatAr
 
 
 def _thickness(section: Section) -> float:
-    """Of a plain wall that bends as stiffly; infinite of a wall without bending or stretching."""
+    """Thickness of a plain wall of equal bending stiffness; infinite without one of its stiffnesses."""
     wall = section.property
     assert isinstance(wall, HomogeneousSection | LaminateSection)
     stretching = np.trace(wall.membrane)
@@ -56,7 +56,7 @@ def _thickness(section: Section) -> float:
 
 
 def warn_of_coarse_curvature(mesh: Mesh, shells: list[Section]) -> None:
-    """SuppleWarning where a good part of the walls of double curvature is coarse for its thickness."""
+    """SuppleWarning where a large part of the doubly curved walls is coarse for its thickness."""
     number, area = curvature_over_thickness(mesh, shells)
     coarse = number > COARSE
     if area[coarse].sum() <= SHARE * area[number > 0].sum():

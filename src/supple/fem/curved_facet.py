@@ -1,16 +1,16 @@
-"""A flat triangle that stands for a curved surface: what bending of the surface does in its plane.
+"""A flat triangle that represents a curved surface: in-plane effects of the bending of the surface.
 
-A smooth surface that only bends shortens the chords between its points and turns them in the planes of
-facets. Facets that take this for strain lock as soon as the angle between neighbours, times their size,
-exceeds the thickness. With the curvature K of the surface and W that of its bending, both constant, the
+A smooth surface that bends without stretching shortens the chords between its points and rotates them in the
+planes of the facets. Facets that treat this as strain lock as soon as the angle between neighbours, times
+their size, exceeds the thickness. With the curvature K of the surface and its change W, both constant, the
 heights `z = 1/2 x^T K x + linear` and `w = 1/2 x^T W x + linear` that vanish at the corners have the slopes
 g_i and b_i there. Without membrane strain, `u_(a,b) + 1/2 (z,a w,b + z,b w,a) = 0`, whose integral is
 
     along side k, from corner i to j    e_k = -1/12 (s_k.(g_j - g_i)) (s_k.(b_j - b_i))
     drilling of corner i                d_i = 1/2 g_i x b_i - 1/6 g_i x (b_j + b_k) + 1/6 (g_j + g_k) x b_i
 
-exactly. The facet's own strain and drilling are what it has beyond these. b_i follows from strains of the
-facet, which rigid motions leave alone.
+exactly. The facet's strain and drilling are the remainders beyond these. b_i follows from strains of the
+facet, which rigid motions do not change.
 
 The strain e_k is that of a shallow shell, averaged over the side (K. Marguerre, Proc. 5th Int. Congr. Appl.
 Mech. (1938) 93-101).
@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 
 
 def bent_with_surface(xy: FloatArray, curvature: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Membrane strain and drilling that bending without stretch makes in facets, (E, 3, 12) each.
+    """Membrane strain and drilling due to inextensional bending in facets, (E, 3, 12) each.
 
     Parameters
     ----------
@@ -73,5 +73,5 @@ def _bend_slopes(xy: FloatArray) -> FloatArray:
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Normal component (E, 3, n) of the products of plane vectors (E, 3, 2, n or 1)."""
+    """Normal component (E, 3, n) of the cross products of plane vectors (E, 3, 2, n or 1)."""
     return a[:, :, 0] * b[:, :, 1] - a[:, :, 1] * b[:, :, 0]

@@ -8,9 +8,9 @@ Right-handed rotations: beta_x = ry, beta_y = -rx. Along a side of direction s t
 the slope at the middle mean(beta) - 3/2 s m, with the mismatch m = dw/l + s.mean(beta) of Kirchhoff's
 condition.
 
-A wall that shears (discrete Kirchhoff-Mindlin triangle, DKMT) divides the mismatch of a side as a beam along
-it does: with phi = 12 D / (H l^2) its bending takes m / (1 + phi), its transverse shear m phi / (1 + phi).
-With a rigid wall, phi = 0, it is the DKT; so nothing locks, however thin.
+A wall with transverse shear (discrete Kirchhoff-Mindlin triangle, DKMT) divides the mismatch of a side as a
+beam along the side would: with phi = 12 D / (H l^2), bending takes m / (1 + phi), transverse shear
+m phi / (1 + phi). For a wall rigid in shear, phi = 0, it is the DKT; so nothing locks, however thin.
 
 Sources: J.-L. Batoz, K.-J. Bathe, L.-W. Ho, "A study of three-node triangular plate bending elements",
 Int. J. Numer. Methods Eng. 15 (1980) 1771-1812; I. Katili, "A new discrete Kirchhoff-Mindlin element based on

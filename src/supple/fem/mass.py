@@ -19,15 +19,15 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CellMass:
-    """Mass of the cells of one section; translations have the same in every direction.
+    """Mass of the cells of one section; translational mass is the same in every direction.
 
     Parameters
     ----------
     nodes : int array (E, k)
     translational : float array (E, k, k)       kg
-    rotary : float array (E, k, k) or None      kg m^2, the same on all rotations, as of shells
+    rotary : float array (E, k, k) or None      kg m^2, the same for all rotations, as in shells
     coupled : float array (E, 6 k, 6 k) or None
-        what else there is, of all freedoms of the nodes: rotary inertia of beams, mass beside the nodes
+            remaining terms, of all freedoms of the nodes: rotary inertia of beams, eccentric mass
     """
 
     nodes: NDArray[np.int64]
@@ -39,8 +39,8 @@ class CellMass:
         """Diagonal mass with the same total: the consistent diagonal, scaled.
 
         Source: E. Hinton, T. Rock, O. C. Zienkiewicz, "A note on mass lumping", Earthq. Eng. Struct. Dyn. 4
-        (1976) 245-249. Unlike row sums it stays positive on quadratic cells. Of what is coupled each node
-        keeps its row sums: rotary inertia, and the place of a mass beside it.
+        (1976) 245-249. Unlike row sums it stays positive on quadratic cells. Coupled terms are lumped by the
+        row sums of each node: rotary inertia, and the eccentricity of a mass.
         """
         rotary = None if self.rotary is None else _scaled_diagonal(self.rotary)
         coupled = None if self.coupled is None else _at_nodes(self.coupled)
@@ -48,7 +48,7 @@ class CellMass:
 
 
 def consistent_mass(mass: CellMass) -> CellMass:
-    """The mass of cells as their shape functions have it; `CellMass.lumped` is the other choice."""
+    """The consistent mass of cells, from their shape functions; `CellMass.lumped` is the alternative."""
     return mass
 
 
@@ -63,8 +63,8 @@ def shell_mass(
         m_ab = (mass per area) A/12 (1 + delta_ab),   and the same with the rotary inertia on all rotations
 
     The rotary inertia about the mass centre acts on all three rotations: drilling has none physically, but M
-    must be positive definite and independent of the element's axes. A mass centre beside the nodes couples
-    translations and rotations. mass_share (E,): the share of the area that has mass; None where all has.
+    must be positive definite and independent of the element's axes. An eccentric mass centre couples
+    translations and rotations. mass_share (E,): the fraction of the area that has mass; None for all.
     """
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(normal, axis=1)
@@ -119,7 +119,7 @@ def _scaled_diagonal(mass: FloatArray) -> FloatArray:
 
 
 def _at_nodes(coupled: FloatArray) -> FloatArray:
-    """Row sums (6, 6) of each node, made symmetric, in matrices (E, 6 k, 6 k)."""
+    """Row sums (6, 6) of each node, symmetrised, of matrices (E, 6 k, 6 k)."""
     k = coupled.shape[1] // 6
     sums = coupled.reshape(-1, k, 6, k, 6).sum(axis=3)
     sums = 0.5 * (sums + sums.swapaxes(2, 3))

@@ -24,8 +24,8 @@ class Isotropic:
     poissons_ratio : float      nu in (-1, 1/2)
     density : float             rho >= 0, kg/m^3; 0 for statics alone
     stated_shear_modulus : float or None
-        G, Pa, of decks that state one beside E and nu; E / (2 (1 + nu)) when None. Where both differ,
-        solids and shells depend on the axes in which their strains are taken
+            G, Pa, of decks that give it beside E and nu; E / (2 (1 + nu)) when None. If it differs from that
+            value, solids and shells depend on the axes in which their strains are measured
 
     Raises
     ------
@@ -56,7 +56,7 @@ class Isotropic:
 
     @property
     def shear_modulus(self) -> float:
-        """G: the stated one, or E / (2 (1 + nu))."""
+        """G: the given one, or E / (2 (1 + nu))."""
         if self.stated_shear_modulus is not None:
             return self.stated_shear_modulus
         return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
@@ -82,7 +82,7 @@ class Isotropic:
 
 @dataclass(frozen=True, eq=False)
 class Anisotropic:
-    """An elastic material by its stiffness, in axes of its own (`Section.directions`, or those of the mesh).
+    """An elastic material by its stiffness, in its own axes (`Section.directions`, or those of the mesh).
 
     Parameters
     ----------
@@ -105,14 +105,14 @@ class Anisotropic:
         if lowest < 1e-12:
             raise ModelError(
                 f"the elasticity is not positive definite (lowest eigenvalue {lowest:.3e} when scaled to a "
-                "unit diagonal): no material is stable so; check its constants"
+                "unit diagonal): such a material is unstable; check its constants"
             )
         if not (isfinite(self.density) and self.density >= 0):
             raise ModelError(f"density is {self.density}; it must be finite and not negative")
 
 
 def stiffness_matrix(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]:
-    """A symmetric matrix (n, n) as a read-only copy; ModelError, with its name, where it is none."""
+    """A symmetric matrix (n, n) as a read-only copy; ModelError, with its name, if it is not one."""
     matrix = np.array(given, dtype=np.float64)
     if matrix.shape != (n, n):
         raise ModelError(f"{name} has shape {matrix.shape}; expected ({n}, {n})")
@@ -128,7 +128,7 @@ def stiffness_matrix(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]
 def lowest_scaled_eigenvalue(matrix: NDArray[np.float64]) -> float:
     """Lowest eigenvalue of a symmetric matrix scaled to a unit diagonal, so that units do not matter.
 
-    Where an entry of the diagonal is not positive it is minus infinity.
+    Minus infinity where an entry of the diagonal is not positive.
     """
     diagonal = np.diag(matrix)
     if diagonal.min() <= 0:

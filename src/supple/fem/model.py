@@ -47,7 +47,7 @@ __all__ = [
 MassRule = Callable[[CellMass], CellMass]
 
 CELLS_AT_ONCE = 4096
-"""Whose stiffness is made and summed at one time: some 100 MB of quadratic solids."""
+"""Elements whose stiffness is computed and assembled at one time: some 100 MB of quadratic solids."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +57,12 @@ class FiniteElementModel:
     Parameters
     ----------
     mesh : Mesh
-    dofs_per_node : int                     3 (ux uy uz) or, as soon as anything turns nodes, 6 (and rx ry rz)
-    sections : tuple of Section             which cells have which property
+    dofs_per_node : int                     3 (ux uy uz), or 6 (and rx ry rz) if any element has nodal
+        rotations
+    sections : tuple of Section             assignment of properties to cells
     mass : csc_array (n, n)                 consistent mass, kg and kg m^2
     stiffness : csc_array (n, n)            linear stiffness, the tangent of the undeformed body
-    rotation_limit : float                  largest rotation, rad, against the frame; infinite for solids
+    rotation_limit : float                  largest rotation, rad, relative to the frame; infinite for solids
     kinematics : ShellKinematics            of shells; solids and beams have one kind only
     attached : Attached                     springs, masses and ties of nodes, beside the elements
     mass_of : MassRule                      of cells: consistent_mass, or CellMass.lumped
@@ -84,20 +85,20 @@ class FiniteElementModel:
 
     @cached_property
     def blocks(self) -> tuple[QuadraticStrain, ...]:
-        """The elements of each section, made on first use: never by a linear body."""
+        """The elements of each section, created on first use; a linear body never needs them."""
         return tuple(
             _block(self.mesh, section, self.kinematics, self.dofs_per_node) for section in self.sections
         )
 
     @property
     def strains(self) -> tuple[QuadraticStrain, ...]:
-        """Of all that has stiffness: the elements, then the springs."""
+        """The strains of the elements, then of the springs."""
         springs = self.attached.springs
         return (*self.blocks, *springs) if springs else self.blocks
 
     @property
     def strains_vanish_when_turned(self) -> bool:
-        """Whether a turn about any axis leaves no strain of second order; not so with von Karman's."""
+        """Whether a rotation about any axis leaves no second-order strain; not so for von Karman strain."""
         return self.kinematics.gradients == GREEN_LAGRANGE.gradients
 
 
@@ -118,7 +119,7 @@ def shell_model(
     Raises
     ------
     ModelError   cells that are neither triangles nor lines, or without a section, or with two, or with one
-                 of the other kind; a shell thicker than the mesh; a beam along the orientation of its section
+                 of the wrong kind; a shell thicker than the mesh; a beam along the orientation of its section
     MeshError    unknown cell set
     Warns
     -----
@@ -158,15 +159,15 @@ def finite_element_model(
     dofs_per_node: int | None = None,
     mass_of: MassRule = consistent_mass,
 ) -> FiniteElementModel:
-    """Model of a mesh of solids, shells and beams together, and of what stands beside them.
+    """Model of a mesh of solids, shells and beams together, and of their attachments.
 
     Parameters
     ----------
     given : the sections of all cells
     kinematics : of shells
     attached : in the freedoms of nodes that have `dofs_per_node`
-    dofs_per_node : 3 or 6; when omitted 3 where there are solids alone
-    mass_of : what the mass matrix has of each cell: consistent_mass, or CellMass.lumped
+    dofs_per_node : 3 or 6; by default 3 where there are only solids
+    mass_of : mass rule of each cell: consistent_mass, or CellMass.lumped
 
     Raises
     ------
@@ -183,7 +184,7 @@ def finite_element_model(
 def parts_of_model(model: FiniteElementModel, divided: DividedMesh) -> tuple[FiniteElementModel, ...]:
     """The elements of each part of the model's mesh, with its own mass and stiffness.
 
-    Springs, masses and ties are of the first part that has all of their nodes.
+    Each spring, mass or tie belongs to the first part that contains all of its nodes.
 
     divided : `model.mesh` in parts; each cell keeps its property
 
@@ -214,16 +215,16 @@ def _in_part(section: Section, part: MeshPart) -> Section:
 
 
 def cell_masses(model: FiniteElementModel) -> tuple[CellMass, ...]:
-    """Consistent mass of the cells of each section, before it is assembled, and of concentrated masses.
+    """Consistent mass of the cells of each section, before assembly, and of concentrated masses.
 
-    Raises ModelError for masses that several nodes share.
+    Raises ModelError for masses shared by several nodes.
     """
     beside = point_masses(model.attached, model.dofs_per_node)
     return (*_cell_masses(model.mesh, model.sections), *(() if beside is None else (beside,)))
 
 
 def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
-    """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total mass of the consistent one."""
+    """Diagonal mass (n,) of the nodal freedoms, kg and kg m^2, with the total of the consistent mass."""
     masses = tuple(mass.lumped() for mass in _cell_masses(model.mesh, model.sections))
     diagonal = mass_matrix(masses, model.mesh.n_nodes, model.dofs_per_node).diagonal().astype(np.float64)
     diagonal.reshape(model.mesh.n_nodes, -1)[:, :3] += node_masses(model)[:, None]
@@ -233,7 +234,7 @@ def lumped_mass(model: FiniteElementModel) -> NDArray[np.float64]:
 def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
     """Concentrated masses (N,) at nodes, kg.
 
-    Raises ModelError for one that has inertia, lies beside its node or differs by direction.
+    Raises ModelError for a mass that has inertia, is eccentric or differs by direction.
     """
     found = np.zeros(model.mesh.n_nodes)
     beside = point_masses(model.attached, model.dofs_per_node)
@@ -246,7 +247,7 @@ def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
         node = model.mesh.node_ids[beside.nodes[other][0, 0]]
         raise ModelError(
             f"the concentrated mass at node {node} (one of {np.count_nonzero(other)}) has inertia, lies "
-            "beside its node or differs by direction; a lumped mass does not: give the mass alone, or use a "
+            "beside its node or differs by direction, unlike a lumped mass: give the mass alone, or use a "
             "body in a floating frame"
         )
     found[beside.nodes[:, 0]] = own
@@ -254,7 +255,7 @@ def node_masses(model: FiniteElementModel) -> NDArray[np.float64]:
 
 
 def refuse_attached(attached: Attached, what: str) -> None:
-    """ModelError if the model has more than elements, which `what` does not support."""
+    """ModelError if the model has attachments, which `what` does not support."""
     if attached.what:
         raise ModelError(
             f"{what} has no {attached.what} beside its elements; leave them out of the model, or use a body "
@@ -300,11 +301,13 @@ def _check_solid(section: Section) -> None:
             f"{section.cell_type.name}. Use shell_model for triangles"
         )
     if not isinstance(section.property, Isotropic | Anisotropic):
-        raise ModelError(f"a solid needs an Isotropic material, not {type(section.property).__name__}")
+        raise ModelError(
+            f"a solid needs an Isotropic or Anisotropic material, not {type(section.property).__name__}"
+        )
 
 
 def _block(mesh: Mesh, section: Section, kinematics: ShellKinematics, dofs_per_node: int) -> QuadraticStrain:
-    """The elements of a section that was checked."""
+    """The elements of a checked section."""
     given, corners, nodes = section.property, section.corners(mesh), section.nodes(mesh)
     if isinstance(given, LineSection):
         line = line_of(mesh, section)
@@ -331,7 +334,7 @@ def line_of(mesh: Mesh, section: Section) -> BeamLine:
 
 
 def _portions(given: tuple[Section, ...]) -> Iterator[Section]:
-    """The cells of the sections, so many at once that their arrays stay small."""
+    """The cells of the sections, in portions whose arrays stay small."""
     for section in given:
         for first in range(0, len(section.cells), CELLS_AT_ONCE):
             yield section.of(slice(first, first + CELLS_AT_ONCE))
@@ -370,7 +373,7 @@ def _model(
 
 
 def _on_their_surface(mesh: Mesh, given: tuple[Section, ...]) -> tuple[Section, ...]:
-    """The sections, with the curvature of the surface where they are shells, curved, and have none."""
+    """The sections; curved shells without a given surface curvature get one from neighbouring triangles."""
     shells = [section for section in given if section.cell_type is CellType.TRIANGLE3]
     if all(section.surface_curvature is not None for section in shells):
         return given
@@ -405,25 +408,25 @@ def _cell_mass(mesh: Mesh, section: Section) -> CellMass:
 def nodal_freedoms(
     nodes: NDArray[np.int64], dofs_per_node: int, first: int | None = None
 ) -> NDArray[np.int64]:
-    """Numbers (E, k d) of the freedoms of cells' nodes (E, k), node by node; of each node the first ones."""
+    """Numbers (E, k d) of the freedoms of cells' nodes (E, k), node by node; the first d of each node."""
     own = np.arange(dofs_per_node if first is None else first)
     return (nodes[:, :, None] * dofs_per_node + own).reshape(len(nodes), -1)
 
 
 def _check_thickness(mesh: Mesh, section: Section, thickness: float) -> None:
-    """A length in millimetres on a mesh in metres is the usual mistake."""
+    """Check for a length in millimetres on a mesh in metres, the usual mistake."""
     corners = section.corners(mesh)
     extent = float(np.linalg.norm(np.ptp(mesh.nodes, axis=0)))
     width = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)))
     if thickness > extent:
         raise ModelError(
             f"wall thickness {thickness:g} exceeds the size of the whole mesh, {extent:g}: "
-            "are both in the same unit of length?"
+            "use the same unit of length for both"
         )
     if thickness > 5 * width:
         warnings.warn(
             f"wall thickness {thickness:g} is {thickness / width:.0f} times the size of its elements, "
-            f"{width:g}: are both in the same unit of length? If so, use solid elements",
+            f"{width:g}: check that both are in the same unit of length; if they are, use solid elements",
             SuppleWarning,
             stacklevel=5,
         )

@@ -1,4 +1,4 @@
-"""Rotations of a model: how far its material turns, linearly, from the nodal freedoms."""
+"""Linear rotations of the material of a model, from the nodal freedoms."""
 
 from __future__ import annotations
 

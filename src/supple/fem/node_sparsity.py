@@ -1,4 +1,4 @@
-"""Node sparsity: the pattern of a matrix whose blocks couple nodes that share a cell, and sums into it."""
+"""Node sparsity: pattern and assembly of a matrix whose blocks couple nodes that share a cell."""
 
 from __future__ import annotations
 
@@ -42,19 +42,19 @@ class NodeSparsity:
         return len(self.indptr) - 1
 
     def data(self, cell_matrices: list[Array]) -> Array:
-        """Sum cell matrices (E, k d, k d), in the order the cells were given, into the entries (nnz,)."""
+        """Sum cell matrices (E, k d, k d), in the order of the cells, into the entries (nnz,)."""
         d = self.dofs_per_node
         pairs = [_node_pairs(matrices, d) for matrices in cell_matrices]
         blocks = self.scatter @ (pairs[0] if len(pairs) == 1 else np.concatenate(pairs))
         return np.take(blocks, self.order)
 
     def data_of_portions(self, portions: Iterable[Array]) -> Array:
-        """As `data`, of portions of the cells one after the other, of which one is held at a time."""
+        """As `data`, for portions of the cells in sequence, one in memory at a time."""
         d, block_of_pair = self.dofs_per_node, csc_array(self.scatter).indices
         blocks, first = np.zeros((len(self.order) // d**2, d * d)), 0
         for matrices in portions:
             pairs = _node_pairs(matrices, d)
-            # One entry a column: the block that a pair belongs to. A portion reaches few of them.
+            # One entry per column: the block of each pair. A portion contributes to few blocks.
             reached, own = np.unique(block_of_pair[first : first + len(pairs)], return_inverse=True)
             order = np.arange(len(pairs) + 1)
             blocks[reached] += (
@@ -99,7 +99,7 @@ def cell_nodes(dofs: IntArray, dofs_per_node: int) -> IntArray:
 
 
 def full_cells(matrices: Array, dofs: IntArray, dofs_per_node: int) -> Array:
-    """Element matrices (E, n, n) of freedoms (E, n) as those of all freedoms of their nodes."""
+    """Element matrices (E, n, n) of freedoms (E, n), expanded to all freedoms of their nodes."""
     own = dofs[0] // dofs_per_node
     node = np.cumsum(np.append(0, np.diff(own) != 0))
     n = (node[-1] + 1) * dofs_per_node
@@ -112,7 +112,7 @@ def full_cells(matrices: Array, dofs: IntArray, dofs_per_node: int) -> Array:
 
 
 def compressed_columns(data: Array, indices: IntArray, indptr: IntArray) -> csc_array:
-    """Square csc_array on a sorted pattern, which it shares and does not check again."""
+    """Square csc_array on a sorted pattern, shared and not checked again."""
     matrix = csc_array((len(indptr) - 1,) * 2, dtype=data.dtype)
     matrix.data, matrix.indices, matrix.indptr = data, indices, indptr
     matrix.has_sorted_indices = True

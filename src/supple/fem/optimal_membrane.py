@@ -41,10 +41,10 @@ def linear_gradients(xy: FloatArray) -> FloatArray:
 
 
 def drilling_strain(xy: FloatArray) -> FloatArray:
-    """Constant strain that drilling rotations d_i add to that of the corners' motion.
+    """Constant strain that drilling rotations d_i add to the strain of the corner displacements.
 
-    With the strain of the linear displacement it is the strain of the basic stiffness, the transposed lumping
-    matrix over the volume, L^T / (A t).
+    Together they are the strain of the basic stiffness, the transposed lumping matrix over the volume,
+    L^T / (A t).
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def drilling_strain(xy: FloatArray) -> FloatArray:
 
 
 def drilling_stiffness(xy: FloatArray, membrane: FloatArray) -> FloatArray:
-    """Higher-order stiffness (E, 3, 3) against drilling rotations d_i that deviate from the mean rotation.
+    """Higher-order stiffness (E, 3, 3) for drilling rotations d_i relative to the mean rotation.
 
         K_h = 3/4 beta_0 A sum_m H_m^T E H_m,   H_m the strain at the mid-sides from the deviations
 

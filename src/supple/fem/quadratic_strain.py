@@ -1,4 +1,4 @@
-"""Quadratic strain: the one form of all elements, and its energy, force, tangent and their derivatives.
+"""Quadratic strain: the common form of all elements, with energy, force, tangent and their derivatives.
 
 At integration point g of an element with freedoms q (total Lagrangian, undeformed reference):
 
@@ -32,7 +32,7 @@ class QuadraticStrain:
     ----------
     dofs : int array (E, n)             nodal freedoms of each element, node by node
     B : float array (E, g, s, n)        linear strain
-    G : float array (E, g, d, n)        displacement gradients that make the strain nonlinear
+    G : float array (E, g, d, n)        displacement gradients of the quadratic strain
     N : float array (s, d, d) or (E, g, s, d, d)    quadratic form, symmetric in its last two indices
     D : float array (s, s) or (E, s, s)     constitutive matrix
     w : float array (E, g)              weights: quadrature weight times Jacobian
@@ -98,7 +98,7 @@ def internal_forces(block: QuadraticStrain, Q: FloatArray, stretching: FloatArra
 
         f = sum_g w A^T D [B (q + z) + 1/2 N(Gq, Gq)],   A = B + N(Gq)G
 
-    stretching : z (E, n, t)    motion of which the linear strain counts alone, as of what a body condenses
+    stretching : z (E, n, t)    motion whose linear strain alone counts, such as a condensed motion
     """
     a = _directions(block.G, Q)
     stress = block.weighted_D @ (_directions(block.B, Q + stretching) + _half_square(block.N, a))
@@ -110,7 +110,7 @@ def internal_forces(block: QuadraticStrain, Q: FloatArray, stretching: FloatArra
 def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
     """Force (E, n) of stresses D eps_dot: K_mat(q) q_dot = sum_g w A^T D A q_dot, A = B + N(Gq)G.
 
-    Kelvin and Voigt's damping is this times a time. A rigid motion has no strain rate, hence no force.
+    Kelvin-Voigt damping is this times a retardation time. A rigid motion has no strain rate, hence no force.
     """
     Na = _contract(block.N, _apply(block.G, q))
     strain_rate = _apply(block.B, rates) + _apply(Na, _apply(block.G, rates))
@@ -119,7 +119,7 @@ def strain_rate_force(block: QuadraticStrain, q: Array, rates: Array) -> Array:
 
 
 def strain_rate_tangent(block: QuadraticStrain, q: Array, rates: Array) -> Array:
-    """Derivative (E, n, n) of the force of stresses D eps_dot by q at given rates; not symmetric.
+    """Derivative (E, n, n) by q of the force of stresses D eps_dot at given rates; not symmetric.
 
     sum_g w { A^T D N(G q_dot)G + G^T N^T(D eps_dot) G },   A = B + N(Gq)G
     """
@@ -135,14 +135,14 @@ def strain_rate_tangent(block: QuadraticStrain, q: Array, rates: Array) -> Array
 def tangent(block: QuadraticStrain, q: Array, *, material: float = 1.0) -> Array:
     """Tangent stiffness dF/dq (E, n, n): sum_g w { A^T D A + G^T N^T(sigma) G }, A = B + N(Gq)G.
 
-    material : a factor of all but the geometric term, as damping by strain rate adds to the rest
+    material : a factor on all but the geometric term, as strain-rate damping adds to the material term
     """
     parts = tangent_parts(block, q)
     return material * parts[:, 0] + parts[:, 1]
 
 
 def tangent_parts(block: QuadraticStrain, q: Array) -> Array:
-    """The two terms of the tangent: of the strains, and of the stress (the geometric one); (E, 2, n, n)."""
+    """The material and the geometric term of the tangent, (E, 2, n, n)."""
     a = _apply(block.G, q)
     Na = _contract(block.N, a)
     weighted_D = block.weighted_D
@@ -186,7 +186,7 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
     stress = block.weighted_D @ _directions(block.B, X)
     stiff_B = block.weighted_D @ block.B
     forces = np.empty((*block.dofs.shape, m * (m + 1) // 2))
-    # One direction with all that follow it: its arrays stay small, those of all pairs would not.
+    # One direction and all later ones: its arrays stay small, those of all pairs would not.
     start = 0
     for j in range(m):
         pairs = slice(start, start + m - j)
@@ -200,7 +200,7 @@ def pair_forces(block: QuadraticStrain, X: FloatArray) -> FloatArray:
 
 
 def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
-    """The parts of the internal force in m directions, one after the other; pairs j <= k are p in number.
+    """The parts of the internal force in m directions, one after the other; p is the number of pairs j <= k.
 
         sum_g w B^T D N(G x_j, G x_k)                       (E, n, p)   first
         sum_g w G^T N(G x_j)^T D B x_k                      (E, n, m)   of every j
@@ -224,12 +224,12 @@ def force_parts(block: QuadraticStrain, X: FloatArray) -> Iterator[FloatArray]:
 def strain_pair_forces(
     block: QuadraticStrain, X: FloatArray, first: NDArray[np.integer], second: NDArray[np.integer]
 ) -> FloatArray:
-    """Forces of the quadratic strain of chosen pairs of directions, through the linear strains alone.
+    """Forces of the quadratic strain of selected pairs of directions, through the linear strains alone.
 
         f_p = sum_g w B^T D N(G x_first(p), G x_second(p))
 
-    It is the first of the three terms of `pair_forces`: what balances the stress of N(x, y) without strain
-    that x, y and the answer have together.
+    It is the first of the three terms of `pair_forces`: it balances the stress of N(x, y), without the
+    quadratic strain of x or y together with the response.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def strain_pair_forces(
     a = _directions(block.G, X)
     stiff_B = block.weighted_D @ block.B
     forces = np.empty((*block.dofs.shape, len(first)))
-    # One direction with all its partners: its arrays stay small, those of all pairs would not.
+    # One direction and all its partners: its arrays stay small, those of all pairs would not.
     for j in np.unique(first):
         pairs = np.flatnonzero(first == j)
         second_strain = _contract(block.N, a[..., j]) @ a[..., second[pairs]]
@@ -267,7 +267,7 @@ def _contract(form: FloatArray, a: Array) -> Array:
 
 
 def _half_square(form: FloatArray, a: Array) -> Array:
-    """1/2 N(a, a), (E, g, s, t), from a (E, g, d, t): from the products that the form has, and no others."""
+    """1/2 N(a, a), (E, g, s, t), from a (E, g, d, t): only the nonzero products of the form are evaluated."""
     i, j = np.nonzero(np.triu(form.any(axis=tuple(range(form.ndim - 2)))))
     coefficients = form[..., i, j] * np.where(i == j, 0.5, 1.0)
     return coefficients @ (a[:, :, i] * a[:, :, j])

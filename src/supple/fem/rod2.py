@@ -1,4 +1,4 @@
-"""Two-node rod: Green's strain in tension, and a twist that is linear in the rotations; nothing else."""
+"""Two-node rod: Green's strain in tension, and torsion linear in the rotations."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def rod_strain(ends: FloatArray, dofs: NDArray[np.int64], section: RodSection) -
 
 
 def rod_mass(ends: FloatArray, nodes: NDArray[np.int64], section: RodSection) -> CellMass:
-    """Consistent mass of rods, m L/6 (1 + delta_ab); their rotations have none."""
+    """Consistent mass of rods, m L/6 (1 + delta_ab), without rotary inertia."""
     L = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     assert section.mass_per_length is not None  # set when left out
     return CellMass(nodes, section.mass_per_length * L[:, None, None] / 6 * (1 + np.eye(2)))

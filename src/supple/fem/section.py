@@ -1,4 +1,4 @@
-"""Sections: which cells of a mesh are made of which material, with which shell or beam section."""
+"""Sections: the assignment of materials, shell sections and beam sections to cells of a mesh."""
 
 from __future__ import annotations
 
@@ -35,18 +35,19 @@ class Section:
     property : ShellSection (shells), BeamSection, CoupledBeamSection or RodSection (lines), Isotropic or
                Anisotropic (solids)
     directions : float array or None
-        (E, 3) of beams a vector in the x-y plane of the section, of shells one whose projection is the x axis
-        of the wall, both in place of the property's own; (E, 3, 3) of solids the axes of the material, as
-        columns
-    offsets : float array (E, 2, 3) or None     of the ends of beams from their nodes, by rigid arms, m
+            (E, 3), for beams a vector in the x-y plane of the section, for shells one whose projection is the
+            x axis of the wall; both override the property's own. (E, 3, 3), for solids, the axes of the
+            material as columns
+    offsets : float array (E, 2, 3) or None     of beam ends from their nodes, rigid arms, m
     released : bool array (E, 12) or None       freedoms of the ends of beams, in the axes of the beam, that
                                                 carry no force or moment
-    reduced : bool                              of HEXA20: eight strain points, with a share of fourteen
-    incompatible : bool                         of HEXA8: motions of its own, with which it bends freely
-    mass_share : float array (E,) or None       of shells: the share of a cell's area that has mass
+    reduced : bool                              of HEXA20: reduced integration by eight points, plus a share
+        of fourteen
+    incompatible : bool                         of HEXA8: incompatible modes, which remove locking in bending
+    mass_share : float array (E,) or None       of shells: the fraction of a cell's area that has mass
     surface_curvature : float array (E, 3, 3) or None
-        of shells: curvature of the surface that each flat triangle stands for, 1/m; a model finds it from
-        neighbouring triangles where it is not given
+            of shells: curvature of the surface that each flat triangle represents, 1/m; by default a model
+            computes it from neighbouring triangles
 
     Raises
     ------
@@ -81,20 +82,20 @@ class Section:
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if self.mass_share is not None and self.cell_type.dimension != 2:
-            raise ModelError(f"mass_share belongs to shells; {self.cell_type.name} cells have none")
+            raise ModelError(f"mass_share is for shells only; leave it out for {self.cell_type.name} cells")
         if not isinstance(self.property, LineSection):
             for name in ("offsets", "released"):
                 if getattr(self, name) is not None:
-                    raise ModelError(f"{name} belong to beams; {type(self.property).__name__} has none")
+                    raise ModelError(f"{name} are for beams only, not for {type(self.property).__name__}")
 
     def turns_nodes(self) -> bool:
-        """Whether its cells have stiffness on the rotations of nodes."""
+        """Whether its cells have stiffness in the nodal rotations."""
         if isinstance(self.property, RodSection):
             return self.property.J > 0
         return self.cell_type.dimension < 3
 
     def of(self, which: slice | IntArray, cells: IntArray | None = None) -> Section:
-        """The same for some of the cells, which may have other numbers in another mesh."""
+        """The same section for some of its cells, optionally with their numbers in another mesh."""
         own: dict[str, Any] = {
             name: None if (given := getattr(self, name)) is None else given[which] for name in PER_CELL
         }

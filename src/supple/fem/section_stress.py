@@ -1,4 +1,4 @@
-"""Stress of the cells of one section: from strains to tensors at points, and from these to nodes."""
+"""Stress of the cells of one section: from strains to tensors at points, and from points to nodes."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ class SectionStress:
     of_strain : float array (E, l', 6, s)       tensors at l' places of a point from its strain: 1 in solids,
                                                 the heights in shells, the points of both ends of beams
     to_nodes : float array (k, l, g l')         from these tensors to l layers at each node of the cell
-    first_layer : int array (E, k)              where these layers begin at the node
-    share : float array (E, k)                  of the cell in the mean at the node
+    first_layer : int array (E, k)              first of these layers at the node
+    share : float array (E, k)                  weight of the cell in the nodal average
     """
 
     nodes: NDArray[np.int64]
@@ -87,7 +87,7 @@ class SectionStress:
         )
 
     def in_layers(self, n_layers: int) -> SectionStress:
-        """The same with its one layer, where it has one, repeated."""
+        """The same, with a single layer repeated n_layers times."""
         k, _, points = self.to_nodes.shape
         return replace(self, to_nodes=np.broadcast_to(self.to_nodes, (k, n_layers, points)))
 
@@ -96,7 +96,7 @@ class SectionStress:
         return replace(self, arrays=replace(self.arrays, N=np.zeros_like(self.arrays.N)))
 
     def shares(self, n_nodes: int, n_layers: int) -> csc_array:
-        """What each point gives to the mean over the cells in each layer at each node: (N l, E g)."""
+        """Weights of the points in the average in each layer at each node: (N l, E g)."""
         k, own_layers, n_points = self.to_nodes.shape
         n_cells = len(self.nodes)
         layers, points = np.arange(own_layers)[:, None], np.arange(n_points)
@@ -112,11 +112,11 @@ class SectionStress:
 
 
 def section_stress(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
-    """The stress of one section of a model; nodes have a mean over its cells alone.
+    """The stress of one section of a model, averaged at nodes over its cells alone.
 
     Raises
     ------
-    ModelError   a laminate: its A-B-D matrix does not say which stress acts in which ply
+    ModelError   a laminate: its A-B-D matrix does not define the stress of each ply
     """
     nodes, corners = section.nodes(model.mesh), section.corners(model.mesh)
     if section.cell_type in SOLID_ELEMENTS:
@@ -140,7 +140,7 @@ def section_stress(model: FiniteElementModel, section: Section, block: Quadratic
 
 
 def section_forces(model: FiniteElementModel, section: Section, block: QuadraticStrain) -> SectionStress:
-    """As a stress: N V_y V_z M_x M_y M_z at the ends of the beams or rods of a section, one layer."""
+    """Section forces N V_y V_z M_x M_y M_z at the ends of beams or rods, in place of stress; one layer."""
     nodes, given = section.nodes(model.mesh), section.property
     assert isinstance(given, LineSection | RodSection)
     of_strain = end_forces(block, _line(model, section).length, given)
@@ -148,12 +148,12 @@ def section_forces(model: FiniteElementModel, section: Section, block: Quadratic
 
 
 def states_stress(section: Section) -> bool:
-    """Whether a section is to have a stress: beams by matrices, or without points, have none."""
+    """Whether stress is defined for a section; not for beams by matrices or without recovery points."""
     return not isinstance(section.property, LineSection) or has_points(section.property)
 
 
 def as_strain(section: Section, stress: SectionStress) -> SectionStress:
-    """The strain that belongs to a stress, by the compliance of the material."""
+    """The strain for a given stress, by the compliance of the material."""
     given = section.property
     if isinstance(given, HomogeneousSection | BeamSection | RodSection):
         compliance = np.linalg.inv(given.material.elasticity)
@@ -177,7 +177,7 @@ def _line(model: FiniteElementModel, section: Section) -> BeamLine:
 def _line_stress(
     model: FiniteElementModel, section: Section, block: QuadraticStrain, given: BeamSection | RodSection
 ) -> SectionStress:
-    """At the points of both ends; the layers of a node are those of the end there."""
+    """Stress at the points of both ends of beams; the layers of a node are those of its ends."""
     line = _line(model, section)
     to_global = line_to_global(line.axes)[:, None]
     forces = end_forces(block, line.length, given)

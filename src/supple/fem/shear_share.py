@@ -1,4 +1,4 @@
-"""How much transverse shear would soften walls that are taken as rigid in it."""
+"""Effect of transverse shear on walls that are modelled as rigid in shear."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ __all__ = ["shear_share"]
 
 SOLID_WALL = 5 / 6
 
-# Shear this many times stiffer than the wall's takes a part of the energy that is linear in it, on any mesh.
+# Factor of shear stiffness at which the shear energy is linear in flexibility, on any mesh.
 STIFFER = 1e4
 
 
 def shear_share(model: FiniteElementModel, shapes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Energy of transverse shear against that of all strains, (k,), in motions of small strain.
+    """Ratio (k,) of transverse shear energy to that of all strains, in motions of small strain.
 
-    Of homogeneous walls that are rigid in shear alone: what they would have with the shear factor 5/6, from
-    the forces that their bending takes. It is the share by which the square of a frequency would fall.
+    Only homogeneous walls that are rigid in shear count: their energy with the shear factor 5/6, from the
+    forces of their bending. It is the relative decrease of the square of a frequency.
 
     shapes : (n, k) nodal displacements and rotations of the model
     """

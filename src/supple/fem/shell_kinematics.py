@@ -1,8 +1,8 @@
-"""Kinematics of the flat shell triangle: its gradients, its strains, and the form N that joins them.
+"""Kinematics of the flat shell triangle: its gradients, its strains, and their quadratic form N.
 
-All vectors in the axes of the element, z the normal; theta_i the rotation vector of corner i, theta their
-mean; H = (u,x u,y; v,x v,y) with symmetric part S, grad w = (w,x, w,y), omega = (v,x - u,y)/2. On side k, of
-direction s_k, t_k is the mean of its ends' rotations and b_k = t_k x z the slope that they mean.
+All vectors are in the axes of the element, z the normal; theta_i is the rotation vector of corner i, theta
+their mean; H = (u,x u,y; v,x v,y) with symmetric part S, grad w = (w,x, w,y), omega = (v,x - u,y)/2. On side
+k, of direction s_k, t_k is the mean rotation of its ends and b_k = t_k x z the corresponding slope.
 
     E   = S + 1/2 (H^T H + grad w grad w)                               membrane
     d_i = theta_iz - omega + 1/6 tr(H) omega - 1/2 grad w . theta_i     drilling
@@ -10,13 +10,12 @@ direction s_k, t_k is the mean of its ends' rotations and b_k = t_k x z the slop
     r_i = theta_i + 1/3 S theta_i - 1/2 theta x theta_i                 rotation of a corner, in the plane
     m_k = grad w + b_k + 1/3 H^T b_k - 1/6 t_kz t_k                     Kirchhoff's condition on a side
 
-Only differences of the r_i, and the part of m_k along its side, have energy. V = grad w + b and Y = t fit
-the sides: s_k . b = s_k . b_k and s_k . t = s_k . t_k by least squares; V vanishes at constant curvature.
-
-Of a rigid turn rho and a small bend delta_i against it (exp(theta_i) = exp(rho) exp(delta_i)) they keep
-delta_i, and otherwise terms of order rho^3 delta and rho^4: the coefficients are those for which all terms
-up to rho^2 delta cancel. Without them the curvature lacks a part rho^2/3, and the drilling takes the bend of
-a turned facet for bending in its plane: too stiff by (rho h / t)^2.
+Only differences of the r_i, and the part of m_k along its side, have energy. V = grad w + b and Y = t are
+least-squares fits to the sides: s_k . b = s_k . b_k and s_k . t = s_k . t_k; V vanishes at constant
+curvature. For a rigid rotation rho and small rotations delta_i relative to it (exp(theta_i) = exp(rho)
+exp(delta_i)), the strains keep delta_i, and otherwise terms of order rho^3 delta and rho^4: the coefficients
+cancel all terms up to rho^2 delta. Without them the curvature lacks a part rho^2/3, and the drilling takes
+the bending of a rotated facet for in-plane bending: too stiff by (rho h / t)^2.
 """
 
 from __future__ import annotations
@@ -33,13 +32,13 @@ __all__ = ["GREEN_LAGRANGE", "VON_KARMAN", "ShellKinematics"]
 
 FloatArray = NDArray[np.float64]
 
-# Places of the gradients a = G q.
+# Indices of the gradients a = G q.
 UX, UY, VX, VY, WX, WY = range(6)
 ROTATION = 6 + np.arange(9).reshape(3, 3)
 V, Y = (15, 16), (17, 18)
 N_GRADIENTS = 19
 
-# Places of the strains.
+# Indices of the strains.
 MEMBRANE = slice(0, 3)
 DRILLING = slice(3, 6)
 BENDING = slice(6, 18)
@@ -58,9 +57,9 @@ class ShellKinematics:
 
     Parameters
     ----------
-    gradients : tuple of int            which gradients make the strains nonlinear
+    gradients : tuple of int            the gradients in the quadratic strain
     form : float array (18, d, d)       N over these gradients
-    rotation_limit : float              largest rotation against the body's frame, rad
+    rotation_limit : float              largest rotation relative to the body's frame, rad
     """
 
     gradients: tuple[int, ...]
@@ -132,12 +131,12 @@ def _slope_form() -> FloatArray:
 
 
 GREEN_LAGRANGE = ShellKinematics(tuple(range(N_GRADIENTS)), _finite_rotation_form(), rotation_limit=0.5)
-"""Finite rotations, for everything: rigid turns of any axis leave strains of third order and higher."""
+"""Finite rotations, for general use: any rigid rotation leaves strain of third order or higher."""
 
 VON_KARMAN = ShellKinematics((WX, WY), _slope_form(), rotation_limit=0.3)
-"""Slopes of the normal displacement in the membrane strain, curvature linear: for flat structures bending out
-of their plane.
+"""Slopes of the normal displacement in the membrane strain, linear curvature: for flat structures that bend
+out of their plane.
 
-A closed section that turns in the plane of one of its walls is far too stiff (the in-plane rotation is
-missed).
+A closed section that rotates in the plane of one of its walls is far too stiff, as the in-plane rotation is
+missing.
 """

@@ -1,4 +1,4 @@
-"""Shell sections: stiffness (A-B-D) and inertia per area of what stands through the thickness."""
+"""Shell sections: stiffness (A-B-D) and inertia per area of a wall through its thickness."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class HomogeneousSection:
     ----------
     material : Isotropic
     thickness : float       t > 0, m
-    offset : float          of the middle of the wall from the nodes, along the normal, m
-    added_mass : float      non-structural, at the middle, kg/m^2
+    offset : float          of the mid-surface from the nodes, along the normal, m
+    added_mass : float      non-structural, at the mid-surface, kg/m^2
     shear_factor : float    k of the transverse shear stiffness k G t (5/6 of a solid wall); 0: rigid in shear
 
     Raises
@@ -61,7 +61,7 @@ class HomogeneousSection:
 
     @property
     def coupling(self) -> FloatArray:
-        """B (3, 3), N: none of a wall whose middle holds the nodes."""
+        """B (3, 3), N: zero if the nodes are on the mid-surface."""
         return self.offset * self.membrane
 
     @property
@@ -83,7 +83,7 @@ class HomogeneousSection:
 
     @property
     def mass_offset(self) -> float:
-        """Of the mass centre from the nodes, along the normal, m."""
+        """Distance of the mass centre from the nodes, along the normal, m."""
         return self.offset
 
     @property
@@ -99,7 +99,7 @@ class HomogeneousSection:
 
 @dataclass(frozen=True, eq=False)
 class LaminateSection:
-    """A laminate by its stiffness: forces N and moments M per length from strain and curvature.
+    """A laminate given by its stiffness: forces N and moments M per length from strain and curvature.
 
         [N; M] = [A B; B D] [eps; kappa],   order xx, yy, xy (engineering shear, twice the twist)
 
@@ -113,15 +113,15 @@ class LaminateSection:
     rotary_inertia_per_area : float
         kg, the second moment of density through the thickness about the surface of the nodes
     reference_direction : float array (3,)
-        direction of the laminate's x axis; `Section.directions` takes its place
+            direction of the laminate's x axis; `Section.directions` overrides it
     shear : float array (2, 2) or None
         transverse shear stiffness, order xz, yz, N/m; None where it is rigid
-    thickness : float or None                           m, for pictures; None where it is not known
+    thickness : float or None                           m, for pictures; None where unknown
     mass_offset : float                                 of the mass centre from the nodes, along the normal, m
 
     Raises
     ------
-    ModelError   wrong shape, not finite, not symmetric, A-B-D (but for rows of zeros) or shear not positive
+    ModelError   wrong shape, not finite, not symmetric, A-B-D (except zero rows) or shear not positive
                  definite, mass negative, zero direction, a thickness that is not positive
     Source: R. M. Jones, Mechanics of Composite Materials, 2nd ed. (1999), eq. (4.22)-(4.24).
     """
@@ -141,7 +141,7 @@ class LaminateSection:
             matrix = stiffness_matrix(f"laminate {name} stiffness", getattr(self, name), 3)
             object.__setattr__(self, name, matrix)
         ABD = np.block([[self.membrane, self.coupling], [self.coupling, self.bending]])
-        # A wall that is a membrane alone, or bends alone, has a block of nothing.
+        # A pure membrane, or a wall that only bends, has a zero block.
         carried = np.repeat([self.membrane.any(), self.bending.any()], 3) | ABD.any(axis=0)
         ABD = ABD[np.ix_(carried, carried)] if carried.any() else ABD
         diagonal = np.diag(ABD)
@@ -149,7 +149,7 @@ class LaminateSection:
             raise ModelError(
                 f"the A-B-D matrix has a diagonal entry {diagonal.min():.3e}; none may be negative"
             )
-        # A membrane has no bending stiffness, and some walls only bend: rows of zeros.
+        # Zero rows: a membrane has no bending stiffness, and some walls only bend.
         resists = ABD.any(axis=1)
         lowest = lowest_scaled_eigenvalue(ABD[np.ix_(resists, resists)]) if resists.any() else 0.0
         if lowest < 1e-12:
@@ -179,4 +179,4 @@ class LaminateSection:
 
 
 ShellSection = HomogeneousSection | LaminateSection
-"""What a shell is made of: its stiffnesses, and its mass and rotary inertia per area."""
+"""The section of a shell: its stiffnesses, and its mass and rotary inertia per area."""

@@ -7,11 +7,11 @@ the strain eps_m of the middle surface and the curvature kappa, linear over the 
     U/A = 1/2 e^T A_s e + 1/2 mean(kappa^T D_f kappa),    e = eps_m + A_s^-1 B_s kappa_1
 
 and 1/2 d^T K_h d of the drilling d, with the section's stiffness A_s, B_s, D_s, the area A, and kappa_1 the
-curvature of rotations that are linear over the triangle; of a wall that shears also A/2 mean(gamma^T H
-gamma). D_f = D_s - B_s A_s^-1 B_s bends a wall that is free to stretch: one beside its nodes bends about its
-own middle, as if arms held it. A facet of a curved surface has less of eps_m and d by what bending of that
-surface makes of them (supple.fem.curved_facet). The displacement gradients are constant, and the
-foreshortening converges at second order.
+curvature of rotations that are linear over the triangle; for a wall with transverse shear also
+A/2 mean(gamma^T H gamma). D_f = D_s - B_s A_s^-1 B_s is the bending stiffness of a wall that is free to
+stretch: an eccentric wall bends about its own mid-surface, as if on rigid arms. In a facet of a curved
+surface, eps_m and d are reduced by the effects of the bending of that surface (supple.fem.curved_facet). The
+displacement gradients are constant, and the foreshortening converges at second order.
 """
 
 from __future__ import annotations
@@ -101,14 +101,14 @@ def shell_triangle(
 def drilling_rotations(
     xy: FloatArray, section: ShellSection, surface_curvature: FloatArray | None = None
 ) -> FloatArray:
-    """Drilling d_i (E, 3, 18) of the middle of the wall from the strains of the element.
+    """Drilling d_i (E, 3, 18) of the mid-surface from the strains of the element.
 
     Parameters as of `resultant_strains`.
     """
     drilling = np.zeros((len(xy), 3, N_STRAINS))
     drilling[..., DRILLING] = np.eye(3)
     if section.coupling.any():
-        # The wall turns in its plane where its middle is: on arms of the nodes.
+        # In-plane rotation of the mid-surface, on the nodes' rigid arms.
         middle = (section.coupling * section.membrane).sum() / (section.membrane**2).sum()
         drilling[..., CORNER_ROTATION] += 0.5 * middle * linear_gradients(xy)[:, None]
     if surface_curvature is not None:
@@ -204,7 +204,7 @@ def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
         for component in range(3):
             G[:, ROTATION[corner, component], corner, 3 + component] = 1
     G = G.reshape(-1, N_GRADIENTS, 18)
-    # Vectors that fit those of the sides: sum_k (s s^T)^-1 s_k s_k . (t_k, b_k).
+    # Least-squares fits to the vectors of the sides: sum_k (s s^T)^-1 s_k s_k . (t_k, b_k).
     s = side_directions(xy)
     fit = np.linalg.inv(s.swapaxes(1, 2) @ s)[:, None] @ (s[..., :, None] * s[..., None, :])
     for side, ends in enumerate(SIDES):
@@ -213,7 +213,7 @@ def _gradients(xy: FloatArray, phi: FloatArray) -> FloatArray:
         G[:, V] += fit[:, side] @ np.stack([t[:, 1], -t[:, 0]], axis=1)
     G[:, V] += G[:, (WX, WY)]
     if phi.any():
-        # V is what bending makes of the mismatches; a sheared wall has the rest without any bend.
+        # V is the bending part of the mismatches; in a wall with shear the rest causes no bending.
         sheared = fit * (phi / (1 + phi))[..., None, None]
         for side, ends in enumerate(SIDES):
             t = G[:, ROTATION[ends, :2]].mean(axis=1)
@@ -238,8 +238,8 @@ def element_axes(
 ) -> FloatArray:
     """Axes (E, 3, 3) of each element, rows x y z in global components; z the normal.
 
-    x is the element's own direction or the section's, projected onto the element, or the first side of an
-    isotropic one.
+    x is the element's own direction or the section's, projected onto the element; for an isotropic section
+    the first side.
     """
     first = corners[:, 1] - corners[:, 0]
     normal = np.cross(first, corners[:, 2] - corners[:, 0])
@@ -271,11 +271,11 @@ def plane_coordinates(corners: FloatArray, axes: FloatArray) -> FloatArray:
 
 
 def plane_tensor(tensor: FloatArray | None, axes: FloatArray) -> FloatArray | None:
-    """Components (E, 2, 2) of tensors (E, 3, 3) in the plane of each element; None of None."""
+    """Components (E, 2, 2) of tensors (E, 3, 3) in the plane of each element; None for None."""
     return None if tensor is None else axes[:, :2] @ tensor @ axes[:, :2].swapaxes(1, 2)
 
 
 def _to_global(operator: FloatArray, axes: FloatArray) -> FloatArray:
-    """Columns of (E, a, 18) from the axes of the element to global ones: each triad turns alike."""
+    """Columns of (E, a, 18) from the axes of the element to global ones; all triads rotate alike."""
     rows = operator.shape[1]
     return (operator.reshape(-1, rows * 6, 3) @ axes).reshape(-1, rows, 18)

@@ -1,7 +1,7 @@
 """Solid elements: isoparametric, with the full Green-Lagrange strain.
 
-A solid element is data: its cell type, whose shape functions the mesh knows, and two quadrature rules.
-Three freedoms a node, ux uy uz in global axes.
+A solid element consists of data: its cell type, whose shape functions belong to the mesh, and two quadrature
+rules. Three freedoms a node, ux uy uz in global axes.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ class SolidElement:
     Parameters
     ----------
     cell_type : CellType
-    strain_rule : Quadrature    for the strain energy: enough points that only rigid motion has none
+    strain_rule : Quadrature    for the strain energy, with enough points to exclude zero-energy modes
     mass_rule : Quadrature      exact for the mass and inertia of a cell with curved sides
-    incompatible : bool         HEXA8 with three motions of its own, which make it bend without shear
+    incompatible : bool         HEXA8 with three incompatible modes, which bend without shear
     """
 
     cell_type: CellType
@@ -58,8 +58,9 @@ def solid_strain(
 
         G q = grad u,   B q = its symmetric part,   strains xx yy zz yz xz xy (engineering shears)
 
-    Incompatible motions a follow the nodes by their linear balance, K_aa a = -K_au q, and are then part of
-    u: linear stiffness is that of Wilson and Taylor, and finite rotations, for which a = 0, have no strain.
+    Incompatible modes a follow the nodes by their linear equilibrium, K_aa a = -K_au q, and are then part of
+    u: the linear stiffness is that of Wilson and Taylor, and finite rotations, for which a = 0, have no
+    strain.
 
     Parameters
     ----------
@@ -115,7 +116,7 @@ def _incompatible_gradients(element: SolidElement, corners: FloatArray, jacobian
 
 
 def turned_elasticity(elasticity: FloatArray, directions: FloatArray) -> FloatArray:
-    """Stiffness (E, 6, 6) in global axes of a material that has its own, T^T C T.
+    """Stiffness (E, 6, 6) in global axes of a material with its own axes, T^T C T.
 
         T_IJ = f/2 (R_ki R_lj + R_li R_kj),   I = ij, J = kl,   f = 1 (i = j) or 2
 
@@ -135,7 +136,7 @@ def turned_elasticity(elasticity: FloatArray, directions: FloatArray) -> FloatAr
     if bad.size:
         raise ModelError(
             f"the material axes of {bad.size} solid cells, first number {bad[0]} of its section, are not "
-            "orthonormal; give unit vectors that are square to each other, as columns"
+            "orthonormal; give orthogonal unit vectors as columns"
         )
     i, j = np.array(VOIGT).T
     both = directions[:, i[:, None], i] * directions[:, j[:, None], j]
@@ -194,7 +195,7 @@ SOLID_ELEMENTS = {
         (CellType.HEXA20, product_rule(CellType.HEXA20, 5)),
     )
 }
-"""Linear ones are stiff in bending, the more so where they are slender: prefer quadratic ones."""
+"""Linear elements are too stiff in bending, above all slender ones: prefer quadratic ones."""
 
 _REDUCED_HEXA20 = replace(SOLID_ELEMENTS[CellType.HEXA20], strain_rule=reduced_cube())
 _INCOMPATIBLE_HEXA8 = replace(SOLID_ELEMENTS[CellType.HEXA8], incompatible=True)

@@ -1,12 +1,12 @@
-"""The strains of a whole body by a few sparse products: its force many times over, for time integration.
+"""The strains of a whole body by a few sparse products, for repeated forces in time integration.
 
 With the linear strains and the displacement gradients of all points as one sparse matrix, `[b, a] = L q`,
 
     eps = b + P p(a),   p_k = a_i a_j       sigma = w D (eps + tau eps_dot)
     F = L^T [sigma, (dp/da)^T P^T sigma]
 
-where `P` holds the products that the quadratic form has, and no others. Element by element the same sum takes
-three to four times as long, for it reads the strain arrays several times, zeros included.
+where `P` has the nonzero products of the quadratic form. Evaluated element by element, the same sum takes
+three to four times as long, as it reads the strain arrays several times, zeros included.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class _Part(NamedTuple):
-    """One block of elements; of all arrays over points P = E g, the points are the last axis."""
+    """One block of elements; the last axis of all point arrays is the points, P = E g."""
 
     block: QuadraticStrain
     linear: csr_array
@@ -36,9 +36,9 @@ class _Part(NamedTuple):
     second: NDArray[np.intp]
     """`i` and `j` of the products, (k,)"""
     products: csr_array | Array
-    """`P`, sparse (s, k) or, of every point, (P, s, k)"""
+    """`P`, sparse (s, k), or per point (P, s, k)"""
     sums: tuple[csr_array, csr_array]
-    """Over products, at their first and at their second gradient, (d, k)"""
+    """Selection of the products by their first and their second gradient, (d, k)"""
 
     def split(self, q: Array) -> tuple[Array, Array]:
         """Linear strains (s, P) and gradients (d, P)."""
@@ -47,7 +47,7 @@ class _Part(NamedTuple):
         return joined[:n_strains], joined[n_strains:]
 
     def by_products(self, products: Array) -> Array:
-        """Strains (s, P) of products (k, P)."""
+        """Strains (s, P) from products (k, P)."""
         if isinstance(self.products, csr_array):
             return self.products @ products
         return np.einsum("psk,kp->sp", self.products, products)
@@ -115,7 +115,7 @@ def _part(block: QuadraticStrain, gather: csr_array) -> _Part:
     order = np.arange(n_elements * n_rows).reshape(n_elements * n_points, -1).T.ravel()
     i, j = np.nonzero(np.triu(block.N.any(axis=tuple(range(block.N.ndim - 2)))))
     products = block.N[..., i, j] * np.where(i == j, 0.5, 1.0)
-    # A sparse matrix of so few entries is several times faster on long rows than a dense one.
+    # On long rows a sparse matrix with so few entries is several times faster than a dense one.
     products = csr_array(products) if products.ndim == 2 else products.reshape(-1, *products.shape[2:])
     n_gradients, each = block.G.shape[2], np.arange(len(i))
     first, second = (csr_array((np.ones(len(i)), (at, each)), shape=(n_gradients, len(i))) for at in (i, j))

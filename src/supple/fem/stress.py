@@ -1,7 +1,7 @@
 """Stress recovery: second Piola-Kirchhoff stress at points of the cells and at nodes; von Mises stress.
 
 All stresses are in global axes, components xx yy zz yz xz xy; for small strains they are the true stresses
-in axes that turn with the material. Strains likewise, with engineering shears.
+in axes that rotate with the material. Strains likewise, with engineering shears.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StressLayers:
-    """What the layers of a node are: those of solids and shells, then the points of each end of a beam there.
+    """The layers of a node: those of solids and shells, then the points of each beam end there.
 
-    Ends of beams that meet at a node keep layers of their own, in the order of the cells: their section
-    forces differ by the load on the node, and in a frame by their directions.
+    Ends of beams at a common node keep separate layers, in the order of the cells: their section forces
+    differ by the load on the node, and in a frame by their directions.
 
     walls : 0, 1 (solids) or 3 (shells, and solids beside them)
-    points : of stress recovery, at most, of a beam's end
-    ends : of beams at a node, at most
+    points : largest number of recovery points of a beam end
+    ends : largest number of beam ends at a node
     """
 
     walls: int
@@ -66,12 +66,12 @@ class StressLayers:
 
     @property
     def count(self) -> int:
-        """Layers of a node, l."""
+        """Number l of layers of a node."""
         return self.walls + self.points * self.ends
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of each layer; empty of solids alone."""
+        """Names of the layers; empty for solids alone."""
         walls = ("bottom", "middle", "top") if self.walls > 1 else ("solid",) * self.walls
         if not self.ends:
             return walls if self.walls > 1 else ("",)
@@ -81,30 +81,30 @@ class StressLayers:
         )
 
     def largest(self, values: FloatArray) -> FloatArray:
-        """Largest (..., 1 + ends) of solids and shells, then of each beam's end, of values (..., l)."""
+        """Largest values (..., 1 + ends), of solids and shells, then of each beam end, of values (..., l)."""
         ends = values[..., self.walls :].reshape(*values.shape[:-1], self.ends, self.points)
         walls = values[..., : self.walls].max(axis=-1, initial=0.0)
         return np.concatenate([walls[..., None], ends.max(axis=-1, initial=0.0)], axis=-1)
 
     @property
     def outer(self) -> tuple[int, ...]:
-        """Layers among which the largest von Mises value lies: it is convex, and linear through a wall."""
+        """Layers that contain the largest von Mises stress, which is convex and, through a wall, linear."""
         walls = (0, 2) if self.walls > 1 else (0,) * self.walls
         return (*walls, *range(self.walls, self.count))
 
 
 @dataclass(frozen=True, eq=False)
 class StressRecovery:
-    """Stress, or strain, of a model from its nodal displacements; made once, used for every frame."""
+    """Stress, or strain, of a model from its nodal displacements; prepared once for all output times."""
 
     n_nodes: int
     sections: tuple[SectionStress, ...]
     layers: StressLayers
     pieces: tuple[RigidPiece, ...] = ()
-    """Nodes that move as one, to second order in their rotation: elements beside them see it"""
+    """Rigidly tied nodes, to second order in their rotation, which strain the elements beside them"""
 
     def linearized(self) -> StressRecovery:
-        """The stress of the linear strain alone, which belongs to a body's linear stiffness."""
+        """The stress of the linear strain alone, for a body's linear stiffness."""
         return replace(self, sections=tuple(section.linearized() for section in self.sections))
 
     @property
@@ -118,14 +118,14 @@ class StressRecovery:
         return tuple(section.shares(self.n_nodes, self.n_layers) for section in self.sections)
 
     def layers_at(self, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which layers (k, l) some nodes have; the stress in the others is zero."""
+        """Layers (k, l) that some nodes have; the stress in the others is zero."""
         there = sum(np.diff(own.indptr) for own in self.averaging_at(nodes))
         return (np.asarray(there) > 0).reshape(len(nodes), self.n_layers)
 
     def around(self, nodes: NDArray[np.int64]) -> StressRecovery:
-        """The recovery with the cells at some nodes alone, which is right at these nodes.
+        """The recovery restricted to the cells at some nodes, exact at these nodes.
 
-        Raises ModelError where one of the nodes belongs to no cell that has stress.
+        Raises ModelError where one of the nodes belongs to no cell with stress.
         """
         cells = [np.flatnonzero(np.isin(section.nodes, nodes).any(axis=1)) for section in self.sections]
         kept = tuple(section.of(own) for section, own in zip(self.sections, cells, strict=True) if len(own))
@@ -133,8 +133,8 @@ class StressRecovery:
         alone = np.setdiff1d(nodes, known)
         if alone.size:
             raise ModelError(
-                f"node number {alone[0]} (of {alone.size}) belongs to no element whose section states where "
-                "its stress acts: there is no stress; choose nodes of elements, and give beams a geometry"
+                f"node number {alone[0]} (of {alone.size}) belongs to no element whose section has stress "
+                "recovery points; choose nodes of elements, and give beams a geometry"
             )
         return replace(self, sections=kept)
 
@@ -150,7 +150,7 @@ class StressRecovery:
         """Stress (N, l, 6) at nodes, Pa: linear from the points of each cell, averaged over its cells.
 
         Layers are those of `StressLayers`. Where shells meet at an angle or in different thickness the
-        average mixes them; look at the points there. Ends of beams are not averaged.
+        average mixes them; use the stress at points there. Ends of beams are not averaged.
         """
         total = np.zeros((self.n_nodes * self.n_layers, 6))
         for section, averaging in zip(self.sections, self.averaging, strict=True):
@@ -163,7 +163,7 @@ class StressRecovery:
         return tuple(averaging.tocsr()[rows] for averaging in self.averaging)
 
     def over(self, displacements: FloatArray, averaging: tuple[csr_array, ...]) -> FloatArray:
-        """`at_nodes` of t displacements (n, t) at the k nodes of an averaging: (t, k, l, 6)."""
+        """`at_nodes` for t displacements (n, t) at the k nodes of an averaging: (t, k, l, 6)."""
         t = displacements.shape[1]
         total = np.zeros((averaging[0].indptr.size - 1, 6 * t))
         for section, own in zip(self.sections, averaging, strict=True):
@@ -172,7 +172,7 @@ class StressRecovery:
 
     @property
     def numbers_per_instant(self) -> int:
-        """How many numbers `over` forms for every displacement, about."""
+        """Approximate storage (numbers) of `over` for each displacement."""
         return sum(
             section.arrays.dofs.size + (section.arrays.G.shape[2] + 12) * section.arrays.w.size
             for section in self.sections
@@ -182,12 +182,12 @@ class StressRecovery:
 def stress_recovery(model: FiniteElementModel) -> StressRecovery:
     """Prepare the stress recovery of a model.
 
-    Beams by matrices, and those without points of stress recovery, are left out.
+    Beams given by matrices, and those without points of stress recovery, are left out.
 
     Raises
     ------
-    ModelError   a laminate: its A-B-D matrix does not say which stress acts in which ply; beams alone, of
-                 which none says where its stress acts
+    ModelError   a laminate: its A-B-D matrix does not define the stress of each ply; beams alone, none of
+                 which has recovery points
     """
     made = [
         section_stress(model, section, block)
@@ -210,9 +210,9 @@ def stress_recovery(model: FiniteElementModel) -> StressRecovery:
 def beam_forces(model: FiniteElementModel, displacement: FloatArray) -> FloatArray:
     """N V_y V_z M_x M_y M_z (E, 2, 6) at the ends of all LINE2 cells, in the order of the mesh; N, N m.
 
-    They are what lies beyond, towards the second end, exerts on what lies before, in the axes of the section
-    (`BeamSection`), which turn with it; M_x is about the axis of the beam, its shear centre. Two cells that
-    share a node differ there by the load on it.
+    They are the forces that the part towards the second end exerts on the part before the section, in the
+    axes of the section (`BeamSection`), which rotate with it; M_x is about the axis of the beam, its shear
+    centre. Two cells that share a node differ there by the load on it.
 
     displacement : (n,) nodal freedoms, m and rad
     """
@@ -224,7 +224,7 @@ def beam_forces(model: FiniteElementModel, displacement: FloatArray) -> FloatArr
 
 
 def beam_force_recovery(model: FiniteElementModel, cell: int) -> StressRecovery:
-    """Section forces of one LINE2 cell by its number, in the place of stresses, at its two nodes alone.
+    """Section forces of one LINE2 cell by its number, in place of stresses, at its two nodes alone.
 
     Raises ModelError where there is no such cell.
     """
@@ -237,7 +237,7 @@ def beam_force_recovery(model: FiniteElementModel, cell: int) -> StressRecovery:
 
 
 def stress_layers(model: FiniteElementModel) -> StressLayers:
-    """The layers of the nodes of a model, without its elements."""
+    """The layers of the nodes of a model, without building its elements."""
     stating = [section for section in model.sections if states_stress(section)]
     walls = [
         len(LAYERS) if section.cell_type.dimension == 2 else 1
@@ -258,7 +258,7 @@ def stress_layers(model: FiniteElementModel) -> StressLayers:
 
 
 def beam_end_ranks(model: FiniteElementModel) -> dict[int, NDArray[np.int64]]:
-    """Which of the beams of a node each end is, (E, 2), by the number of its section, if it has stress."""
+    """Rank of each beam end (E, 2) among the ends at its node, by number of the section, if it has stress."""
     numbers = [
         number
         for number, section in enumerate(model.sections)
@@ -269,21 +269,21 @@ def beam_end_ranks(model: FiniteElementModel) -> dict[int, NDArray[np.int64]]:
 
 
 def has_stress(model: FiniteElementModel) -> bool:
-    """Whether some section says where its stress acts, and none is a laminate, whose plies are unknown."""
+    """Whether some section has recovery points and none is a laminate, whose plies are unknown."""
     given = [section for section in model.sections if states_stress(section)]
     return bool(given) and not any(isinstance(section.property, LaminateSection) for section in given)
 
 
 def cells_without_stress(model: FiniteElementModel) -> int:
-    """How many beams have no stress: those by matrices, and those without points of stress recovery."""
+    """Number of beams without stress: those by matrices, and those without points of stress recovery."""
     return sum(len(section.cells) for section in model.sections if not states_stress(section))
 
 
 def strain_recovery(model: FiniteElementModel) -> StressRecovery:
     """Prepare the recovery of Green-Lagrange strain, with a shell's strain through its thickness.
 
-    The strain is the material's compliance times the stress, so what is recovered and how it is averaged
-    are those of `stress_recovery`; its shears are engineering ones.
+    The strain is the material's compliance times the stress, so recovery and averaging are those of
+    `stress_recovery`; shears are engineering shears.
 
     Raises
     ------
@@ -291,7 +291,7 @@ def strain_recovery(model: FiniteElementModel) -> StressRecovery:
     """
     recovery = stress_recovery(model)
     stating = [section for section in model.sections if states_stress(section)]
-    # Walls stand before lines.
+    # Shells and solids come before lines.
     stating.sort(key=lambda section: section.cell_type is CellType.LINE2)
     pairs = zip(stating, recovery.sections, strict=True)
     return replace(recovery, sections=tuple(as_strain(*pair) for pair in pairs))
@@ -315,7 +315,7 @@ def von_mises_strain(strain: FloatArray) -> FloatArray:
 
 
 def _averaged(walls: Sequence[SectionStress], n_nodes: int) -> Iterator[SectionStress]:
-    """Solids and shells, a node of which takes the mean over its cells."""
+    """Solids and shells, with nodal weights for the average over their cells."""
     cells_at_node = np.zeros(n_nodes, dtype=np.int64)
     for section in walls:
         np.add.at(cells_at_node, section.nodes, 1)
@@ -324,13 +324,13 @@ def _averaged(walls: Sequence[SectionStress], n_nodes: int) -> Iterator[SectionS
 
 
 def _stacked(lines: Sequence[SectionStress], layers: StressLayers) -> Iterator[SectionStress]:
-    """Beams and rods, every end of which has layers of its own at its node, in the order of the cells."""
+    """Beams and rods, with separate layers for every end at its node, in the order of the cells."""
     for section, rank in zip(lines, _ranks([section.nodes for section in lines]), strict=True):
         yield replace(section, first_layer=layers.walls + layers.points * rank)
 
 
 def _ranks(lines: Sequence[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
-    """How many earlier ends there are at the node of each end, (E, 2) of the nodes (E, 2) of each section."""
+    """Number of earlier ends at the node of each end, (E, 2), for the nodes (E, 2) of each section."""
     if not lines:
         return []
     nodes = np.concatenate([own.ravel() for own in lines])

@@ -1,4 +1,4 @@
-"""Bodies that are alike all around an axis: how their deformation looks when they are turned about it."""
+"""Axisymmetric and cyclic bodies: their deformation in axes rotated about the symmetry axis."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ __all__ = ["turn_generator", "waves_around"]
 Array = np.ndarray
 
 SAME_PLACE = 1e-6
-"""Of the size of a body: where turned nodes may lie from others."""
+"""Relative to the size of a body: allowed distance of rotated nodes from others."""
 SAME_SHAPE = 1e-6
-"""Of a shape: what the columns of a body may lack of it turned."""
+"""Relative to a shape: allowed part of its rotated copy outside the columns of a body."""
 MOST_SECTORS, MOST_WAVES = 360, 6
 ON_AXIS = 8
-"""Parts of a turn that stand for all of it where every node is on the axis."""
+"""Number of sectors assumed where every node is on the axis."""
 
 
 def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
-    """J (r, r): coordinates `exp(psi J) q` show the shape of q turned by psi about the axis.
+    """J (r, r): coordinates `exp(psi J) q` represent the shape of q rotated by psi about the axis.
 
-    A mesh of n equal sectors turns into itself by 2 pi / n; J is the logarithm of that, exact for shapes of
-    fewer than n / 2 waves around. Zeros (0, 0) of a rigid body.
+    A mesh of n equal sectors is mapped onto itself by a rotation of 2 pi / n; J is its logarithm, exact for
+    shapes of fewer than n / 2 waves around. Zeros (0, 0) for a rigid body.
 
-    body : ReducedBody, or any other with a `nodal_basis`; None where it is not alike all around, or its
-        columns hold a shape without the same one turned
+    body : ReducedBody, or any other with a `nodal_basis`; None if it is not cyclic, or if its columns contain
+        a shape without its rotated copy
     axis, point : (3,) in the body's frame
     """
     if not body.n_coordinates:
@@ -46,19 +46,19 @@ def turn_generator(body: Any, axis: Array, point: Array) -> Array | None:
     if np.abs(basis @ matrix - flat).max() > SAME_SHAPE * np.abs(basis).max():
         return None
     logarithm: Any = scipy.linalg.logm(matrix)
-    if np.abs(logarithm.imag).max() > SAME_SHAPE:  # a shape of n / 2 waves has no turned one
+    if np.abs(logarithm.imag).max() > SAME_SHAPE:  # a shape of n / 2 waves has no rotated copy
         return None
     return logarithm.real * sectors / (2 * np.pi)
 
 
 def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Array:
-    """Parts (N p, j) of fields (N p, k) on nodes that are alike all around, by their number of waves.
+    """Parts (N p, j) of fields (N p, k) on cyclic nodes, by their number of waves.
 
-        P_n x = (1 / S) sum_k exp(- 2 pi i n k / S) R^k x,     R a turn by one of S sectors
+        P_n x = (1 / S) sum_k exp(- 2 pi i n k / S) R^k x,     R a rotation by one of S sectors
 
-    Real and imaginary parts are a shape and the same turned by a quarter of a wave: the columns hold every
-    shape with the same one turned. More than `MOST_WAVES`, and as many as half the sectors, which have no
-    turned one, are left out. Nodes that are not alike all around leave the fields as they are.
+    Real and imaginary parts are a shape and its copy rotated by a quarter of a wave: the columns contain
+    every shape with its rotated copy. More than `MOST_WAVES` waves, and half as many as sectors, which have
+    no rotated copy, are left out. For nodes without cyclic symmetry the fields are returned unchanged.
     """
     turned = _turned_by_a_sector(nodes, axis, point)
     if turned is None:
@@ -75,7 +75,7 @@ def waves_around(nodes: Array, fields: Array, axis: Array, point: Array) -> Arra
 
 
 def _image(fields: Array, order: Array, sectors: int, axis: Array) -> Array:
-    """Fields (N p, k) turned by one sector."""
+    """Fields (N p, k) rotated by one sector."""
     rotation = Rotation.from_rotvec(2 * np.pi / sectors * axis).as_matrix()
     by_node = fields.reshape(len(order), -1, 3, fields.shape[1])
     image = np.empty_like(by_node)
@@ -84,14 +84,14 @@ def _image(fields: Array, order: Array, sectors: int, axis: Array) -> Array:
 
 
 def _turned_by_a_sector(nodes: Array, axis: Array, point: Array) -> tuple[Array, int] | None:
-    """The node in whose place each comes by the least turn that maps the mesh onto itself, and its number."""
+    """The node that each maps to by the least rotation of the mesh onto itself, and the number of sectors."""
     places = nodes - point
     size = float(np.ptp(places, axis=0).max()) or 1.0
     radii = np.linalg.norm(places - np.outer(places @ axis, axis), axis=1)
     if radii.max() <= SAME_PLACE * size:
         return np.arange(len(places)), ON_AXIS
     tree, outer = KDTree(places), int(np.argmax(radii))
-    # As many sectors as nodes lie on the circle of the outermost one, or a divisor.
+    # The number of sectors is the number of nodes on the outermost node's circle, or a divisor of it.
     ring = int(
         np.sum(
             (abs(radii - radii[outer]) < SAME_PLACE * size)

@@ -1,4 +1,4 @@
-"""Campbell diagram: frequencies and damping of a machine over its speed, mode by mode."""
+"""Campbell diagram: frequencies and damping of a machine over its speed, by mode."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ __all__ = ["CampbellDiagram", "CriticalSpeed", "campbell_diagram", "modal_assura
 
 
 class CriticalSpeed(NamedTuple):
-    """A speed, rad per unit of time, at which unbalance excites a whirl, and the sense of that."""
+    """A speed, rad per unit of time, at which unbalance excites a whirl, and the sense of the whirl."""
 
     rate: float
     sense: int
@@ -38,18 +38,19 @@ class CriticalSpeed(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CampbellDiagram(Summarized):
-    """Modes over speed, each followed by the likeness of its shape.
+    """Modes over speed, tracked by the modal assurance criterion (MAC).
 
     rates : (ns,) rad/s
-    eigenvalues : complex (ns, nm)      of a mode each column, in `axes`; NaN where it is no longer there
-    errors : (ns, nm) | None            relative, of the eigenvalues, by what the bases cost; infinite for a
-        mode of the bases alone, NaN where there is no mode or no full equilibrium; None where no full bodies
-        are known
-    likeness : (ns - 1, nm)             modal assurance between neighbouring speeds; low where modes veer
-    axes : str                          in which the frequencies are seen, in words
-    sense : (ns, nm)                    of whirl: 1 as the spin turns, -1 against it, 0 of neither or unknown
-    in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN of modes that do not
-                                        move the rotor across its axis, or without one frequency in space
+    eigenvalues : complex (ns, nm)      one column per mode, in `axes`; NaN where the mode has ended
+    errors : (ns, nm) | None            relative basis errors of the eigenvalues; infinite for a mode of the
+                                        bases alone, NaN where there is no mode or no full equilibrium; None
+                                        without
+                                        known full bodies
+    likeness : (ns - 1, nm)             MAC between neighbouring speeds; low where modes veer
+    axes : str                          description of the axes of the frequencies
+    sense : (ns, nm)                    of whirl: 1 forward, -1 backward, 0 for neither or unknown
+    in_space : (ns, nm)                 frequencies in space, rad per unit of time; NaN for modes that do not
+                                        move the rotor normal to its axis, or without a single one
     names : (nm,)                       of the modes, by their motion at the last speed (`mode_names`)
     """
 
@@ -63,7 +64,7 @@ class CampbellDiagram(Summarized):
     names: tuple[str, ...] = ()
 
     def summary(self) -> Summary:
-        """Frequencies at the first and the last speed, mode by mode, and critical speeds."""
+        """Frequencies at the first and the last speed, by mode, and critical speeds."""
         hertz = self.frequencies / (2 * np.pi)
         names = self.names or [""] * hertz.shape[1]
         rows = [
@@ -77,9 +78,9 @@ class CampbellDiagram(Summarized):
 
     @property
     def critical_speeds(self) -> tuple[CriticalSpeed, ...]:
-        """Speeds at which a whirl has the rate of the spin, so that unbalance excites it; by straight lines.
+        """Speeds at which the frequency of a whirl equals the spin rate, by linear interpolation.
 
-        Backward whirl counts in axes that stand alone, where unlike bearings mix both senses.
+        Backward whirl counts in standing axes, where unequal bearings mix both senses.
         """
         found = []
         pairs = zip(self.rates, self.in_space, self.sense, strict=True)
@@ -110,13 +111,13 @@ class CampbellDiagram(Summarized):
 
 
 def modal_assurance(first: MachineModes, second: MachineModes) -> Array:
-    """`|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2).
+    """MAC `|a^H b|^2 / (|a|^2 |b|^2)` of the shapes of two sets of modes, in the mass norm, (n1, n2).
 
-    Zero for a mode in which controllers alone change.
+    Zero for pure controller modes.
     """
     if len(first.shapes) != len(second.shapes):
         raise ModelError("modal assurance compares modes of the same machine")
-    # Frames and coordinates have different units: the mass norm of the first machine weighs them.
+    # Frames and coordinates have different units: the mass norm of the first machine weights them.
     a, b = first.independent, first.machine.coordinates_of(second.shapes)
     weighted = first.machine.mass @ b
     product = abs(a.conj().T @ weighted) ** 2
@@ -137,21 +138,21 @@ def campbell_diagram(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[float], None] = lambda _: None,
 ) -> CampbellDiagram:
-    """Modes of a machine at a row of speeds, each in its own steady equilibrium, followed by their shapes.
+    """Modes of a machine over speed, each speed at its own steady equilibrium, tracked by their shapes.
 
     Parameters
     ----------
-    spins : Spin    in the order in which modes are followed, rates apart by little: the first may stand
-    n_modes : of the slowest at the first speed
+    spins : Spin    in tracking order, with small steps of the rate; the first rate may be zero
+    n_modes : number of the slowest modes at the first speed
     time : of loads and laws
-    fulls : the bodies with all their coordinates, as for `equilibrium`: by these every speed is compared,
-        which takes a rest and some modes of the full machine each
+    fulls : the bodies with all their coordinates, as for `equilibrium`: the comparison at each speed takes an
+        equilibrium and some modes of the full machine
 
     Raises
     ------
-    ModelError          no speed; whatever `linearize` refuses
+    ModelError          no speed; the errors of `linearize`
     ConvergenceError    no equilibrium at a speed
-    Warns BasisWarning of the speed whose modes, or whose rest, the bases miss most, from 1 % on.
+    Warns BasisWarning of the speed with the largest basis error of modes or equilibrium, from 1 % on.
     """
     if not spins:
         raise ModelError("a Campbell diagram needs at least one speed")
@@ -168,14 +169,14 @@ def campbell_diagram(
         with _basis_warnings() as words:
             linear = linearize(system, spin=spin, time=time, fulls=fulls)
         said.append(words)
-        # Of a machine with full bodies some more than wanted, among which each is looked for.
+        # For a machine with full bodies, more modes than requested, among which each is matched.
         modes = machine_modes(linear, 2 * n_modes + 6 if isinstance(linear, SparseMachine) else None)
         if before is None:
             rows = chosen = np.arange(min(n_modes, len(modes.eigenvalues)))
             wanted = len(chosen)
         else:
             table = modal_assurance(before, modes)
-            # Of two shapes alike, the nearer frequency.
+            # Of two similar shapes, the nearer frequency.
             apart = abs(before.eigenvalues[:, None] - modes.eigenvalues)
             size = abs(before.eigenvalues[:, None]) + abs(modes.eigenvalues) + 1e-300
             rows, chosen = scipy.optimize.linear_sum_assignment(apart / size - table)
@@ -184,7 +185,7 @@ def campbell_diagram(
         with _basis_warnings() as words:
             errors.append(_placed(wanted, rows, _errors(linear, chosen)))
         said[-1] += words
-        # A mode that has become two real ones, or none, is looked for by its last shape.
+        # A mode that has become two real ones, or ended, is matched by its last shape.
         shapes = np.zeros_like(modes.independent, shape=(len(modes.independent), wanted))
         if before is not None:
             shapes = modes.machine.coordinates_of(before.shapes)
@@ -226,17 +227,17 @@ def _some(modes: MachineModes, chosen: np.ndarray) -> MachineModes:
 
 
 def _errors(linear: LinearMachine | SparseMachine, chosen: np.ndarray) -> Array:
-    """What the bases cost in some modes, by their numbers; NaN where it is not known."""
+    """Basis errors of some modes, by their numbers; NaN where unknown."""
     if not isinstance(linear, LinearMachine) or linear.full is None:
         return np.full(len(chosen), np.nan)
     error = machine_modes(linear, int(chosen.max()) + 1).error
-    assert error is not None  # of a machine whose full one is known, and a number of modes
+    assert error is not None  # for a known full machine and a number of modes
     return error.relative[chosen]
 
 
 @contextmanager
 def _basis_warnings() -> Iterator[list[str]]:
-    """The words of BasisWarnings given meanwhile; all others are passed on."""
+    """Messages of BasisWarnings within the block; all other warnings pass."""
     words: list[str] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", BasisWarning)
@@ -249,7 +250,7 @@ def _basis_warnings() -> Iterator[list[str]]:
 
 
 def _warn_of_worst(rates: Array, errors: Array, said: Sequence[Sequence[str]]) -> None:
-    """BasisWarnings of the speed at which the bases cost most, of those at which any was given."""
+    """BasisWarnings of the speed with the largest basis error, among the speeds with warnings."""
     warned = [number for number, words in enumerate(said) if words]
     if not warned:
         return

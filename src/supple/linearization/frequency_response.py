@@ -49,7 +49,7 @@ def frequency_response(space: StateSpace, angular_frequencies: ArrayLike) -> Fre
     """`H = C (i w - A)^-1 B + D` at each of the frequencies.
 
     angular_frequencies : (nf,) rad/s
-    Raises ModelError for a frequency that is not finite, or at which the machine has an undamped pole.
+    Raises ModelError for a frequency that is not finite, or at an undamped pole of the machine.
     """
     w = np.atleast_1d(np.asarray(angular_frequencies, dtype=float))
     if w.ndim != 1 or not w.size or not np.isfinite(w).all():

@@ -1,4 +1,4 @@
-"""A machine linearised about an equilibrium, in coordinates that its joints leave free."""
+"""A machine linearised about an equilibrium, in independent coordinates."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ __all__ = ["LinearMachine"]
 
 Array = np.ndarray
 TURNING, STANDING = "turning with the machine", "standing in space"
-"""In which frequencies are seen: forward whirl at w in space is w less the spin in axes that turn."""
+"""Axes of the frequencies: forward whirl at w in space is w minus the spin in co-rotating axes."""
 
 
 @dataclass(frozen=True, eq=False)
 class FullMachine:
-    """What the bases of a linearised machine are compared with.
+    """The reference for the basis errors of a linearised machine.
 
     machine  : SparseMachine    about its own equilibrium, with all coordinates of the reduced bodies
     expansion : sparse (N, n)   from motions `p` of the reduced machine to those of the full one
     bodies   : by name, the coordinates of a reduced body among the N of the full machine
-    rest     : RestError        what the bases cost at the equilibrium, by name
-    standing : StandingTurn | None      of a machine that is seen from axes that stand, over its turn
+    rest     : RestError        basis errors at the equilibrium, by name
+    standing : StandingTurn | None      for a machine in standing axes, over one revolution
     """
 
     machine: SparseMachine
@@ -47,27 +47,27 @@ class FullMachine:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LinearMachine(Summarized):
-    """Small motions `y` of a machine at rest, or turning steadily.
+    """Small motions `y` of a machine at rest, or in steady rotation.
 
         M y'' + C y' + K y = N^T f + H z,        p = N y,        G N = 0
         z' = E_p y + E_v y' + E_z z
 
-    `p` holds per body the translation and the rotation of its frame, in the frame's own axes, and its
+    `p` contains per body the translation and the rotation of its frame, in the frame's own axes, and its
     deformation coordinates; `N` spans the motions that the joints leave free, so that no constraint is left.
-    Of a machine that turns, the axes turn along: C has the gyroscopic, K the centrifugal terms. `z` holds the
-    states of the controllers, one after the other.
+    For a rotating machine, the axes rotate with it: C has the gyroscopic, K the centrifugal terms. `z`
+    contains the states of the controllers, one after the other.
 
     system    : System          in its equilibrium
     spin      : Spin | None
     time      : float           of loads and laws
     mass, damping, stiffness : (k, k)
     basis     : N, (n, k)
-    full_mass : (n, n)          of `p`, the joints' constraints not considered
+    full_mass : (n, n)          of `p`, without the joints' constraints
     control   : LinearControl   H (k, c), E_p (c, k), E_v (c, k), E_z (c, c)
     full      : FullMachine | None      the same with all coordinates of its reduced bodies, if known
-    is_in_space : bool          whether y sees what turns from axes that stand; then `basis` holds at
-                                the angle at which the system is placed
-    periodic  : Periodic | None     the matrices over a turn, where they change; their means are above
+    is_in_space : bool          whether y describes rotating bodies in standing axes; `basis` then holds at
+                the angle of the system
+    periodic  : Periodic | None     the matrices over a revolution, if they vary; their means are above
     """
 
     system: System
@@ -99,7 +99,7 @@ class LinearMachine(Summarized):
 
     @property
     def axes(self) -> str:
-        """In which its motions and frequencies are seen, in words."""
+        """Description of the axes of its motions and frequencies."""
         turns = self.spin is not None and self.spin.rate != 0 and not self.is_in_space
         return TURNING if turns else STANDING
 
@@ -120,9 +120,9 @@ class LinearMachine(Summarized):
 
     @cached_property
     def unit_rates(self) -> Solution:
-        """The equilibrium, at the rate of each independent coordinate alone: k instants."""
+        """The equilibrium, with unit rate of each independent coordinate in turn: k times."""
         return self.motion_near(np.zeros_like(self.basis.T), self.basis.T)
 
     def coordinates_of(self, motions: np.ndarray) -> np.ndarray:
-        """Independent coordinates (k, ..) of motions (n, ..), the nearest ones where these open joints."""
+        """Independent coordinates (k, ..) of motions (n, ..), the nearest ones if these open joints."""
         return np.linalg.lstsq(self.basis, motions, rcond=None)[0]

@@ -1,4 +1,4 @@
-"""The linear equations of a machine about its equilibrium, without the joints' multipliers."""
+"""The linear equations of a machine about its equilibrium, without joint multipliers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from supple.simulation.resting_state import RestingState, placed_at_rest, restin
 __all__ = ["linearize"]
 
 _TURNED_ON = 0.7
-"""rad, after which they are compared: no fraction of a turn that a machine is likely to repeat."""
+"""rad, rotation at which the equations are compared: no likely symmetry angle of a machine."""
 
 
 @checked_arguments
@@ -45,37 +45,38 @@ def linearize(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> LinearMachine | SparseMachine:
-    """Small motions of a machine about the equilibrium that is downhill from where its bodies are placed.
+    """Small motions of a machine about the equilibrium reached by descent from the bodies' placement.
 
         M p'' + C p' + K p + G^T l = 0,     G p = 0     ->     M_y y'' + C_y y' + K_y y = 0,     p = N y
 
-    The loops of controllers are closed, and their states stand beside the motion (`LinearMachine`).
+    The loops of controllers are closed, and their states are added to the motion (`LinearMachine`).
 
-    A machine that turns is seen in axes that turn along, as long as the equations do not change there; else
-    in axes that stand (`in_standing_axes`), where a rotor on unlike bearings, or three or more equal blades
-    on a yielding tower, have constant equations; what changes there too has Floquet modes (`Periodic`).
+    A rotating machine is described in co-rotating axes, if the equations are constant there; otherwise in
+    standing axes (`in_standing_axes`), where a rotor on unequal bearings, or three or more equal blades on a
+    flexible tower, have constant equations; equations that vary there too have Floquet modes (`Periodic`).
 
-    Full bodies leave it sparse, `A p = 0` with the conditions of their frames: a `SparseMachine`, of which
-    `machine_modes` finds the slowest modes.
+    With full bodies the result is sparse, `A p = 0` with the conditions of their frames: a `SparseMachine`,
+    whose slowest modes are found by `machine_modes`.
 
     Parameters
     ----------
-    time : of the loads and laws, which are held; a driven joint between bodies that turn and bodies that
-        stand has the spin's rate, whatever its law
-    spin : Spin             of the machine, or of the bodies that it names
-    search, fulls, progress : of the `equilibrium`; by the full bodies `machine_modes` says what the bases
-        of the reduced ones cost
+    time : of the loads and laws, which are constant; a driven joint between rotating and standing bodies has
+        the spin's rate, whatever its law
+    spin : Spin             of the machine, or of the bodies listed in it
+    search, fulls, progress : as for `equilibrium`; with the full bodies `machine_modes` gives the basis
+        errors of the reduced ones
 
     Raises
     ------
-    ModelError          a machine whose rest changes as it turns, or with drives of another speed; with full
-        bodies or controllers, one whose equations do
+    ModelError          a machine whose equilibrium varies with rotation, or with drives of another speed;
+    with
+                        full bodies or controllers, one whose equations vary
     ConvergenceError    no equilibrium
     """
     frictions = [load for load in system.loads if isinstance(load, JointFriction)]
     if frictions and spin is not None and spin.rate:
         raise ModelError(
-            f"{frictions[0].label}: how the friction of what slides follows its force is not linearised; "
+            f"{frictions[0].label}: friction that depends on the joint force cannot be linearised; "
             "give it a preload, RevoluteFriction or PrismaticFriction, or leave it out"
         )
     known, search = known_fulls(system, fulls), search or StaticSearch()
@@ -86,7 +87,7 @@ def linearize(
     sparse = None
     if isinstance(equations, SparseEquations):
         sparse = SparseMachine(placed_at_rest(found), spin, time, equations)
-        # The motions that are slow are those in which a change would be seen.
+        # Slow motions are those in which a variation would show.
         basis = sparse.slow.motions
     else:
         basis = _free_motions(equations)
@@ -126,7 +127,7 @@ def _full_machine(
     *,
     is_in_space: bool = False,
 ) -> FullMachine | None:
-    """The machine about the equilibrium that it has with all coordinates; None where that is not known."""
+    """The machine about its equilibrium with all coordinates; None where that is unknown."""
     full = full_rest(found, fulls, time, search)
     if full is None:
         return None
@@ -169,7 +170,7 @@ class _Projected(NamedTuple):
 
 
 def _free_motions(equations: LinearEquations) -> Array:
-    """`N` (n, k), the null space of `G`; its columns of the size of unit kinetic energy."""
+    """`N` (n, k), the null space of `G`; columns scaled to unit kinetic energy."""
     size = 1 / np.sqrt(np.diag(equations.mass))
     return size[:, None] * scipy.linalg.null_space(equations.constraint * size)
 
@@ -177,7 +178,7 @@ def _free_motions(equations: LinearEquations) -> Array:
 def _change(
     found: RestingState, projected: _Projected, basis: Array, time: float, spin: Spin
 ) -> tuple[str, float]:
-    """What changes most of the equations, or of what is in balance, as the machine turns, and by how much."""
+    """The quantity that varies most as the machine rotates, and its variation."""
     equations, unbalanced = equations_turned_on(found, time, spin, _TURNED_ON)
     again, jacobian, masses = _Projected.of(equations, basis), equations.constraint, equations.mass.diagonal()
     size = np.sqrt(np.abs(np.diag(projected.stiffness)) + spin.rate**2 * np.diag(projected.mass))
@@ -189,7 +190,7 @@ def _change(
     largest = {what: float(np.max(abs(change) / np.outer(size, size))) for what, change in changes.items()}
     largest["control"] = _changed(projected.control, again.control, size, spin.rate)
     opened = float(np.max(abs(jacobian @ basis) @ np.ones(basis.shape[1]), initial=0.0))
-    # Where no motion of the basis is seen by a joint, rounding is compared with one of unit kinetic energy.
+    # Where the basis does not move any joint, rounding is relative to a motion of unit kinetic energy.
     reach = abs(basis).sum(axis=1) + 1 / np.sqrt(masses)
     largest["joints"] = opened / float(np.max(abs(jacobian) @ reach, initial=1e-300))
     largest["balance"] = unbalanced
@@ -198,15 +199,15 @@ def _change(
 
 def _refusal(what: str, change: float) -> str:
     return (
-        f"the linear equations change as the machine turns by {_TURNED_ON:g} rad (the {what} by "
-        f"{change:.2g} of its size), and neither axes that stand nor Floquet's theory take them: gravity "
-        "or loads across the axis, controllers, bodies with all coordinates, and joints that leave other "
-        "motions free later in the turn must be left out; or name the bodies that turn, Spin(bodies=..)"
+        f"the linear equations change as the machine rotates by {_TURNED_ON:g} rad (the {what} by "
+        f"{change:.2g} of its size), and neither standing axes nor Floquet theory apply: gravity "
+        "or loads normal to the axis, controllers, full bodies, and joints that leave other "
+        "motions free at another angle must be removed; or list the rotating bodies, Spin(bodies=..)"
     )
 
 
 def _changed(control: LinearControl, again: LinearControl, size: Array, rate: float) -> float:
-    """Largest change of what controllers read and push, over the size of each row and column."""
+    """Largest variation of the readings and forces of controllers, over the size of each row and column."""
 
     def parts(own: LinearControl) -> tuple[Array, Array]:
         read = np.hstack([own.by_position / size, own.by_velocity * abs(rate) / size])

@@ -22,29 +22,30 @@ from supple.summary import Summarized, Summary
 __all__ = ["MachineModes", "machine_modes"]
 
 _MOTIONLESS = 1e-12
-"""Part of a mode that is motion, below which controllers alone change in it."""
+"""Smallest share of motion in a mode; below it is a pure controller mode."""
 
 _NO_DAMPING = 1e-12
-"""Damping ratio that rounding leaves."""
+"""Damping ratio within rounding."""
 
 _ROUNDING = 512.0
-"""Of stiffness in units of the floating-point precision: what may be left of terms that cancel."""
+"""Relative to stiffness, in units of the floating-point precision: rounding of terms that cancel."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MachineModes(Summarized):
     """Free motions `p(t) = Re( shape exp(eigenvalue t) )` of a linearised machine, slowest first.
 
-    With controllers they are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`; a mode in
-    which controllers alone change has a shape of zeros.
+    With controllers they are those of the closed loop, and `z(t) = Re( states exp(eigenvalue t) )`; pure
+    controller modes have a zero shape.
 
-    eigenvalues : complex (k,)      1/s, of a conjugate pair the one above the real axis, of both zeros of a
-        free rigid motion one; others that are real, alone
+    eigenvalues : complex (k,)      1/s, one of each conjugate pair, above the real axis; one of the two zeros
+                                    of a free rigid motion; all other real ones
     shapes : complex (n, k)         of frames and deformation coordinates, in the frames' own axes, of unit
-        kinetic energy norm `shape^H M shape = 1`, the largest independent coordinate real
+                                    kinetic energy norm `shape^H M shape = 1`, the largest independent
+                                    coordinate real
     independent : complex (m, k)    the same in the coordinates of the `LinearMachine`
     states : complex (c, k)         of the controllers
-    error : ModeError | None        what the bases cost; None where the full bodies are not known
+    error : ModeError | None        basis errors; None without known full bodies
     """
 
     machine: LinearMachine
@@ -54,7 +55,7 @@ class MachineModes(Summarized):
     error: ModeError | None = None
 
     def summary(self) -> Summary:
-        """Frequency, damping and the body that moves most, mode by mode."""
+        """Frequency, damping and the body that moves most, by mode."""
         names = [placed.body.name for placed in self.machine.system.bodies]
         most = self.kinetic_shares.argmax(axis=0)
         damping = np.where(abs(self.damping_ratios) > _NO_DAMPING, self.damping_ratios, 0.0)
@@ -67,7 +68,7 @@ class MachineModes(Summarized):
 
     @property
     def shapes(self) -> np.ndarray:
-        """Of frames and deformation coordinates, (n, k)."""
+        """Shapes of frames and deformation coordinates, (n, k)."""
         return self.machine.basis @ self.independent
 
     @property
@@ -83,9 +84,9 @@ class MachineModes(Summarized):
 
     @property
     def kinetic_shares(self) -> np.ndarray:
-        """Each body's part of the kinetic energy, in axes that turn along, (nb, k); columns add up to 1.
+        """Each body's share of the kinetic energy, in co-rotating axes, (nb, k); columns sum to 1.
 
-        Of a mode without motion they are zero.
+        Zero for a mode without motion.
         """
         machine, shapes = self.machine, self.shapes
         weighted = np.real(shapes.conj() * (machine.full_mass @ shapes))
@@ -97,8 +98,8 @@ class MachineModes(Summarized):
 
     @property
     def unstable(self) -> np.ndarray:
-        """Which modes grow by more than round-off explains, (k,)."""
-        # Round-off is in parts of the fastest motion, also where that is not among the modes.
+        """Which modes grow faster than round-off explains, (k,)."""
+        # Round-off is relative to the fastest motion, even if that is not among the modes.
         squares = abs(np.diag(self.machine.stiffness)) / np.diag(self.machine.mass)
         largest = max(float(np.max(abs(self.eigenvalues))), float(np.sqrt(squares.max())))
         return self.eigenvalues.real > 1e-7 * largest
@@ -106,23 +107,23 @@ class MachineModes(Summarized):
 
 @checked_arguments
 def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = None) -> MachineModes:
-    """The slowest modes of a linearised machine, all of them unless a number is given.
+    """The slowest modes of a linearised machine; all by default.
 
         ( s^2 M + s C + K ) y = H z,        ( s - E_z ) z = ( E_p + s E_v ) y
 
-    Two poles of a machine that moves freely lie at s = 0, exactly only to round-off: those that rounding
-    cannot tell from 0 are said to be 0, with as many modes as there are shapes.
+    A free motion of a machine has two poles at s = 0, up to round-off: poles that are zero within rounding
+    are set to 0, with as many modes as there are shapes.
 
-    Of equations that change periodically they are Floquet's modes (`floquet_modes`): the shape is that of the
-    harmonic at which most of the motion is seen, and the eigenvalue goes with it.
+    For periodic equations these are Floquet modes (`floquet_modes`): shape and eigenvalue are those of the
+    harmonic with most of the motion.
 
-    Of a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
-    or gyroscopic terms these are the slowest of which iteration shows any.
+    For a machine with full bodies the slowest are found by shift and invert (`slowest_motions`); with damping
+    or gyroscopic terms these are the slowest that the iteration finds.
 
-    Where the full bodies of reduced ones are known (`linearize`), and a number is given, the same modes are
-    found with all coordinates (`MachineModes.error`).
+    If the full bodies of reduced ones are known (`linearize`), and a number is given, the same modes are
+    computed with all coordinates (`MachineModes.error`).
 
-    Warns BasisWarning of modes whose eigenvalue is off by 1 % or more, and of modes that the bases lack.
+    Warns BasisWarning of modes whose eigenvalue is off by 1 % or more, and of modes missing from the bases.
 
     Raises
     ------
@@ -147,7 +148,7 @@ def machine_modes(machine: LinearMachine | SparseMachine, n_modes: int | None = 
 
 
 def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any]:
-    """Eigenvalues, motions (k, ..) of the harmonic at which most is seen, and no states, slowest first."""
+    """Eigenvalues, motions (k, ..) of the harmonic with most of the motion, and no states, slowest first."""
     assert machine.periodic is not None
     graded = _slow_first(machine)
     found = floquet_modes(machine.periodic.along(graded), n_modes)
@@ -157,7 +158,7 @@ def _floquet(machine: LinearMachine, n_modes: int | None) -> tuple[Any, Any, Any
 
 
 def _slowest_of(full: FullMachine) -> Callable[[SparseMachine, int], tuple[Any, Any]]:
-    """The slowest modes in the axes in which the machine is seen."""
+    """The slowest modes in the axes of the machine."""
     standing = full.standing
     if standing is None:
         return _slowest
@@ -184,7 +185,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     )
     lower = np.linalg.cholesky(inner.mass)
     state, unit = _state_matrix(inner, lower)
-    # States of controllers have units of their own: what is small can be told in balanced ones alone.
+    # States of controllers have different units: balancing makes their size comparable.
     balanced, (scales, _) = scipy.linalg.matrix_balance(state, permute=False, separate=True)
     values: Any
     left: Any
@@ -195,7 +196,7 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
     values, vectors = _one_of_each(np.where(zero, 0.0, values), right, scales, k)
     still = np.linalg.norm(vectors[: 2 * k], axis=0) < _MOTIONLESS
     vectors = scales[:, None] * vectors
-    # Of modes as slow as each other to rounding, those that grow come first.
+    # Among modes equally slow within rounding, growing ones come first.
     order = np.lexsort((-values.real, [float(f"{size:.8g}") for size in abs(values)]))
     values, vectors, still = values[order], vectors[:, order], still[order]
     y = graded @ scipy.linalg.solve_triangular(lower.T, np.where(still, 0.0, vectors[:k]))
@@ -205,26 +206,28 @@ def _pairs(machine: LinearMachine) -> tuple[Any, Any, Any]:
 
 
 def _slow_first(machine: LinearMachine) -> Array:
-    """Coordinates (k, k) that hold slow and stiff motions apart: vibrations without damping, slowest first.
+    """Coordinates (k, k) that separate slow and stiff motions: undamped vibrations, slowest first.
 
-    Rounding of an eigenvalue is in parts of the largest entry beside it: of mixed coordinates the stiffest
-    spring's. As the highest of the inverse, slow motions are right in parts of their own.
+    The rounding error of an eigenvalue is relative to the largest entry beside it: in mixed coordinates that
+    of the stiffest spring. As the highest eigenvalues of the inverse, slow motions are accurate relative to
+    themselves.
     """
     stiffness, mass = (machine.stiffness + machine.stiffness.T) / 2, machine.mass
     square = 1e-9 * float(np.max(abs(np.diag(stiffness)) / np.diag(mass))) or 1.0
     while True:
         try:
             values, motions = scipy.linalg.eigh(mass, stiffness + square * mass)
-        except scipy.linalg.LinAlgError:  # something buckles, or is thrown outwards, at that rate
+        except scipy.linalg.LinAlgError:  # unstable by buckling or centrifugal force at that rate
             square *= 10
             continue
         return (motions / np.sqrt(values))[:, ::-1]
 
 
 def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
-    """Which motions (k, ..) have inertia, damping and stiffness that all are rounding of large terms.
+    """Motions (k, ..) whose inertia, damping and stiffness terms are all rounding of large terms.
 
-    A spring of stiffness k beside a free motion leaves it `eps k`: `|s|^2 M + |s| C` of the shape is below.
+    A spring of stiffness k beside a free motion leaves `eps k` on it: `|s|^2 M + |s| C` of the shape is
+    smaller.
     """
 
     def of_shape(matrix: Array) -> Array:
@@ -237,8 +240,8 @@ def _is_rigid(machine: LinearMachine, values: Any, motions: Any) -> np.ndarray:
 
 
 def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
-    """Of `(u y, y', z)` with y in the mass norm, and the unit u: velocities in units of a typical frequency,
-    so that motions and velocities are of one size.
+    """State matrix of `(u y, y', z)`, y in the mass norm, and the unit u: velocities have units of a typical
+    frequency, so that motions and velocities are of one size.
     """
     k, control = machine.size, machine.control
 
@@ -260,25 +263,26 @@ def _state_matrix(machine: LinearMachine, lower: Any) -> tuple[Array, float]:
 
 
 def _is_zero(values: Any, left: Any, right: Any, unit: float) -> np.ndarray:
-    """Which eigenvalues rounding cannot tell from zero.
+    """Eigenvalues that are zero within rounding.
 
-    It moves an eigenvalue by its part over `|w^H v|` of the unit vectors on both sides, which are nearly
-    orthogonal for the two zeros of a free motion, but not for a slow pole that stands alone.
+    Rounding moves an eigenvalue by its size over `|w^H v|` of the left and right unit vectors, which are
+    nearly orthogonal for the two zeros of a free motion, but not for a single slow pole.
     """
     moved = abs(values) * abs(np.einsum("ij,ij->j", left.conj(), right))
     return (abs(values) < 3e-7 * unit) & (moved < 1e-12 * unit)
 
 
 def _one_of_each(values: Any, vectors: Any, scales: Array, k: int) -> tuple[Any, Any]:
-    """Of a conjugate pair the one above the real axis; of zeros as many as they have vectors.
+    """The eigenvalue of each conjugate pair above the real axis; as many zeros as they have vectors.
 
-    Each free rigid motion has two poles at zero, its place and its rate: they count as one mode.
+    Each free rigid motion has two poles at zero, of position and rate: they count as one mode.
     """
     zero = values == 0
     kept = (values.imag >= 0) & ~zero
     at_zero = np.hstack([vectors[:, zero].real, vectors[:, zero].imag])
-    at_zero[k : 2 * k] = 0.0  # rates, which rounding alone leaves
-    # Places in the mass norm: balanced, what a free rotation stretches when its rate changes is as large.
+    at_zero[k : 2 * k] = 0.0  # rates, which are rounding
+    # Positions in the mass norm: in balanced units the strain caused by the rate of a free rotation is as
+    # large.
     weights, places = np.ones((len(at_zero), 1)), scales[:k, None] * at_zero[:k]
     weights[:k, 0] = scales[:k] * np.linalg.norm(at_zero[:k]) / (np.linalg.norm(places) or 1.0)
     directions, sizes, _ = np.linalg.svd(weights * at_zero, full_matrices=False)

@@ -1,4 +1,4 @@
-"""What the bases of reduced bodies cost in the modes of a machine: the same modes with all coordinates."""
+"""Basis errors of reduced bodies in the modes of a machine, by comparison with all coordinates."""
 
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ from supple.simulation.equilibrium import LARGEST_ERROR, REMEDY
 __all__ = ["ModeError", "mode_error"]
 
 MORE = 4
-"""Modes of the full machine beyond those asked for, among which each is looked for."""
+"""Additional modes of the full machine, among which each mode is matched."""
 UNLIKE = 0.5
-"""Modal assurance below which the mode of a basis is none of the machine's."""
+"""MAC below which a mode of the reduced machine does not match any mode of the full one."""
 STILL = 1e-6
-"""Of the fastest eigenvalue compared: what is slower is a rigid motion."""
+"""Relative to the fastest eigenvalue: slower motions are rigid."""
 
 
 @dataclass(frozen=True, eq=False)
 class ModeError:
-    """Modes of a reduced machine beside those with all coordinates.
+    """Modes of a reduced machine, compared with those with all coordinates.
 
-    eigenvalues : complex (k,)      with all coordinates, of each mode; NaN where the machine has no such mode
-    relative : (k,)                 |s - s_full| / |s_full|; infinite where it has no such mode
-    missed : complex (m,)           eigenvalues of the machine below the fastest mode, that the bases lack
-    fields : (n, j), by body        deformation of the machine's modes, those above and those missed
+    eigenvalues : complex (k,)      of each mode with all coordinates; NaN without a matching mode
+    relative : (k,)                 |s - s_full| / |s_full|; infinite without a matching mode
+    missed : complex (m,)           eigenvalues of the full machine below the fastest mode, missing in the
+        reduced
+    fields : (n, j), by body        deformation of the full machine's modes, matched and missed
     """
 
     eigenvalues: Any
@@ -41,11 +42,11 @@ class ModeError:
     fields: Mapping[str, np.ndarray]
 
     def warn(self, values: Any) -> None:
-        """BasisWarning of what is off by 1 % or more, and of what is missed."""
+        """BasisWarning of modes that are off by 1 % or more, and of missing modes."""
         said = [
             f"mode {number + 1} is off by {100 * self.relative[number]:.2g} %"
             if np.isfinite(self.relative[number])
-            else f"mode {number + 1} is none of the machine's"
+            else f"mode {number + 1} is not a mode of the full machine"
             for number in np.flatnonzero(self.relative >= LARGEST_ERROR)
         ]
         if len(self.missed):
@@ -63,10 +64,10 @@ def mode_error(
 ) -> ModeError:
     """Compare the slowest modes (k,), shapes (n, k), with those of the full machine.
 
-    slowest : eigenvalues and shapes of so many slowest modes of a machine with full bodies
-    Each is the likest one in shape (modal assurance), of those alike the nearest in frequency.
+    slowest : function for eigenvalues and shapes of the slowest modes of a machine with full bodies
+    Modes are matched by the highest MAC; among similar shapes, by the nearest frequency.
     """
-    number = min(len(values) + MORE, full.machine.size)  # of a small machine all are found
+    number = min(len(values) + MORE, full.machine.size)  # all for a small machine
     exact, motions = slowest(full.machine, number)
     mass = full.machine.equations.mass
     ours = full.expansion @ shapes
@@ -80,7 +81,7 @@ def mode_error(
     found[rows] = exact[columns]
     relative = np.full(len(values), np.inf)
     relative[rows] = abs(values[rows] - exact[columns]) / np.maximum(abs(exact[columns]), STILL * largest)
-    # Motions of machines in which one shape serves several modes are told apart by their frequencies alone.
+    # If one shape belongs to several modes, only their frequencies separate them.
     near = relative < LARGEST_ERROR
     unlike = np.ones(len(values), dtype=bool)
     unlike[rows] = likeness[rows, columns] < UNLIKE

@@ -11,26 +11,26 @@ from supple.linearization.machine_modes import MachineModes
 __all__ = ["mode_motion"]
 
 LARGEST_TURN = 1.0
-"""rad, of a frame: where a body spins about an axis through all its points, no translation says how far."""
+"""rad, rotation of a frame: for a body that rotates about all its points, translation gives no scale."""
 
 
 def mode_motion(
     modes: MachineModes, number: int, *, amplitude: float, n_instants: int = 24, n_periods: int = 1
 ) -> Solution:
-    """One mode as a motion about the equilibrium, its decay left out.
+    """One mode as a motion about the equilibrium, without its decay.
 
         p(t) = a Re( shape exp(i w t) )
 
-    Frames turn by finite rotations, so that a large amplitude shows no shear. A mode that does not oscillate
-    swings once in a unit of time.
+    Frames rotate by finite rotations, so that a large amplitude shows no shear. A mode that does not
+    oscillate is shown with one cycle per unit of time.
 
     Parameters
     ----------
     number : from 0, the slowest
-    amplitude : a, of the largest translation of a node, unit of length, unless a frame turned by more than a
-        radian then
+    amplitude : a, the largest translation of a node, unit of length, limited by a frame rotation of one
+        radian
 
-    Raises ModelError for a mode that is not there.
+    Raises ModelError for a mode that does not exist.
     """
     if not 0 <= number < len(modes.eigenvalues):
         raise ModelError(
@@ -47,7 +47,7 @@ def mode_motion(
 
 
 def _largest_translation_and_turn(modes: MachineModes, number: int) -> tuple[float, float]:
-    """Of any node, interface or frame, and of any frame, in a mode of the scale that it has."""
+    """Largest translation of any node, interface or frame, and rotation of any frame, in an unscaled mode."""
     shape, largest, turn = modes.shapes[:, number], 0.0, 0.0
     rates = np.array([np.real(shape), np.imag(shape)])
     moving = modes.machine.motion_near(np.zeros_like(rates), rates)

@@ -1,4 +1,4 @@
-"""Names of modes, by what moves most and which way: flap, edge and torsion of blades, whirl of rotors."""
+"""Names of modes by their motion: flap, edge and torsion of blades, whirl of rotors."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ __all__ = ["mode_names"]
 Array = np.ndarray
 
 AWAY = 0.25
-"""Of the largest radius: where the nodes of a blade are in the mean, at least; those of a rotor are not."""
+"""Relative to the largest radius: least mean radius of the nodes of a blade, unlike those of a rotor."""
 SECTIONS = 12
-"""Of a blade along its length: what moves within one, but not as one, is torsion."""
+"""Relative to the length of a blade: motion within a slice, other than its mean, is torsion."""
 
 
 def mode_names(modes: MachineModes) -> tuple[str, ...]:
-    """A name for each mode, numbered among those of one name, as "flap 1", "forward whirl 1", "tower 2".
+    """A name for each mode, numbered among equal names, such as "flap 1", "forward whirl 1", "tower 2".
 
-    Of blades that turn: flap along the axis of the spin, edge around it, stretch along the blade, torsion.
+    For rotating blades: flap along the spin axis, edge around it, stretch along the blade, torsion.
     """
     shares, senses = modes.kinetic_shares, whirl(modes).sense
     counted: Counter[str] = Counter()
@@ -50,13 +50,13 @@ def _kind(modes: MachineModes, number: int, body: int, sense: int) -> str:
 
 
 def _radii(placed: Placed, spin: Spin) -> Array:
-    """Of all nodes from the axis, (N, 3)."""
+    """Radius vectors of all nodes from the axis, (N, 3)."""
     arms = placed.positions() - spin.point
     return arms - np.outer(arms @ spin.axis, spin.axis)
 
 
 def _of_blade(modes: MachineModes, number: int, placed: Placed, spin: Spin, radii: Array) -> str:
-    """What most of the squares of the nodes' motions are, section by section."""
+    """The motion with the largest part of the sum of squares over the nodes, by sections."""
     along = radii.mean(axis=0) / np.linalg.norm(radii.mean(axis=0))
     moved = _moved(modes, number, placed)
     places = radii @ along

@@ -1,4 +1,4 @@
-"""Linear equations that change periodically as a machine turns: Floquet modes by Hill's method.
+"""Linear equations periodic in the rotation of a machine: Floquet modes by Hill's method.
 
     M(psi) y'' + C(psi) y' + K(psi) y = 0,     psi = r t,     y = e^(s t) sum_h y_h e^(i h psi)
 
@@ -6,9 +6,9 @@ Harmonics of the matrices and of the mode give one quadratic eigenvalue problem 
 
     sum_j [ (s + i j r)^2 M_(h-j) + (s + i j r) C_(h-j) + K_(h-j) ] y_j = 0.
 
-Each mode appears once for every harmonic, at s + i h r; of these that one is kept whose motion has its mean
-harmonic nearest to zero: its frequency is the one at which most of the motion is seen.
-Source: Hill's determinant; [Hammond1974] for rotors whose equations stay periodic.
+Each mode appears once for every harmonic, at s + i h r; the one whose mean harmonic is nearest to zero is
+kept: its frequency is that of most of the motion.
+Source: Hill's determinant; [Hammond1974] for rotors whose equations remain periodic.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ __all__ = ["FloquetModes", "Periodic", "floquet_modes"]
 Array = np.ndarray
 
 ROUNDS = (4, 7, 11)
-"""Harmonics of a mode, one number after the other until enough."""
+"""Numbers of harmonics of a mode, increased until sufficient."""
 LEFT = 1e-4
-"""Of a mode's norm: what its highest harmonics may hold; its square is the error of a frequency."""
+"""Relative to a mode's norm: allowed part in its highest harmonics; squared, the error of a frequency."""
 LARGEST = 4000
-"""States of the eigenvalue problem."""
+"""Largest number of states of the eigenvalue problem."""
 HALF = 1e-3
-"""How near to one half a mean harmonic may be for both neighbours to be taken."""
+"""Distance of a mean harmonic from one half within which both neighbours are kept."""
 ZERO = 3e-7
-"""Of the stiffness: eigenvalues that rounding cannot tell from zero."""
+"""Relative to the stiffness: smaller eigenvalues are zero within rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Periodic:
-    """Fourier coefficients of the matrices of a machine over one turn, h = -H .. H.
+    """Fourier coefficients of the matrices of a machine over one revolution, h = -H .. H.
 
     rate : rad per unit of time
     mass, damping, stiffness : complex (2 H + 1, k, k)
@@ -52,7 +52,7 @@ class Periodic:
 
     @classmethod
     def of_samples(cls, rate: float, mass: Array, damping: Array, stiffness: Array) -> Periodic:
-        """From samples (s, k, k) at evenly spaced angles of one turn."""
+        """From samples (s, k, k) at evenly spaced angles of one revolution."""
         highest = (len(mass) - 1) // 2
 
         def coefficients(samples: Array) -> Array:
@@ -67,7 +67,7 @@ class Periodic:
         return len(self.mass) // 2
 
     def along(self, basis: Array) -> Periodic:
-        """For motions `basis @ y`."""
+        """The coefficients for motions `basis @ y`."""
         return Periodic(
             self.rate, *(basis.T @ each @ basis for each in (self.mass, self.damping, self.stiffness))
         )
@@ -91,9 +91,9 @@ class FloquetModes:
 
 
 def floquet_modes(periodic: Periodic, n_modes: int | None) -> FloquetModes:
-    """The slowest modes, all where no number is given.
+    """The slowest modes; all by default.
 
-    Raises AccuracyError where the harmonics of a mode do not die out.
+    Raises AccuracyError if the harmonics of a mode do not decay.
     """
     k = periodic.mass.shape[1]
     found, last = None, np.inf
@@ -107,13 +107,13 @@ def floquet_modes(periodic: Periodic, n_modes: int | None) -> FloquetModes:
         if last < LEFT:
             return found
     raise AccuracyError(
-        f"the periodic equations of the machine were not solved: a mode keeps {last:.1e} of its motion in "
-        "its highest harmonics; ask for fewer modes, or keep fewer modes of its bodies"
+        f"the periodic equations of the machine were not solved: a mode has {last:.1e} of its motion in "
+        "its highest harmonics; request fewer modes, or keep fewer modes of its bodies"
     )
 
 
 def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
-    """Modes with harmonics up to a number."""
+    """Modes with up to the given number of harmonics."""
     k, orders = periodic.mass.shape[1], np.arange(-number, number + 1)
     frequency = 1j * periodic.rate * np.repeat(orders, k)
     mass, damping, stiffness = (_blocks(each, orders) for each in _parts(periodic))
@@ -142,7 +142,7 @@ def _with_harmonics(periodic: Periodic, number: int) -> FloquetModes:
 
 
 def _twins(values: Array, mean: Array, shift: complex) -> Array:
-    """Which modes with a mean harmonic near -1/2 are others near 1/2, a harmonic on."""
+    """Modes with a mean harmonic near -1/2 that repeat others near 1/2, one harmonic apart."""
     other = np.flatnonzero(abs(mean - 0.5) <= HALF)
     twins = abs(mean + 0.5) <= HALF
     apart = abs(values[:, None] - shift - values[other]).min(axis=1, initial=np.inf)
@@ -150,7 +150,7 @@ def _twins(values: Array, mean: Array, shift: complex) -> Array:
 
 
 def _one_of_zeros(values: Array) -> Array:
-    """Of two zeros of a free motion one."""
+    """One of the two zeros of each free motion."""
     zero = np.flatnonzero(values == 0)
     return np.setdiff1d(np.arange(len(values)), zero[1::2])
 
@@ -160,12 +160,12 @@ def _parts(periodic: Periodic) -> tuple[Array, Array, Array]:
 
 
 def _mean(coefficients: Array) -> Array:
-    """Of a matrix over the turn, (k, k)."""
+    """Mean of a matrix over the revolution, (k, k)."""
     return coefficients[len(coefficients) // 2].real
 
 
 def _blocks(coefficients: Array, orders: Array) -> Array:
-    """Block (h, j) is the coefficient h - j, zero beyond those that there are."""
+    """Block (h, j) is the coefficient h - j, zero beyond the highest one."""
     highest, k = len(coefficients) // 2, coefficients.shape[1]
     padded = np.concatenate([coefficients, np.zeros((1, k, k))])
     between = orders[:, None] - orders

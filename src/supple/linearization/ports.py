@@ -1,4 +1,4 @@
-"""Where a linearised machine is pushed and watched: points of its bodies."""
+"""Ports of a linearised machine: inputs and outputs at points of its bodies."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Port", "RotationPort", "TranslationPort"]
 
 
 class Port(Protocol):
-    """One scalar motion of a machine and the force that does work on it."""
+    """One scalar motion of a machine, and the force conjugate to it."""
 
     @property
     def label(self) -> str:
@@ -30,10 +30,10 @@ class Port(Protocol):
 
 @dataclass(frozen=True)
 class TranslationPort:
-    """Displacement of an interface along a direction; a force along it, as input.
+    """Displacement of an interface along a direction; as input, a force along it.
 
     at : At | "BODY.INTERFACE"
-    direction : (3,)    global in the equilibrium; of a body that turns, it turns along. Made of unit length.
+    direction : (3,)    global in the equilibrium; it rotates with a rotating body. Normalised.
     """
 
     at: At | Any
@@ -44,7 +44,7 @@ class TranslationPort:
 
     @property
     def label(self) -> str:
-        """Of the interface and the direction."""
+        """Label of the interface and the direction."""
         return f"{self.at} along {_direction(self.direction)}"
 
     def row(self, machine: LinearMachine) -> Array:
@@ -54,10 +54,10 @@ class TranslationPort:
 
 @dataclass(frozen=True)
 class RotationPort:
-    """Rotation of an interface about an axis; a moment about it, as input.
+    """Rotation of an interface about an axis; as input, a moment about it.
 
     at : At | "BODY.INTERFACE"
-    axis : (3,)     global in the equilibrium; of a body that turns, it turns along. Made of unit length.
+    axis : (3,)     global in the equilibrium; it rotates with a rotating body. Normalised.
     """
 
     at: At | Any
@@ -68,7 +68,7 @@ class RotationPort:
 
     @property
     def label(self) -> str:
-        """Of the interface and the axis."""
+        """Label of the interface and the axis."""
         return f"{self.at} about {_direction(self.axis)}"
 
     def row(self, machine: LinearMachine) -> Array:
@@ -79,7 +79,7 @@ class RotationPort:
 def _check(port: Any, name: str) -> None:
     at, given = as_end(port.at), getattr(port, name)
     if at == GROUND:
-        raise ModelError("a port on the ground does not move: name an interface of a body")
+        raise ModelError("a port on the ground does not move: give an interface of a body")
     vector = np.array(given, dtype=float)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
         raise ModelError(f"{name} of the port at '{at}' must be three numbers, not all zero, got {given}")
@@ -96,6 +96,6 @@ def _direction(vector: tuple[float, float, float]) -> str:
 
 
 def _rates(machine: LinearMachine, at: At) -> InterfaceMotion:
-    """Of an interface at the rate of each independent coordinate, (k, ...), global."""
+    """Motion of an interface for unit rate of each independent coordinate, (k, ...), global."""
     body = machine.system.placed(at.body, "port").body
     return body.interface_motion(machine.unit_rates.bodies[at.body], at.interface)

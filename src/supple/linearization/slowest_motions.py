@@ -2,11 +2,12 @@
 
     ( s^2 M + s C + K ) x + A^T l = 0,    A x = 0
 
-A basis of slow motions is enlarged by what it leaves of each mode wanted, answered at a fixed shift z,
+A basis of slow motions is extended by the residual of each requested mode, solved at a fixed shift z,
 
     t = K(z)^-1 ( s^2 M + s C + K ) x,    K(z) = K + z C + z^2 M,
 
-until nothing is left. Of an undamped machine at rest this is a block of shifted and inverted Lanczos steps.
+until the residual vanishes. For an undamped machine at rest these are shifted and inverted block Lanczos
+steps.
 Source: [Voss2004].
 """
 
@@ -23,22 +24,22 @@ from supple.linearization.sparse_machine import LARGEST_DENSE, SlowMotions, Spar
 __all__ = ["slowest_motions"]
 
 _GUARD = 4
-"""Modes beyond those wanted, so that none is missed at the edge."""
+"""Additional modes, so that none is missed at the edge."""
 
 _LEFT = 1e-8
-"""Part of a mode that the basis may lack."""
+"""Largest part of a mode outside the basis."""
 
 _ALLOWED = 1e-5
-"""Part that it may lack where rounding is in the way of more."""
+"""Largest part where rounding prevents better accuracy."""
 
 _ROUNDS = 60
 
 _NEW = 1e-5
-"""Part of a motion below which what is new in it is rounding."""
+"""Relative to a motion: a smaller new part is rounding."""
 
 
 def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) -> Array:
-    """Motions (n, k), mass-orthonormal, among which the slowest modes are; all of a small machine.
+    """Motions (n, k), mass-orthonormal, whose span contains the slowest modes; all of a small machine.
 
     modes_of : eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
 
@@ -53,7 +54,7 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
             return machine.all_motions
         raise ModelError(
             f"a machine with full bodies has {machine.size} freedoms, of which the slowest modes are found: "
-            f"say how many, from 1 to {most}"
+            f"give their number, from 1 to {most}"
         )
     slow, mass = machine.slow, machine.equations.mass
     wanted = n_modes + _GUARD
@@ -68,7 +69,7 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
         before, left = left, float(parts[:n_modes].max())
         if len(values) >= wanted and (left <= _LEFT or (left <= _ALLOWED and left > before / 3)):
             return basis
-        # One size for both halves of a mode: of the smaller, what is far below the larger is rounding.
+        # A common size for both parts of a mode: where one is far smaller, it is rounding.
         new = answers[:, parts > _LEFT] / parts[parts > _LEFT]
         larger = _enlarged(machine, basis, np.hstack([new.real, new.imag]))
         if larger.shape[1] == basis.shape[1]:
@@ -77,7 +78,7 @@ def slowest_motions(machine: SparseMachine, n_modes: int | None, modes_of: Any) 
     if machine.size <= LARGEST_DENSE:
         return machine.all_motions
     raise AccuracyError(
-        f"the {n_modes} slowest modes have not converged: {left:.1e} of a mode is missing; ask for another "
+        f"the {n_modes} slowest modes have not converged: {left:.1e} of a mode is missing; request another "
         "number of modes, or reduce the bodies"
     )
 
@@ -105,12 +106,12 @@ def _unit(motions: Array, mass: Any) -> Array:
 
 
 def _enlarged(machine: SparseMachine, basis: Array, more: Array) -> Array:
-    """The basis, orthonormal, with what is new in some motions of unit size or less."""
+    """The basis with the new parts of some motions of unit size or less, orthonormal."""
     mass, constraint = machine.equations.mass, machine.equations.constraint
     for smallest in (_NEW, 0.5):
         for _ in range(2):
             more = more - basis @ (basis.T @ (mass @ more))
-        # What is new may be small beside the motions it was found in, whose rounding opens the joints.
+        # The new part may be small relative to its motion, whose rounding opens the joints.
         more = more + machine.slow.factor.solve(np.zeros_like(more), -(constraint @ more))
         gram = more.T @ (mass @ more)
         squares, weights = np.linalg.eigh((gram + gram.T) / 2)

@@ -1,4 +1,4 @@
-"""A machine with full bodies, linearised: as many freedoms as its finite elements have."""
+"""A linearised machine with full bodies: as many freedoms as its finite elements have."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ from supple.methods.floating.full.linear_equations import SparseEquations
 __all__ = ["SparseMachine"]
 
 LARGEST_DENSE = 1000
-"""Independent freedoms up to which all motions are found at once."""
+"""Largest number of independent freedoms for which all motions are found at once."""
 
 _FIRST, _MOST, _ROUNDS = 4, 36, 12
-"""Motions that the shift is found with, besides the rigid ones of each body, and most of these; attempts."""
+"""Motions for finding the shift, besides the rigid ones of each body, and their upper limit; attempts."""
 
 _FROM_MODES = 0.3
-"""The shift, over the frequency of the fastest of them. A far slower one would drown them in rounding."""
+"""Ratio of the shift to the frequency of the fastest of them. A far slower mode would be lost in rounding."""
 
 _FREE = 1e-4
-"""Frequency, over the shift, below which all of them are taken for free."""
+"""Ratio of frequency to shift below which all of them count as free motions."""
 
 
 @dataclass(frozen=True, eq=False)
 class SparseMachine:
-    """Small motions `p` of a machine with full bodies at rest, or turning steadily.
+    """Small motions `p` of a machine with full bodies at rest, or in steady rotation.
 
         M p'' + C p' + K p + A^T l = 0,      A p = 0
 
-    `p` holds per body the translation and the rotation of its frame, in the frame's own axes, and its
-    coordinates. Modes come from its slowest motions; nothing here is as large as all of them together.
+    `p` contains per body the translation and the rotation of its frame, in the frame's own axes, and its
+    coordinates. Modes come from its slowest motions; no matrix here is dense of its size.
 
     system    : System          in its equilibrium
     spin      : Spin | None
@@ -60,28 +60,28 @@ class SparseMachine:
 
     @cached_property
     def slow(self) -> SlowMotions:
-        """The solver for slow motions, and a few of these."""
+        """The solver for slow motions, with a few of them."""
         rigid = 6 * len(self.system.bodies)
         return _slow_motions(self.equations, min(rigid, _MOST, self.size - _FIRST) + _FIRST)
 
     @cached_property
     def all_motions(self) -> Array:
-        """`N` (n, k) of all motions, mass-orthonormal, for a machine that is small enough."""
+        """`N` (n, k) of all motions, mass-orthonormal, for a small machine."""
         free = scipy.linalg.null_space(self.equations.constraint.toarray())
         mass, stiffness = (free.T @ (part @ free) for part in (self.equations.mass, self.equations.stiffness))
-        # As vibrations, the highest of the inverse, where rounding is in parts of the slowest.
+        # As vibrations, the highest of the inverse, whose rounding is relative to the slowest.
         square = self.slow.shift**2
         while True:
             shifted = (stiffness + stiffness.T) / 2 + square * mass
             try:
                 values, motions = scipy.linalg.eigh(mass, shifted)
-            except scipy.linalg.LinAlgError:  # something buckles at that rate
+            except scipy.linalg.LinAlgError:  # unstable by buckling at that rate
                 square *= 10
                 continue
             return free @ (motions / np.sqrt(values))
 
     def along(self, basis: Array) -> LinearMachine:
-        """The machine that moves as some motions (n, k) allow."""
+        """The machine restricted to some motions (n, k)."""
         equations = self.equations
         mass = basis.T @ (equations.mass @ basis)
         return LinearMachine(
@@ -99,7 +99,7 @@ class SparseMachine:
 
 @dataclass(frozen=True, eq=False)
 class SlowMotions:
-    """`( K + z C + z^2 M )^-1` at a shift z, on the motions that are free, and a few slow ones.
+    """`( K + z C + z^2 M )^-1` at a shift z, for the motions that are free, and a few slow ones.
 
     shift : z, rad per unit of time
     motions : (n, k), mass-orthonormal
@@ -133,7 +133,7 @@ def _slow_motions(equations: SparseEquations, number: int) -> SlowMotions:
         shift = wanted
     raise AccuracyError(
         "no shift was found at which the machine's linear equations can be solved: its stiffness spans too "
-        "many orders of magnitude; reduce its bodies, or leave out what is far stiffer than the rest"
+        "many orders of magnitude; reduce its bodies, or remove parts that are far stiffer than the rest"
     )
 
 

@@ -1,22 +1,22 @@
-"""A machine that turns, seen in axes that stand in space: rotors on unlike bearings, blades on a tower.
+"""A rotating machine in standing axes: rotors on unequal bearings, blades on a tower.
 
-Small motions `p` of bodies that turn are measured in their own axes, where what stands changes with the angle
-psi of the turn. Other coordinates, `p = W(psi) z`, see both alike:
+Small motions `p` of rotating bodies are measured in their own axes, where standing parts vary with the angle
+psi of rotation. Other coordinates, `p = W(psi) z`, describe both by constants:
 
-- the rigid motion of one turning body, the hub, as a twist at the axis, in axes that stand; the other turning
-  bodies, relative to it, so that nothing between them changes;
-- of N >= 3 equal bodies evenly around the axis, multi-blade coordinates instead of each body's own,
+- the rigid motion of one rotating body, the hub, as a twist at the axis, in standing axes; the other rotating
+bodies, relative to it, so that nothing between them varies;
+- for N >= 3 equal bodies evenly spaced around the axis, multi-blade coordinates instead of each body's own,
 
     q_b = a_0 + sum_n [ a_n cos n psi_b + b_n sin n psi_b ] (+ (-1)^b a_(N/2)),   psi_b = psi + 2 pi b / N;
 
-- of bodies that are alike all around the axis, deformation and relative motion in axes that stand
-  (`turn_generator`).
+- for bodies with cyclic symmetry about the axis, deformation and relative motion in standing axes
+(`turn_generator`).
 
 With psi' = W' constant (rate r) and M, C, K at that angle,
 
     M_z = W^T M W,    C_z = W^T (C W + 2 r M W'),    K_z = W^T (K W + r C W' + r^2 M W'').
 
-Where these do not change with psi either, their eigenvalues are exact. Else they are periodic (`Periodic`).
+If these do not vary with psi either, their eigenvalues are exact. Otherwise they are periodic (`Periodic`).
 Source: [ColemanFeingold1958]; [Johnson1980] chapter 8 for any number of blades.
 """
 
@@ -42,23 +42,23 @@ from supple.simulation.resting_state import RestingState, placed_at_rest
 __all__ = ["CONSTANT", "FEW", "BodyColumns", "Sampled", "constant_in_standing_axes", "in_standing_axes"]
 
 CONSTANT = 1e-6
-"""Equations that change by more than this part as the machine turns on have no eigenvalues."""
+"""Relative variation of the equations over the rotation above which they have no eigenvalues."""
 FEW, SAMPLES = 7, 16
-"""Angles of a turn at which equations are compared, and at which their harmonics are found."""
+"""Angles of a revolution at which equations are compared, and at which their harmonics are found."""
 FINE = 64
-"""Angles, at least, of the coordinates alone, whose derivatives are by their harmonics."""
+"""Least number of angles for the coordinates alone, whose derivatives come from their harmonics."""
 PER_BLADE = 3
-"""Angles a blade: N have waves of up to N / 2 around, and matrices harmonics of up to N + 2."""
+"""Angles per blade: N blades have waves of up to N / 2 around, and matrices harmonics of up to N + 2."""
 BETWEEN = 0.7
-"""rad, no fraction of a turn: what repeats at each of the evenly spaced angles shows here."""
+"""rad, not a fraction of a revolution: variations that vanish at all evenly spaced angles show here."""
 ROUNDING = 64 * np.finfo(float).eps
-"""Of the terms of a sum."""
+"""Relative to the terms of a sum."""
 SAME_PLACE = 1e-6
-"""Of the size of the machine, and rad: where equal bodies may be off an even spacing."""
+"""Relative to the size of the machine, and rad: allowed deviation of equal bodies from even spacing."""
 
 
 class Sampled(NamedTuple):
-    """Matrices (s, n, n), and rows (s, m, n) of the joints, at evenly spaced angles of one turn."""
+    """Matrices (s, n, n), and rows (s, m, n) of the joints, at evenly spaced angles of one revolution."""
 
     mass: Array
     damping: Array
@@ -67,7 +67,7 @@ class Sampled(NamedTuple):
 
 
 class BodyColumns(NamedTuple):
-    """Where the motions of each body stand among some coordinates, and whose shapes they are.
+    """Positions of the motions of each body among some coordinates, and the bodies of their shapes.
 
     bodies : with `n_coordinates`, and if they deform `nodes` and a `nodal_basis`
     """
@@ -77,17 +77,17 @@ class BodyColumns(NamedTuple):
 
 
 def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str) -> LinearMachine:
-    """The machine in coordinates that see what stands and what turns alike.
+    """The machine in coordinates for standing and rotating parts alike.
 
-    refusal : why it is not linearised in axes that turn along, for the error
-    Raises ModelError for a machine whose rest changes as it turns, with controllers, or whose joints leave
-    other motions free later in the turn.
+    refusal : reason why it is not linearised in co-rotating axes, for the error
+    Raises ModelError for a machine whose equilibrium varies with rotation, with controllers, or whose joints
+    leave other motions free at another angle.
     """
     if found.system.controllers:
         raise ModelError(refusal)
     columns = BodyColumns(found.equations.slices, [placed.body for placed in found.system.bodies])
     largest = max(map(len, _equal_bodies(found, spin, columns)), default=0)
-    # A few angles show what is constant; the harmonics of what is not take more.
+    # A few angles suffice for constant equations; harmonics of varying ones need more.
     for number in (FEW, max(SAMPLES, PER_BLADE * largest)):
         sampled = _sampled(found, time, spin, number, refusal)
         kept = _seen_in_every_way(found, spin, columns, sampled)
@@ -102,9 +102,9 @@ def in_standing_axes(found: RestingState, time: float, spin: Spin, refusal: str)
 def constant_in_standing_axes(
     found: RestingState, time: float, spin: Spin, columns: BodyColumns, sampled: Sampled
 ) -> LinearMachine | None:
-    """The machine in the coordinates in which it was sampled; None where it has no constant equations.
+    """The machine in the coordinates in which it was sampled; None if its equations are not constant.
 
-    Its `basis` leads to these coordinates.
+    Its `basis` maps to these coordinates.
     """
     constant = _constant(_seen_in_every_way(found, spin, columns, sampled))
     return None if constant is None else _machine(found, time, spin, constant, None)
@@ -161,10 +161,10 @@ class _Coordinates(NamedTuple):
 
 
 class _Seen(NamedTuple):
-    """A machine in some coordinates z: motions `W(0) N` (n, k) of those that are free, and their matrices.
+    """A machine in some coordinates z: free motions `W(0) N` (n, k), and their matrices.
 
     matrices : mass, damping and stiffness (s, k, k)
-    change : largest of these over the turn, over the size of each row and column
+    change : largest variation of these over the revolution, over the size of each row and column
     full_mass : (n, n) of p at the first angle
     """
 
@@ -177,14 +177,14 @@ class _Seen(NamedTuple):
 def _seen_in_every_way(
     found: RestingState, spin: Spin, columns: BodyColumns, sampled: Sampled
 ) -> list[_Seen]:
-    """In all coordinates in which the joints leave the same motions free."""
+    """The machine in all coordinates in which the joints leave the same motions free."""
     ways = _ways(found, spin, columns, len(sampled.mass))
     seen = (_seen(sampled, spin, coordinates) for coordinates in ways)
     return [each for each in seen if each is not None]
 
 
 def _ways(found: RestingState, spin: Spin, columns: BodyColumns, number: int) -> Iterator[_Coordinates]:
-    """Coordinates to try, those that are most likely to see nothing change first."""
+    """Coordinates to try, those most likely to give constant equations first."""
     groups = _equal_bodies(found, spin, columns)
     fine = number * -(-max(FINE, PER_BLADE * max(map(len, groups), default=0)) // number)
     angles = 2 * np.pi * np.arange(fine) / fine
@@ -197,7 +197,7 @@ def _ways(found: RestingState, spin: Spin, columns: BodyColumns, number: int) ->
 
 
 def _seen(sampled: Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | None:
-    """None where the joints leave other motions free as the machine turns."""
+    """None if the joints leave other motions free as the machine rotates."""
     W, first, second = coordinates
     rows = sampled.constraint @ W
     size = 1 / np.sqrt(np.einsum("ij,ij->j", W[0], sampled.mass[0] @ W[0]))
@@ -214,7 +214,7 @@ def _seen(sampled: Sampled, spin: Spin, coordinates: _Coordinates) -> _Seen | No
 
 
 def _without_noise(matrices: Sequence[Array], rate: float) -> Iterator[Array]:
-    """Zero for what rounding alone leaves between two motions, which would upset scales of eigenvalues."""
+    """Zero for rounding between two motions, which would disturb the scales of eigenvalues."""
     mass, _, stiffness = matrices
     size = np.sqrt(np.abs(np.diag(stiffness)) + rate**2 * np.diag(mass))
     for matrix, scale in zip(matrices, (rate**2, abs(rate), 1.0), strict=True):
@@ -222,7 +222,7 @@ def _without_noise(matrices: Sequence[Array], rate: float) -> Iterator[Array]:
 
 
 def _change(matrices: tuple[Array, Array, Array], rate: float) -> float:
-    """Largest change over the turn, over the size of each row and column."""
+    """Largest variation over the revolution, over the size of each row and column."""
     mass, damping, stiffness = matrices
     size = np.sqrt(np.abs(np.diag(stiffness[0])) + rate**2 * np.diag(mass[0]))
     scales = (rate**2, abs(rate), 1.0)
@@ -238,7 +238,7 @@ def _starts(columns: BodyColumns) -> Array:
 
 
 def _hub(found: RestingState, turning: Array) -> int:
-    """The turning body that a joint, or else a force, holds to what stands; the first one where none does."""
+    """The rotating body connected by a joint, or else a force, to a standing part; by default the first."""
     system = found.system
     elements: list[Any] = [*system.joints, *(load for load in system.loads if hasattr(load, "second"))]
     for element in sorted(elements, key=lambda each: not isinstance(each, Joint)):
@@ -252,7 +252,7 @@ def _hub(found: RestingState, turning: Array) -> int:
 
 
 def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles: Array) -> Array:
-    """`S` (s, n, n): the hub's rigid motion from its twist at the axis, in axes that stand."""
+    """`S` (s, n, n): the hub's rigid motion from its twist at the axis, in standing axes."""
     turning, starts = turning_bodies(found, spin), _starts(columns)
     n = columns.slices[-1].stop
     with_hub, configuration = np.zeros((n, 6)), found.configuration
@@ -270,7 +270,7 @@ def _hub_in_space(found: RestingState, spin: Spin, columns: BodyColumns, angles:
 
 
 def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list[list[int]]:
-    """Turning bodies, three or more, of one size and evenly around the axis; in the order of their angle."""
+    """Rotating bodies, three or more, of one size and evenly around the axis; in the order of their angle."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     length = float(found.equations.model.length)
@@ -301,7 +301,7 @@ def _equal_bodies(found: RestingState, spin: Spin, columns: BodyColumns) -> list
 def _round_bodies(
     found: RestingState, spin: Spin, columns: BodyColumns, blades: list[int], angles: Array
 ) -> Array:
-    """(s, n, n): motion of turning bodies that are alike all around, from that in axes that stand."""
+    """(s, n, n): motion of rotating bodies with cyclic symmetry, from that in standing axes."""
     turning, configuration = turning_bodies(found, spin), found.configuration
     hub, slices = _hub(found, turning), columns.slices
     T = np.tile(np.eye(slices[-1].stop), (len(angles), 1, 1))
@@ -329,7 +329,7 @@ def _length(part: slice) -> int:
 
 
 def _multi_blade(columns: BodyColumns, groups: list[list[int]], angles: Array) -> Array:
-    """`T` (s, n, n): the coordinates of equal bodies from multi-blade ones, which stand in their places."""
+    """`T` (s, n, n): the coordinates of equal bodies from multi-blade ones, stored at their positions."""
     n = columns.slices[-1].stop
     T = np.tile(np.eye(n), (len(angles), 1, 1))
     for group in groups:

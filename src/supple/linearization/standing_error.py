@@ -1,13 +1,13 @@
-"""Modes of a machine seen from axes that stand, with what the bases of its bodies lack.
+"""Modes of a machine in standing axes, with the part that the bases of its bodies lack.
 
-In its own axes a body does not change as it turns; joints and forces act on its interfaces alone. Of a
-motion x of a mode, at whatever frequency s the body sees it, `( s^2 M + s C + K ) x = f`. The answers
+In its own axes a body does not vary with rotation; joints and forces act at its interfaces alone. For a
+motion x of a mode, at any frequency s relative to the body, `( s^2 M + s C + K ) x = f`. The responses
 
     K(z)^-1 M x,    K(z)^-1 C x,    K(z) = K + z C + z^2 M,
 
-of the machine with all coordinates therefore hold what a basis lacks, for every s. They are added to the
-bases, those of one blade to all equal ones, those of bodies that are alike all around with the same turned,
-until the modes stay.
+of the machine with all coordinates therefore contain the missing part of a basis, for every s. They are added
+to the bases, those of one blade to all equal ones, those of cyclic bodies with their rotated copies, until
+the modes converge.
 Source: [Voss2004], as for `slowest_motions`.
 """
 
@@ -38,19 +38,19 @@ __all__ = ["StandingTurn", "slowest_in_standing_axes"]
 
 ROUNDS = 8
 STAYS = 1e-6
-"""Of an eigenvalue: modes that move by less in a round are those of the machine."""
+"""Relative change of an eigenvalue per round below which modes have converged."""
 STILL = 1e-6
-"""Of the fastest eigenvalue: what is slower is a rigid motion."""
+"""Relative to the fastest eigenvalue: slower motions are rigid."""
 NEW = 1e-5
-"""Part of an answer below which what is new in it is rounding."""
+"""Relative to a response: a smaller new part is rounding."""
 ALIKE = 1e-9
-"""Of a basis: what that of an equal body may differ by."""
+"""Relative to a basis: allowed difference for equal bodies."""
 PAIRED = 0.99
-"""Ratio of sizes from which two columns are a shape and the same turned: both are kept, or none."""
+"""Ratio of sizes above which two columns are a shape and its rotated copy: both are kept, or none."""
 
 
 class _Shapes(NamedTuple):
-    """Of a body, its columns as motions of its nodes."""
+    """The columns of a body as motions of its nodes."""
 
     nodes: Array
     nodal_basis: Array
@@ -62,10 +62,10 @@ class _Shapes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StandingTurn:
-    """A machine with all coordinates at angles of its turn, seen from axes that stand.
+    """A machine with all coordinates at angles of its rotation, in standing axes.
 
     found : RestingState        its equilibrium
-    fulls, vectors : by name    the bodies that were reduced, and the columns (n, r) of their bases
+    fulls, vectors : by name    the full bodies of reduced ones, and the columns (n, r) of their bases
     """
 
     found: RestingState
@@ -84,7 +84,7 @@ class StandingTurn:
         return every
 
     def expansion(self, vectors: Mapping[str, Array]) -> Array:
-        """From motions in some bases to those of all coordinates, (N, n)."""
+        """Map from motions in some bases to those of all coordinates, (N, n)."""
         blocks = []
         for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True):
             own = np.eye(part.stop - part.start)
@@ -94,12 +94,12 @@ class StandingTurn:
         return scipy.linalg.block_diag(*blocks)
 
     def along(self, vectors: Mapping[str, Array]) -> LinearMachine:
-        """The machine in some bases, its own `basis` leading to their coordinates.
+        """The machine in some bases; its own `basis` maps to their coordinates.
 
-        Raises AccuracyError where its equations in axes that stand are not constant.
+        Raises AccuracyError if its equations in standing axes are not constant.
         """
         expansion = self.expansion(vectors)
-        # Their columns obey the conditions of the frames, the last six rows of each full body.
+        # Their columns satisfy the conditions of the frames, the last six rows of each full body.
         joints = self.turned[0].constraint.shape[0] - 6 * len(self.fulls)
         sampled = Sampled(
             mass=np.array([expansion.T @ (each.mass @ expansion) for each in self.turned]),
@@ -110,8 +110,8 @@ class StandingTurn:
         machine = constant_in_standing_axes(self.found, self.time, self.spin, self._columns(vectors), sampled)
         if machine is None:
             raise AccuracyError(
-                "with all coordinates of its bodies the machine has no constant equations in axes that "
-                "stand: the error of the bases is not known; leave it out, fulls=()"
+                "with all coordinates of its bodies the machine has no constant equations in standing "
+                "axes: the error of the bases is not known; skip its estimate, fulls=()"
             )
         return machine
 
@@ -127,7 +127,7 @@ class StandingTurn:
         return BodyColumns(slices, bodies)
 
     def enlarged(self, vectors: Mapping[str, Array], answers: Array) -> dict[str, Array]:
-        """The bases with what some motions (N, k) of all coordinates add to them."""
+        """The bases, extended by the new parts of some motions (N, k) of all coordinates."""
         own = {
             placed.body.name: answers[part.start + 6 : part.stop]
             for placed, part in zip(self.found.system.bodies, self.found.equations.slices, strict=True)
@@ -135,7 +135,7 @@ class StandingTurn:
         }
         found: dict[str, Array] = {}
         for name, basis in vectors.items():
-            # Bodies that were reduced alike stay so, whether they are blades of one rotor or not.
+            # Equal bodies keep equal bases, whether they are blades of one rotor or not.
             alike = [other for other in vectors if _is_alike(self.fulls, vectors, name, other)]
             known = next((found[other] for other in alike if other in found), None)
             if known is None:
@@ -162,7 +162,7 @@ class StandingTurn:
 
 
 def _is_alike(fulls: Mapping[str, FullBody], vectors: Mapping[str, Array], first: str, second: str) -> bool:
-    """Whether two bodies were reduced alike, to rounding."""
+    """Whether two bodies have equal reductions, within rounding."""
     ours, theirs = vectors[first], vectors[second]
     if ours.shape != theirs.shape or not np.array_equal(fulls[first].nodes, fulls[second].nodes):
         return False
@@ -177,9 +177,9 @@ def slowest_in_standing_axes(
 ) -> tuple[Any, Any]:
     """Eigenvalues and shapes (N, k), at the first angle, of the slowest modes with all coordinates.
 
-    machine : the same in axes that turn along, whose factor answers
+    machine : the same in co-rotating axes, whose factor is used for the responses
     modes_of : eigenvalues and coordinates of the modes of a `LinearMachine`, slowest first
-    Raises AccuracyError for modes that do not stay, or equations that are not constant.
+    Raises AccuracyError for modes that do not converge, or equations that are not constant.
     """
     vectors, before = turn.vectors, np.zeros(0)
     for _ in range(ROUNDS):
@@ -196,6 +196,6 @@ def slowest_in_standing_axes(
         norms = np.sqrt(np.einsum("ij,ij->j", answers, equations.mass @ answers))
         vectors = turn.enlarged(vectors, answers[:, norms > 0] / norms[norms > 0])
     raise AccuracyError(
-        f"the modes with all coordinates have not converged in axes that stand after {ROUNDS} rounds: the "
-        "error of the bases is not known; ask for fewer modes, or leave it out, fulls=()"
+        f"the modes with all coordinates have not converged in standing axes after {ROUNDS} rounds: the "
+        "error of the bases is not known; request fewer modes, or skip its estimate, fulls=()"
     )

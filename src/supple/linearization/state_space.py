@@ -1,4 +1,4 @@
-"""A linearised machine as a control engineer knows it: A, B, C, D."""
+"""State space A, B, C, D of a linearised machine."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class _Derivative:
 
     @property
     def label(self) -> str:
-        """Of the port."""
+        """Label of the port, with the kind of derivative."""
         return f"{type(self).__name__.lower()} of {self.of.label}"
 
 
 class Velocity(_Derivative):
-    """The rate of a port's motion, as output; of a machine that turns, seen in axes that turn along."""
+    """The rate of a port's motion, as output; for a rotating machine, in co-rotating axes."""
 
 
 class Acceleration(_Derivative):
@@ -55,7 +55,7 @@ class StateSpace:
 
     @property
     def matrices(self) -> tuple[Array, Array, Array, Array]:
-        """`(A, B, C, D)`, as `scipy.signal.StateSpace(*..)` and `control.ss(*..)` take them."""
+        """`(A, B, C, D)`, the arguments of `scipy.signal.StateSpace(*..)` and `control.ss(*..)`."""
         return self.a, self.b, self.c, self.d
 
     def write_matlab(self, path: str | Path) -> Path:
@@ -92,13 +92,13 @@ def state_space(
         )
     if machine.periodic is not None:
         raise ModelError(
-            "the equations of the machine change periodically as it turns, and a state space has constant "
+            "the equations of the machine are periodic in its rotation, and a state space has constant "
             "ones: machine_modes has its Floquet modes"
         )
     for name, ports in (("inputs", inputs), ("outputs", outputs)):
         check_sequence(f"state_space, {name}", ports, "a list of ports, also of a single one")
         if not ports:
-            raise ModelError(f"a state space needs {name}: name at least one port")
+            raise ModelError(f"a state space needs {name}: give at least one port")
     k, control = machine.size, machine.control
     pushed = np.array([port.row(machine) for port in inputs]).T
     loads = np.column_stack([-machine.stiffness, -machine.damping, control.forces, pushed])
@@ -119,7 +119,7 @@ def state_space(
 
 
 def _rates(control: LinearControl) -> Array:
-    """Of the controllers' states, by all states."""
+    """Rates of the controllers' states, by all states."""
     return np.hstack([control.by_position, control.by_velocity, control.by_state])
 
 

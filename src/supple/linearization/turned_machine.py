@@ -1,4 +1,4 @@
-"""A machine that turns steadily, later in its turn, and its linear equations there."""
+"""A machine in steady rotation at a later angle, and its linear equations there."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ __all__ = ["TurnedEquations", "equations_turned_on", "refuse_other_speeds", "tur
 
 
 SAME_RATE = 1e-9
-"""Of the spin: a drive that is slower is held."""
+"""Relative to the spin: a slower drive counts as fixed."""
 
 
 class TurnedEquations(NamedTuple):
-    """Linear equations, and the part of the forces that the joints cannot carry there."""
+    """Linear equations, and the part of the forces that the joints cannot carry at that angle."""
 
     equations: LinearEquations | SparseEquations
     unbalanced: float
 
 
 def turning_bodies(found: RestingState, spin: Spin) -> np.ndarray:
-    """Which bodies turn, (nb,)."""
+    """Whether each body rotates, (nb,)."""
     return found.turning.angular_velocities @ spin.axis != 0
 
 
 def refuse_other_speeds(found: RestingState, time: float, spin: Spin) -> None:
-    """Raise ModelError for a drive with a rate between bodies that both turn, or both stand."""
+    """Raise ModelError for a drive with a rate between bodies that both rotate, or both stand."""
     turning = turning_bodies(found, spin)
     for joint in found.system.joints:
         if not isinstance(joint, PrescribedRotation) or _turns(joint.first, found, turning) != _turns(
@@ -47,9 +47,9 @@ def refuse_other_speeds(found: RestingState, time: float, spin: Spin) -> None:
         rate = float(WithRate(joint.law)(time)[1])
         if abs(rate) > SAME_RATE * abs(spin.rate):
             raise ModelError(
-                f"joint '{joint.name}' turns at {rate:g} rad per unit of time between bodies that turn "
-                f"alike, beside a spin of {spin.rate:g}: a machine of two speeds is not linearised. Hold it, "
-                "angle=0.0, or give the spin that rate, if the bodies on one side of the joint turn with it"
+                f"joint '{joint.name}' rotates at {rate:g} rad per unit of time between bodies that rotate "
+                f"alike, beside a spin of {spin.rate:g}: machines of two speeds are not linearised. Fix it, "
+                "angle=0.0, or give the spin that rate, if the bodies on one side of the joint rotate with it"
             )
 
 
@@ -58,7 +58,7 @@ def _turns(end: At | Any, found: RestingState, turning: np.ndarray) -> bool:
 
 
 def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> TurnedEquations:
-    """The equations of the machine turned on by an angle (rad) about the axis, its loads as they are."""
+    """The equations of the machine rotated by an angle (rad) about the axis, with its loads unchanged."""
     system = _turned_on(found, time, spin, angle)
     system = replace(system, bodies=tuple(map(at_rest, system.bodies)))
     later = equations_of(system, found.turning, time, found.equations.model.active)
@@ -67,7 +67,7 @@ def equations_turned_on(found: RestingState, time: float, spin: Spin, angle: flo
 
 
 def _turned_on(found: RestingState, time: float, spin: Spin, angle: float) -> System:
-    """The machine with what turns turned on, its driven joints with it."""
+    """The machine with its rotating bodies at a later angle, and its driven joints accordingly."""
     turn = Rotation.from_rotvec(angle * spin.axis).as_matrix()
     turning = turning_bodies(found, spin)
     system = placed_at_rest(found)

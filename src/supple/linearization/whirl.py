@@ -1,7 +1,7 @@
-"""How what turns moves across its axis: whirl with the spin or against it, and its frequency in space.
+"""Whirl of rotating bodies, forward or backward, and its frequency in space.
 
-Of a motion `Re( a e^(i w t) )` across the axis, `a_1 + i a_2` goes round as the spin does and `a_1 - i a_2`
-against it. In axes that turn along at W the parts are seen at w; in space they go round at w + W and w - W.
+For a motion `Re( a e^(i w t) )` normal to the axis, `a_1 + i a_2` rotates with the spin and `a_1 - i a_2`
+against it. In axes that rotate at W both parts have the frequency w; in space they have w + W and w - W.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ __all__ = ["Whirl", "whirl"]
 Array = np.ndarray
 
 LEAST = 1e-6
-"""Of the kinetic energy of a mode: less across the axis is no whirl."""
+"""Relative to the kinetic energy of a mode: a smaller motion normal to the axis is not whirl."""
 ROUND, TURNING_ROUND = 1e-3, 0.5
-"""Difference of both senses over their sum: of an orbit in space, however flat, and of one that is seen in
-axes that turn along, where a flat one is two motions in space."""
+"""Difference of both senses over their sum: for an orbit in space, however flat, and for one in co-rotating
+axes, where a flat one is two motions in space."""
 ALIKE = 1e-6
-"""Of frequencies in axes that turn along: the motions of modes this near may be any sums of each other."""
+"""Relative distance of frequencies in co-rotating axes within which modes may be any sums of each other."""
 ON_AXIS = 1e-6
-"""Of the size of a body."""
+"""Relative to the size of a body."""
 
 
 class Whirl(NamedTuple):
-    """Of each mode.
+    """Whirl of each mode.
 
-    sense : (k,)            1 as the spin turns, -1 against it, 0 of neither, or not known
-    frequencies : (k,)      rad per unit of time, in space; NaN where nothing moves across the axis, or as one
+    sense : (k,)            1 forward, -1 backward, 0 for neither, or unknown
+    frequencies : (k,)      rad per unit of time, in space; NaN without a coherent motion normal to the axis
     """
 
     sense: Array
@@ -41,7 +41,7 @@ class Whirl(NamedTuple):
 
 
 def whirl(modes: MachineModes) -> Whirl:
-    """Whirl of the turning bodies in each mode; of a machine without spin nothing is forward or backward."""
+    """Whirl of the rotating bodies in each mode; without spin there is no forward or backward whirl."""
     machine, w = modes.machine, modes.frequencies
     if machine.spin is None:
         return Whirl(np.zeros(len(w), dtype=int), np.full(len(w), np.nan))
@@ -61,9 +61,9 @@ def whirl(modes: MachineModes) -> Whirl:
 
 
 def _across(machine: LinearMachine, shapes: Array) -> tuple[Array, Array]:
-    """Motions (j, k) along two directions across the axis: of all that turns as one, of points on the axis.
+    """Motions (j, k) along two directions normal to the axis: of the rotor as a whole, of points on the axis.
 
-    In units of the kinetic energy of what moves so.
+    In units of the kinetic energy of that motion.
     """
     spin = machine.spin
     assert spin is not None

@@ -1,4 +1,4 @@
-"""Airfoil section: the outline of a blade's cross-section, in parts of its chord."""
+"""Airfoil section: the outline of a blade's cross-section, relative to its chord."""
 
 from __future__ import annotations
 
@@ -16,17 +16,18 @@ __all__ = ["AirfoilSection", "TrailingEdge"]
 FloatArray = NDArray[np.float64]
 
 FEWEST_POINTS = 5
-# How far an outline may miss x/c = 0 and 1 before it is taken to be in another unit than its chord.
+# Tolerance of x/c = 0 and 1, beyond which the outline is in another unit than its chord.
 CHORD_TOLERANCE = 0.02
 # Rounded coordinates near a thin edge may cross by this much.
 CROSSING_TOLERANCE = 1e-5
 
 
 class TrailingEdge(Enum):
-    """What kind of trailing edge an outline has; the value is the part of the chord over which it is closed.
+    """Kind of trailing edge of an outline; the value is the part of the chord over which it is closed.
 
-    An airfoil ends in a thin base, which a shell without thickness closes gently over the last tenth of the
-    chord. A round section (the root, and what leads from it to the first airfoil) must stay round to its end.
+    An airfoil ends in a thin base, which a shell without thickness closes gradually over the last tenth of
+    the chord. A round section (at the root, and in the transition to the first airfoil) stays round to its
+    end.
     """
 
     AIRFOIL = 0.1
@@ -42,10 +43,10 @@ class AirfoilSection:
     name : str
     outline : float array (p, 2)    x/c, y/c from the trailing edge around the leading edge and back, either
                                     side first; each side must be a function of x/c
-    trailing_edge : TrailingEdge    over what part of the chord the two ends are brought together
+    trailing_edge : TrailingEdge    part of the chord over which the two ends are joined
     Raises
     ------
-    MeshError   wrong shape, too few points, NaN, not in parts of the chord, crossing itself, folding back
+    MeshError   wrong shape, too few points, NaN, not relative to the chord, crossing itself, folding back
     """
 
     name: str
@@ -59,13 +60,13 @@ class AirfoilSection:
     def heights(self, x: ArrayLike) -> FloatArray:
         """Heights y/c (2, len(x)) of the lower and the upper side at x/c, meeting at the trailing edge.
 
-        A side that ends short of x/c = 1 goes on at its last height. The gap between the sides is closed
+        A side that ends short of x/c = 1 is extended at its last height. The gap between the sides is closed
         linearly over the last part of the chord: y -> y - ramp(x) (y(1) - mean of both y(1)).
         """
         x = np.asarray(x, dtype=np.float64)
         first, second = _sides(self.outline)
-        # The point nearest the leading edge comes first of those with the same x/c: the end of a blunt base
-        # is the corner, not the middle that some outlines list, too.
+        # Of points with the same x/c, the one nearest the leading edge comes first: the end of a blunt base
+        # is its corner, not the middle that some outlines also list.
         both = np.array([_interpolate(side, x) for side in (first, second)])
         ends = np.array([_interpolate(side, np.ones(1)) for side in (first, second)])
         ramp = np.clip(1 - (1 - x) / self.trailing_edge.value, 0, 1)
@@ -113,7 +114,7 @@ def _check_outline(name: str, outline: FloatArray) -> None:
 
 
 def _check_crossing(name: str, outline: FloatArray) -> None:
-    """Both sides are functions of x/c by now, so they cross where their difference changes its sign."""
+    """Both sides are functions of x/c here, so they cross where their difference changes sign."""
     x = np.unique(outline[:, 0])
     first, second = (_interpolate(side, x) for side in _sides(outline))
     apart = np.abs(second - first) > CROSSING_TOLERANCE

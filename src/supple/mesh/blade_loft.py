@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 NARROWEST_PANEL = 0.05
-"""Part of the chord that nose and aft panels keep."""
+"""Least part of the chord for the nose and aft panels."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,18 +41,18 @@ class ShearWebs:
             if not isfinite(getattr(self, field.name)):
                 raise MeshError(f"webs: {field.name} is {getattr(self, field.name)}; give a number")
         if self.start >= self.end:
-            raise MeshError(f"webs run from {self.start:g} to {self.end:g}; the end lies beyond the start")
+            raise MeshError(f"webs run from {self.start:g} to {self.end:g}; give an end beyond the start")
         if self.fore >= self.aft:
-            raise MeshError(f"webs at {self.fore:g} (fore) and {self.aft:g} (aft); fore is nearer the nose")
+            raise MeshError(f"webs at {self.fore:g} (fore) and {self.aft:g} (aft); give fore nearer the nose")
 
 
 @dataclass(frozen=True, kw_only=True)
 class BladeGrid:
     """Numbers of cells around each side (nose panel, cap, aft panel), over the webs' depth, along the span.
 
-    `centre_splits` names quadrilaterals (segment from the root, panel from the trailing edge over the lower
-    side) that are cut into four triangles about their centre, instead of two: one node and two triangles more
-    each.
+    `centre_splits` lists quadrilaterals (segment from the root, panel from the trailing edge over the lower
+    side) that are divided into four triangles about their centre, instead of two: one node and two triangles
+    more each.
     """
 
     nose_panel: int = 4
@@ -85,15 +85,15 @@ class BladeGrid:
 
     @property
     def nose(self) -> int:
-        """Place of the leading edge in a ring; the trailing edge is at 0, the lower side lies between."""
+        """Index of the leading edge in a ring; the trailing edge is 0, the lower side in between."""
         return self.n_around // 2
 
 
 def loft_blade(stations: BladeStations, webs: ShearWebs, grid: BladeGrid = BladeGrid()) -> Mesh:
     """Mid-surface of skin and two webs, of triangles, open at both ends; normals of the skin point outward.
 
-    Rings of nodes stand at equal steps of span from the root to the webs' start, to their end, to the tip.
-    Around a ring they stand at equal arcs between trailing edge, aft web, fore web and leading edge. The webs
+    Rings of nodes are at equal steps of span from the root to the webs' start, to their end, to the tip.
+    Around a ring nodes are at equal arcs between trailing edge, aft web, fore web and leading edge. The webs
     are straight between the skins. With `s` segments, `n` nodes around, webs of `w` segments and `d` cells
     depth there are
         N = n (s + 1) + 2 (w + 1)(d - 1) nodes,   F = 2 n s + 4 w d triangles.
@@ -160,7 +160,7 @@ def _ring_spans(stations: BladeStations, webs: ShearWebs, grid: BladeGrid) -> Fl
 
 
 def _webbed(grid: BladeGrid) -> slice:
-    """Rings that the webs join."""
+    """Rings connected by the webs."""
     return slice(grid.root_segments, grid.root_segments + grid.web_segments + 1)
 
 
@@ -179,7 +179,7 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
             f"(aft) on a chord of {chord[k]:g}; they need {NARROWEST_PANEL} .. "
             f"{1 - NARROWEST_PANEL}, so end the webs before, or move them nearer to the pitch axis"
         )
-    # Towards a slender tip, beyond the webs, the panels need their share of the chord.
+    # Beyond the webs, towards a slender tip, the panels keep their least share of the chord.
     fore, aft = np.maximum(fore, NARROWEST_PANEL), np.minimum(aft, 1 - NARROWEST_PANEL)
     y = stations.shapes(span)
     x = np.broadcast_to(SHAPE_POINTS, y.shape)
@@ -209,7 +209,7 @@ def _rings(stations: BladeStations, webs: ShearWebs, grid: BladeGrid, span: Floa
 
 
 def _parts(n_cells: int) -> FloatArray:
-    """Places of the cells' first nodes in 0 .. 1."""
+    """Positions of the cells' first nodes in 0 .. 1."""
     return np.arange(n_cells) / n_cells
 
 

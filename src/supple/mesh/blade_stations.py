@@ -17,7 +17,7 @@ __all__ = ["BladeStations"]
 
 FloatArray = NDArray[np.float64]
 
-# Sections are resampled at this many points of x/c, close together at both edges (cosine spacing).
+# Sections are resampled at this many points of x/c, dense at both edges (cosine spacing).
 N_SHAPE_POINTS = 201
 SHAPE_POINTS = read_only((1 - np.cos(np.linspace(0, np.pi, N_SHAPE_POINTS))) / 2)
 
@@ -28,10 +28,11 @@ class BladeStations:
 
     The pitch axis is z, from the root; x points to the upper (suction, downwind) side, y to the trailing
     edge.
-    A section's point (x/c, y/c) lies at
+    The point (x/c, y/c) of a section is at
         X = xi sin(twist) + eta cos(twist) + prebend,   xi = (x/c - pitch_axis) chord,
         Y = xi cos(twist) - eta sin(twist) + sweep,     eta = (y/c) chord,     Z = span:
-    positive twist turns the nose to -x, into the wind. Sections stay normal to z, also where the axis bends.
+    positive twist rotates the nose to -x, into the wind. Sections stay normal to z, also where the axis
+    bends.
 
     Parameters
     ----------
@@ -39,7 +40,7 @@ class BladeStations:
     sections : AirfoilSection (n,)
     chord : float array (n,)        m, above zero
     twist : float array (n,)        rad
-    pitch_axis : float array (n,)   x/c of the point that lies on the pitch axis
+    pitch_axis : float array (n,)   x/c of the point on the pitch axis
     prebend, sweep : float (n,)     m, offsets of the axis along x and y
     Raises
     ------

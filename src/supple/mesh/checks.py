@@ -1,4 +1,4 @@
-"""Checks of a mesh on entry: each mistake has its own message, with the place and the remedy."""
+"""Checks of a mesh on entry: one message for each kind of error, with location and remedy."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def check_mesh(
     cell_ids: Mapping[CellType, IntArray],
     links: IntArray,
 ) -> None:
-    """Raise MeshError at the first mistake, in the mesh's ids; later checks may rely on earlier ones."""
+    """Raise MeshError at the first error, with the mesh's ids; later checks rely on earlier ones."""
     names = _Names(node_ids, cell_ids)
     _check_node_coordinates(nodes, names)
     _check_cell_arrays(cells, links)
@@ -71,7 +71,7 @@ def check_ids(
 
 
 class _Names(NamedTuple):
-    """What nodes and cells are called in messages."""
+    """Ids of nodes and cells for messages."""
 
     node_ids: IntArray
     cell_ids: Mapping[CellType, IntArray]
@@ -98,7 +98,7 @@ def _check_links(nodes: FloatArray, links: IntArray) -> None:
     if links.ndim != 2 or links.shape[1] != 2:
         raise MeshError(f"links have shape {links.shape}; expected (L, 2)")
     if links.size and (links.min() < 0 or links.max() >= len(nodes)):
-        raise MeshError(f"a link names a node outside 0 .. {len(nodes) - 1}; node numbers start at 0")
+        raise MeshError(f"a link has a node outside 0 .. {len(nodes) - 1}; node numbers start at 0")
 
 
 def _check_cell_arrays(cells: Mapping[CellType, IntArray], links: IntArray) -> None:
@@ -117,7 +117,7 @@ def _check_cell_node_range(nodes: FloatArray, cells: Mapping[CellType, IntArray]
         bad = np.flatnonzero(((array < 0) | (array >= len(nodes))).any(axis=1))
         if bad.size:
             raise MeshError(
-                f"{_some(f'{kind.name} cell', ids[bad])} naming nodes outside 0 .. {len(nodes) - 1}; "
+                f"{_some(f'{kind.name} cell', ids[bad])} with nodes outside 0 .. {len(nodes) - 1}; "
                 f"cell {ids[bad[0]]} has nodes {array[bad[0]].tolist()}; node numbers start at 0"
             )
 
@@ -129,7 +129,7 @@ def _check_repeated_nodes(cells: Mapping[CellType, IntArray], names: _Names) -> 
         bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
         if bad.size:
             raise CellError(
-                f"{_some(f'{kind.name} cell', ids[bad])} with a node named twice; cell {ids[bad[0]]} has "
+                f"{_some(f'{kind.name} cell', ids[bad])} with a repeated node; cell {ids[bad[0]]} has "
                 f"nodes {names.nodes(array[bad[0]])}; write collapsed cells as their own, simpler type",
                 kind.name,
                 int(bad[0]),
@@ -146,7 +146,7 @@ def _check_orphan_nodes(
     bad = np.flatnonzero(~used)
     if bad.size:
         raise MeshError(
-            f"{_some('orphan node', names.node_ids[bad])}: no cell uses them, so nothing holds them; node "
+            f"{_some('orphan node', names.node_ids[bad])}: no cell uses them; node "
             f"{names.node_ids[bad[0]]} is at "
             f"{_point(nodes[bad[0]])}; drop unused nodes (readers: unused_nodes=UnusedNodes.DROP)"
         )
@@ -174,10 +174,10 @@ def _check_members(what: str, members: IntArray, count: int, of_what: str) -> No
         raise MeshError(f"{what} is empty; leave it out, or name its members")
     bad = members[(members < 0) | (members >= count)]
     if bad.size:
-        raise MeshError(f"{what} names {bad[0]}, but the mesh has {count} {of_what}, numbered from 0")
+        raise MeshError(f"{what} contains {bad[0]}, but the mesh has {count} {of_what}, numbered from 0")
     if len(np.unique(members)) != len(members):
         values, counts = np.unique(members, return_counts=True)
-        raise MeshError(f"{what} names {values[counts > 1][0]} more than once; name each member once")
+        raise MeshError(f"{what} has {values[counts > 1][0]} more than once; list each member once")
 
 
 def _check_cell_geometry(nodes: FloatArray, cells: Mapping[CellType, IntArray], names: _Names) -> None:
@@ -205,7 +205,7 @@ def _check_line_lengths(nodes: FloatArray, lines: IntArray, names: _Names) -> No
 
 
 def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names) -> None:
-    """A triangle in space has no wrong side, so only its height against its longest edge is checked."""
+    """A triangle in space has no wrong side, so only its height relative to its longest edge is checked."""
     kind = CellType.TRIANGLE3
     corners = nodes[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
@@ -223,16 +223,16 @@ def _check_flat_triangles(nodes: FloatArray, triangles: IntArray, names: _Names)
 
 
 def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, names: _Names) -> None:
-    """The Jacobian det dx/dxi of the cell's own map must be positive where its strain is taken.
+    """Check that the Jacobian det dx/dxi of the cell's own map is positive at its strain points.
 
-    Elsewhere, at nodes above all, a coarse cell with curved sides may well have a negative one: its mass and
-    stiffness are sound all the same.
+    Elsewhere, above all at nodes, a coarse cell with curved sides may have a negative one, with correct mass
+    and stiffness.
     """
     corners, ids = nodes[array], names.cell_ids[kind]
     extent = np.ptp(corners, axis=1).max(axis=1)
     gradients = shape_gradients(kind, strain_rule(kind).points)
     smallest = np.full(len(array), np.inf)
-    for gradient in gradients:  # one point at a time keeps the memory small
+    for gradient in gradients:  # one point at a time, to limit the memory
         np.minimum(smallest, np.linalg.det(np.einsum("eai,aj->eij", corners, gradient)), out=smallest)
     bad = np.flatnonzero(smallest < -FLATTEST_SOLID * extent**3)
     if bad.size:
@@ -258,7 +258,7 @@ def _check_solid_jacobians(nodes: FloatArray, kind: CellType, array: IntArray, n
 def _check_connected(
     nodes: FloatArray, cells: Mapping[CellType, IntArray], links: IntArray, names: _Names
 ) -> None:
-    # Linking each node of a cell to the next is enough to connect them all.
+    # To connect each node of a cell with the next one is sufficient.
     start = np.concatenate([links[:, 0], *(array[:, :-1].ravel() for array in cells.values())])
     end = np.concatenate([links[:, 1], *(array[:, 1:].ravel() for array in cells.values())])
     graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(len(nodes), len(nodes)))

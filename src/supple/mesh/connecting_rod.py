@@ -22,11 +22,11 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Eye:
-    """One end of a connecting rod: a ring about a bore, and the width of the shank that meets it.
+    """One end of a connecting rod: a ring about a bore, and the width of the shank at it.
 
     bore : m, radius of the bore
     rim : m, outer radius of the ring
-    shank_width : m, width of the shank where it meets the ring, less than twice the rim's radius
+    shank_width : m, width of the shank at the ring, less than twice the rim's radius
     """
 
     bore: float
@@ -59,7 +59,7 @@ class Eye:
 
     @property
     def segment(self) -> float:
-        """Area of the disc beyond the chord, m^2, which ring and shank would share."""
+        """Area of the disc beyond the chord, m^2, which ring and shank would both contain."""
         angle = self.shank_angle
         return self.rim**2 * (angle - float(np.sin(angle) * np.cos(angle)))
 
@@ -131,7 +131,7 @@ def connecting_rod(outline: RodOutline, cells: RodCells, cell_type: CellType) ->
     section, quads, sets = _section(outline, cells)
     half = 0.5 * outline.thickness
     stations = np.linspace(-half, half, cells.thickness + 1)
-    # The extrusion runs along x over a y-z section; turning the axes round makes it z over x-y.
+    # The extrusion is along x over a y-z section; a cyclic change of the axes makes it z over x-y.
     mesh = extrude(section, quads, stations, cell_type, section_sets=sets)
     nodes = mesh.nodes[:, [1, 2, 0]].copy()
     circles = {
@@ -153,8 +153,8 @@ def _section(outline: RodOutline, cells: RodCells) -> tuple[FloatArray, IntArray
     small[:, 0] += outline.length
     small_grid += len(big)
     meeting = slice(0, cells.width + 1)
-    # Both rings begin where the shank does; the small one turns the other way round, so that the two arcs run
-    # alike from y < 0 to y > 0.
+    # Both rings begin at the shank; the small one runs in the opposite sense, so that both arcs run from y <
+    # 0 to y > 0.
     start, end = big_grid[-1, meeting], small_grid[-1, meeting]
     points = np.vstack([big, small])
     blend = (np.arange(1, cells.shank) / cells.shank)[:, None, None]
@@ -170,8 +170,8 @@ def _section(outline: RodOutline, cells: RodCells) -> tuple[FloatArray, IntArray
 def _ring(eye: Eye, cells: RodCells, *, toward: float) -> tuple[FloatArray, IntArray]:
     """Points of a ring about the origin, and their numbers (ring + 1, around + width + 1), bore first.
 
-    The columns go once round, the last being the first again; the first width + 1 meet the shank, which lies
-    in the direction `toward` of x, and run from y < 0 to y > 0.
+    The columns go once around, with the first repeated at the end; the first width + 1 are at the shank, in
+    the direction `toward` of x, and run from y < 0 to y > 0.
     """
     half = eye.shank_angle
     joined = np.linspace(-half, half, cells.width + 1)

@@ -15,7 +15,7 @@ from supple.mesh.structured_grid import grid_perimeter, grid_quads
 
 __all__ = ["cylinder"]
 
-# Half the side of the square core, over the radius: keeps core and ring cells of like size and shape.
+# Half the side of the square core, over the radius: core and ring cells then have similar size and shape.
 CORE = 0.45
 
 

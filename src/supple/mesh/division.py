@@ -1,4 +1,4 @@
-"""Division of a mesh into parts that meet at sections."""
+"""Division of a mesh into parts with common sections."""
 
 from __future__ import annotations
 
@@ -39,18 +39,18 @@ class Division(Protocol):
     """A way to divide a mesh."""
 
     def cells(self, mesh: Mesh) -> Sequence[CellNumbers]:
-        """The cells of each part; every cell in just one."""
+        """The cells of each part; every cell in exactly one."""
         ...
 
 
 @dataclass(frozen=True)
 class AlongAxis:
-    """Parts of about equal length along an axis, cut where the mesh has a section of nodes next to that.
+    """Parts of about equal length along an axis, each cut at the nearest section of nodes of the mesh.
 
-    No cut passes through cells: a tie would hold the whole row of them rigid.
+    No cut passes through cells, as a tie would make a whole row of them rigid.
 
     count : number of parts, at least 2
-    axis  : (3,) direction in the mesh axes; the longest principal direction of the nodes if left out
+    axis  : (3,) direction in the mesh axes; by default the longest principal direction of the nodes
     """
 
     count: int
@@ -63,7 +63,7 @@ class AlongAxis:
     def cells(self, mesh: Mesh) -> Sequence[CellNumbers]:
         """The cells of each part, from the lowest to the highest along the axis.
 
-        Raises MeshError where no section of nodes lies within half a part's length of a cut.
+        Raises MeshError where no section of nodes is within half a part's length of a cut.
         """
         direction = _longest_direction(mesh) if self.axis is None else _unit(self.axis)
         along = mesh.nodes @ direction
@@ -72,7 +72,7 @@ class AlongAxis:
         chosen: list[NodeSection] = []
         for number, wanted in enumerate(ends[1:-1], start=1):
             near = [each for each in sections if abs(each.position - wanted) < 0.5 * (ends[1] - ends[0])]
-            # Planes stand first, so that of two sections as near as each other a plane is taken.
+            # Planes come first: of two equally near sections the plane is used.
             near.sort(key=lambda each: abs(round((each.position - wanted) / np.ptp(along), 6)))
             beyond = (each for each in near if not chosen or each.contains(chosen[-1]))
             found = next((each for each in beyond if flat_section(mesh, each)), None)
@@ -90,19 +90,19 @@ class AlongAxis:
         planes = sum(section.is_plane for section in sections)
         if 0 < planes < self.count - 1:
             return (
-                f"part {number} of {self.count} has no cell: the mesh is too coarse along {axis}; ask for "
+                f"part {number} of {self.count} has no cell: the mesh is too coarse along {axis}; request "
                 f"fewer parts ({planes + 1} at most), or refine it"
             )
         return (
             f"cut {number} of {self.count - 1}, at {wanted:.4g} along {axis}: no section of nodes is near, "
-            "and a cut through cells would hold a row of them rigid. Mesh the body with a plane of nodes "
-            "there, ask for another number of parts, or divide it by cell sets"
+            "and a cut through cells would make a row of them rigid. Mesh the body with a plane of nodes "
+            "there, request another number of parts, or divide it by cell sets"
         )
 
 
 @dataclass(frozen=True)
 class ByCellSets:
-    """A part for each of some cell sets, which together hold every cell once.
+    """One part per cell set; together the sets contain every cell once.
 
     names : of the cell sets, in the order of the parts
     """
@@ -132,11 +132,11 @@ class ByCellSets:
 
 @dataclass(frozen=True, eq=False)
 class Cut:
-    """Where two parts meet.
+    """The common nodes of two parts.
 
     first, second : numbers of the parts, the first lower
-    nodes : int array (k,)      numbers in the whole mesh of the nodes that they share
-    name : of these nodes in either part; cuts of one name have the same nodes
+    nodes : int array (k,)      numbers, in the whole mesh, of the common nodes
+    name : of these nodes in either part; cuts with one name have the same nodes
     """
 
     first: int
@@ -152,9 +152,9 @@ class Cut:
 class DividedMesh:
     """A mesh in parts.
 
-    parts : of the mesh; a node set belongs to the part that has all of it, or each node of it to the first
-        part that has this node
-    cuts : between them; two parts that meet in several places have several
+    parts : of the mesh; a node set belongs to the part that contains all of it, otherwise each of its nodes
+        to the first part that contains it
+    cuts : between them; two parts with several common sections have several
     """
 
     whole: Mesh
@@ -162,12 +162,12 @@ class DividedMesh:
     cuts: tuple[Cut, ...]
 
     def holder(self, nodes: IntArray) -> int | None:
-        """The first part that has all of some nodes of the whole mesh; None if they lie in several."""
+        """The first part that contains all the given nodes of the whole mesh; None if there is none."""
         return next((i for i, part in enumerate(self.parts) if np.isin(nodes, part.nodes).all()), None)
 
     @property
     def ties(self) -> Mapping[str, Cut]:
-        """The cuts by names of their own: that of their nodes, with the parts where several have these."""
+        """The cuts by unique names: that of their nodes, with the parts where several cuts share these."""
         count = Counter(cut.name for cut in self.cuts)
         return {
             cut.name if count[cut.name] == 1 else f"{cut.name} {cut.first + 1}-{cut.second + 1}": cut
@@ -175,11 +175,11 @@ class DividedMesh:
         }
 
     def cut_nodes(self, part: int) -> Mapping[str, IntArray]:
-        """Nodes of the whole at which a part is cut, by their names."""
+        """Nodes of the whole mesh at which a part is cut, by name."""
         return {cut.name: cut.nodes for cut in self.cuts if part in cut}
 
     def neighbours_from(self, start: int) -> Iterator[tuple[int, Cut]]:
-        """Every other part, nearest first, with the cut that leads to it on the way from one part."""
+        """Every other part, nearest first, with the cut on the path to it from one part."""
         reached, boundary = {start}, [start]
         while boundary:
             ahead = []
@@ -197,7 +197,7 @@ Cuts = Callable[[Mesh, Sequence[CellNumbers], Sequence[IntArray]], tuple[Cut, ..
 def cuts_at_sections(
     mesh: Mesh, cells: Sequence[CellNumbers], members: Sequence[IntArray]
 ) -> tuple[Cut, ...]:
-    """A cut for each piece in which two parts meet: cut-1, cut-2, .."""
+    """A cut for each connected piece of the common nodes of two parts: cut-1, cut-2, .."""
     pieces = (
         (first, second, nodes)
         for first, second in combinations(range(len(cells)), 2)
@@ -209,7 +209,7 @@ def cuts_at_sections(
 
 
 def cuts_at_nodes(mesh: Mesh, _cells: Sequence[CellNumbers], members: Sequence[IntArray]) -> tuple[Cut, ...]:
-    """A cut for each shared node, from the first part that has it to each other one: node-ID."""
+    """A cut for each shared node, from the first part that contains it to each other one: node-ID."""
     nodes, count = np.unique(np.concatenate(members), return_counts=True)
     shared = nodes[count > 1]
     inside = np.array([np.isin(shared, own) for own in members])
@@ -228,8 +228,9 @@ def divided(mesh: Mesh, division: Division, cuts: Cuts = cuts_at_sections) -> Di
 
     Raises
     ------
-    MeshError   a part without cells, or that does not hang together; nodes of no cell that are linked to
-                several parts; what the division finds wrong
+    MeshError   a part without cells, or not connected; nodes without cells linked to several parts; the
+    errors
+                of the division
     """
     cells = division.cells(mesh)
     members = [np.unique(_nodes(mesh, own)) for own in cells]
@@ -253,9 +254,10 @@ def _nodes(mesh: Mesh, cells: CellNumbers) -> IntArray:
 
 
 def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
-    """Nodes of no cell, which springs, masses or ties link, by the part that they are linked to.
+    """Nodes without cells, connected by springs, masses or ties, by the part that they are linked to.
 
-    Nodes that hang together are of one part: the first that has all of the nodes they are linked to.
+    Nodes that are linked to each other belong to one part: the first that contains all nodes they are linked
+    to.
     """
     loose = np.ones(mesh.n_nodes, dtype=bool)
     loose[np.concatenate(members)] = False
@@ -275,7 +277,7 @@ def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
         node = mesh.node_ids[np.flatnonzero(loose)[~holders.any(axis=0)][0]]
         raise MeshError(
             f"node {node} belongs to no cell, and springs, masses or ties link it to several parts; move the "
-            "cut away from these, or leave them out and join the parts by them"
+            "cut away from these, or remove them and join the parts by them"
         )
     owner = holders.argmax(axis=0)
     return [np.flatnonzero(loose)[owner == part] for part in range(len(members))]
@@ -284,7 +286,7 @@ def _loose_nodes(mesh: Mesh, members: Sequence[IntArray]) -> list[IntArray]:
 def _shared_out(
     node_sets: Mapping[str, IntArray], members: Sequence[IntArray]
 ) -> tuple[dict[str, IntArray], ...]:
-    """The node sets of each part, such that each node of a set counts once."""
+    """The node sets of each part, such that each node of a set is in one part."""
     found: tuple[dict[str, IntArray], ...] = tuple({} for _ in members)
     for name, nodes in node_sets.items():
         inside = np.array([np.isin(nodes, own) for own in members])

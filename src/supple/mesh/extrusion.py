@@ -35,7 +35,7 @@ def extrude(
     quads : int array (Q, 4)             turning from y to z
     stations : float array (S,)          x, ascending
     cell_type : CellType                 a solid type
-    section_sets : {name: int array}     section points; the mesh's sets hold them at every station
+    section_sets : {name: int array}     section points; the mesh's sets contain them at every station
     Returns
     -------
     Mesh   node sets root (first station), tip (last station) and those of the section
@@ -64,10 +64,10 @@ def extrude(
 
 
 def _layer_of_tetrahedra(section: FloatArray, quads: IntArray, n_points: int) -> IntArray:
-    """Cut the quads into triangles, and the prism over each triangle a < b < c into three tetrahedra.
+    """Divide the quads into triangles, and the prism over each triangle a < b < c into three tetrahedra.
 
     The diagonal of a prism's side runs from the lower point number at the bottom to the higher at the top,
-    so neighbours agree on it.
+    which makes neighbours compatible.
     """
     triangles = np.sort(np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]), axis=1)
     a, b, c = triangles.T
@@ -78,7 +78,7 @@ def _layer_of_tetrahedra(section: FloatArray, quads: IntArray, n_points: int) ->
             np.column_stack([a, a + n_points, b + n_points, c + n_points]),
         ]
     )
-    # Sorting turned some triangles over; swapping two nodes of their tetrahedra turns these back.
+    # Sorting reversed some triangles; swapping two nodes of their tetrahedra restores the orientation.
     edge_1, edge_2 = section[b] - section[a], section[c] - section[a]
     over = np.tile(edge_1[:, 0] * edge_2[:, 1] < edge_1[:, 1] * edge_2[:, 0], 3)
     tetrahedra[over] = tetrahedra[over][:, [1, 0, 2, 3]]

@@ -1,4 +1,4 @@
-"""Curvature of the surface that a mesh of triangles stands for, at each triangle, from its neighbours."""
+"""Curvature of the surface represented by a mesh of triangles, at each triangle, from its neighbours."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ IntArray = NDArray[np.int64]
 CREASE = np.radians(20.0)
 """Largest angle between neighbours on one smooth surface; beyond it their edge is a crease."""
 ONE_SURFACE = 0.9
-"""Of the squares of heights, what a quadratic surface must explain; less, and a crease is among the edges."""
+"""Least share of the squares of heights that a quadratic fit must explain; below it there is a crease."""
 SAME_NORMAL = 0.1
-"""Of the largest difference of normals nearby, what is no difference."""
+"""Relative to the largest difference of nearby normals: smaller differences are zero."""
 FLAT = 1e-6
-"""Difference of normals, rad, that is no curvature."""
+"""Difference of normals, rad, below which there is no curvature."""
 DETERMINED = 1e-3
-"""Of the largest eigenvalue of a fit: what is less, the neighbours do not show."""
+"""Relative to the largest eigenvalue of a fit: smaller ones are undetermined by the neighbours."""
 
 SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]]])
 
@@ -27,12 +27,13 @@ SYMMETRIC = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0,
 def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREASE) -> FloatArray:
     """Curvature tensors of the surface through triangles and their neighbours, in global axes.
 
-    Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners fits
-    the corners of its neighbours across smooth edges, and of theirs, by least squares with the weights
-    `1/distance^4`: exact on a quadratic surface, at its rim too. Of all K that fit alike it is the smallest.
+    Over the plane of each triangle the height `z = 1/2 x^T K x + linear` that vanishes at its corners is
+    fitted to the corners of its neighbours across smooth edges, and of theirs, by least squares with the
+    weights `1/distance^4`: exact on a quadratic surface, also at its rim. Of all equally good K it is the
+    smallest.
 
-    K is zero beside creases, where no quadratic surface fits, or none fits across a folded edge; and where a
-    triangle and those around it show two normals alone, which may be a fold of two planes as well.
+    K is zero at creases, where no quadratic surface fits, or none fits across a folded edge; and where a
+    triangle and its surroundings have only two normals, which may also be a fold of two planes.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREA
     x = first[bent] / np.linalg.norm(first[bent], axis=1, keepdims=True)
     axes = np.stack([x, np.cross(normal[bent], x), normal[bent]], axis=1)
     K[bent], smooth[bent] = _fitted(axes, corners[bent], nodes, _nodes_across(triangles, across)[bent])
-    # Across a folded edge the surface goes on: the crest of a corrugated sheet fits alone.
+    # The surface continues across a folded edge: the crest of a corrugated sheet is fitted alone.
     smooth &= (smooth[beside] | ~edges).all(axis=1)
     shown = smooth & ~folded
     for _ in range(2):
@@ -66,8 +67,8 @@ def facet_curvature(nodes: FloatArray, triangles: IntArray, crease: float = CREA
 def sides_across(triangles: IntArray, normals: FloatArray, crease: float) -> IntArray:
     """Sides (E, 3) of neighbours, by their numbers 3 e + k of triangle e; -1 at rims and creases.
 
-    Side k leads from corner k to the next. Of several triangles at an edge, the two at the least angle
-    continue each other.
+    Side k goes from corner k to the next. Of several triangles at an edge, the two with the least angle are
+    neighbours.
 
     normals : float array (E, 3)    right-handed to the order of the corners
     crease : float                  rad
@@ -79,7 +80,7 @@ def sides_across(triangles: IntArray, normals: FloatArray, crease: float) -> Int
     for shift in range(1, int(np.unique(edge, return_counts=True)[1].max(initial=1))):
         same = edge[order[shift:]] == edge[order[:-shift]]
         pair = order[:-shift][same], order[shift:][same]
-        # Triangles that turn alike pass their common edge in opposite directions.
+        # Triangles of equal orientation run along their common edge in opposite directions.
         sense = np.where(start[pair[0]] == end[pair[1]], 1.0, -1.0)
         cosine = sense * (normals[pair[0] // 3] * normals[pair[1] // 3]).sum(axis=1)
         for side, other in (pair, pair[::-1]):
@@ -110,12 +111,12 @@ def _linear(points: FloatArray) -> FloatArray:
 def _bends(
     normal: FloatArray, beside: IntArray
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
-    """Whether (E,) the normals of a triangle, its neighbours and theirs differ at all, and are just two.
+    """Whether (E,) the normals of a triangle, its neighbours and theirs differ, and whether only two do.
 
-    Also (E, 3) across which sides they do.
+    Also (E, 3) the sides across which they differ.
     """
     near = np.concatenate([beside, beside[beside].reshape(len(beside), -1)], axis=1)
-    # Triangles that turn the other way have the other normal.
+    # Triangles of opposite orientation have the opposite normal.
     sense = np.sign((normal[near] * normal[:, None]).sum(axis=2, keepdims=True))
     turned = sense * normal[near] - normal[:, None]
     squares = (turned**2).sum(axis=2)
@@ -142,9 +143,9 @@ def _fitted(
 
 
 def _smallest_fit(rows: FloatArray, wanted: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Values (E, c) of least weighted squares of `rows . values - wanted`, and what they explain (E,).
+    """Least-squares values (E, c) of `rows . values - wanted`, and the explained share (E,).
 
-    The smallest of all that fit alike; explained is a share of the squares of `wanted`.
+    The smallest of all equally good fits; the share is that of the squares of `wanted`.
     """
     weighted = (rows * weight[..., None]).swapaxes(1, 2)
     eigenvalues, vectors = np.linalg.eigh(weighted @ rows)

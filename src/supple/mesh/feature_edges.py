@@ -1,4 +1,4 @@
-"""The edges that tell a shape: where a surface ends, where it folds, and where it turns out of sight."""
+"""Feature edges of a surface: rims, folds and silhouette."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ IntArray = NDArray[np.int64]
 def feature_edges(
     nodes: NDArray[np.float64], triangles: IntArray, *, fold_angle: float = np.radians(30.0)
 ) -> IntArray:
-    """Edges (k, 2) that one triangle has alone, or at which two meet at an angle above the fold angle.
+    """Edges (k, 2) of a single triangle, or of two at an angle above the fold angle.
 
-    Where more than two meet, an inner wall joins the skin, and its edge is none of the outer shape.
+    Where more than two meet, an inner wall joins the skin, and the edge is not part of the outer shape.
     """
     sides = _sides(triangles)
     normal = _normals(nodes, triangles)
     total = np.stack([np.bincount(sides.edge, normal[sides.owner, i], len(sides.edges)) for i in range(3)])
-    # Two unit normals at an angle phi add up to the length 2 cos(phi / 2).
+    # The sum of two unit normals at an angle phi has the length 2 cos(phi / 2).
     folded = np.linalg.norm(total, axis=0) < 2.0 * np.cos(0.5 * fold_angle)
     return sides.edges[(sides.count == 1) | ((sides.count == 2) & folded)]
 
@@ -28,13 +28,13 @@ def feature_edges(
 def silhouette_edges(
     nodes: NDArray[np.float64], triangles: IntArray, towards: NDArray[np.float64]
 ) -> IntArray:
-    """Edges (k, 2) between two triangles of which a viewer sees one from the front and one from behind.
+    """Edges (k, 2) between two triangles of which one faces the viewer and one does not.
 
-    towards : (3,) the viewer, who is far away. Triangles may be turned about in any way.
+    towards : (3,) direction of the viewer, at infinity. Triangles may have any orientation.
     """
     sides = _sides(triangles)
     facing = np.sign(_normals(nodes, triangles) @ towards)
-    # Triangles that are turned alike run along their edge in opposite senses.
+    # Triangles of equal orientation run along their common edge in opposite senses.
     seen = np.bincount(sides.edge, sides.sense * facing[sides.owner], len(sides.edges))
     return sides.edges[(sides.count == 2) & (np.abs(seen) == 2)]
 

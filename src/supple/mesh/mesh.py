@@ -22,12 +22,12 @@ FloatArray = NDArray[np.float64]
 
 
 def no_links() -> IntArray:
-    """Of a mesh whose nodes all belong to cells."""
+    """Links of a mesh whose nodes all belong to cells."""
     return np.zeros((0, 2), dtype=np.int64)
 
 
 def no_ids() -> IntArray:
-    """In place of ids, where nodes are called by their numbers."""
+    """Default ids, for nodes labelled by their numbers."""
     return np.zeros(0, dtype=np.int64)
 
 
@@ -41,14 +41,14 @@ class Mesh(Summarized):
     ----------
     nodes : float array (N, 3)          positions, m
     cells : {CellType: int array (E, k)}   node numbers of each cell, 0-based, ordered as in `CellType`
-    node_sets : {name: int array}       node numbers; kept in the order given (an edge may run root to tip)
+    node_sets : {name: int array}       node numbers; in the given order (an edge may run root to tip)
     cell_sets : {name: {CellType: int array}}   cell numbers within their type
-    node_ids : int array (N,)           what the nodes are called: ids of the file they are from, each once;
-                                        their numbers when omitted
-    cell_ids : {CellType: int array (E,)}   what the cells are called, likewise; cells may share an id,
-                                        as the two triangles of a quadrilateral do
-    links : int array (L, 2)            pairs of nodes that springs, masses or ties connect: such nodes may
-                                        be in no cell
+    node_ids : int array (N,)           unique node labels, the ids of the source file; by default the numbers
+
+    cell_ids : {CellType: int array (E,)}   cell labels, likewise; cells may share an id, as the two triangles
+            of a quadrilateral
+    links : int array (L, 2)            pairs of nodes connected by springs, masses or ties: such nodes need
+            no cell
 
     Raises
     ------
@@ -99,7 +99,7 @@ class Mesh(Summarized):
         object.__setattr__(self, "cell_sets", MappingProxyType(cell_sets))
 
     def __reduce__(self):
-        # Mapping proxies do not pickle; building anew also keeps the arrays read-only.
+        # Mapping proxies do not pickle; rebuilding also keeps the arrays read-only.
         cell_sets = {name: dict(members) for name, members in self.cell_sets.items()}
         return Mesh, (
             *(self.nodes, dict(self.cells), dict(self.node_sets), cell_sets),
@@ -132,7 +132,7 @@ class Mesh(Summarized):
         return sum(len(array) for array in self.cells.values())
 
     def nodes_of(self, name: str) -> IntArray:
-        """Node numbers of a named node set; MeshError lists the sets there are."""
+        """Node numbers of a named node set; MeshError lists all sets."""
         if name not in self.node_sets:
             raise MeshError(f"no node set '{name}' in this mesh; it has {_listed(self.node_sets)}")
         return self.node_sets[name]
@@ -153,11 +153,11 @@ class Mesh(Summarized):
 
     @property
     def has_own_ids(self) -> bool:
-        """Whether its nodes are called otherwise than by their numbers."""
+        """Whether its nodes have labels other than their numbers."""
         return not np.array_equal(self.node_ids, np.arange(self.n_nodes))
 
     def cells_of(self, name: str) -> Mapping[CellType, IntArray]:
-        """Cell numbers, by type, of a named cell set; MeshError lists the sets there are."""
+        """Cell numbers, by type, of a named cell set; MeshError lists all sets."""
         if name not in self.cell_sets:
             raise MeshError(f"no cell set '{name}' in this mesh; it has {_listed(self.cell_sets)}")
         return self.cell_sets[name]

@@ -18,11 +18,11 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class MeshPart:
-    """Some cells of a mesh, and where they came from.
+    """Some cells of a mesh, and their origin.
 
-    mesh  : Mesh                            the part; its nodes and cells stand in the order of the whole
-    nodes : int array (N,)                  of each of its nodes, the number in the whole mesh, ascending
-    cells : {CellType: int array (E,)}      likewise of its cells, within their type
+    mesh  : Mesh                            the part; its nodes and cells are in the order of the whole
+    nodes : int array (N,)                  number, in the whole mesh, of each of its nodes, ascending
+    cells : {CellType: int array (E,)}      likewise for its cells, within their type
     """
 
     mesh: Mesh
@@ -30,7 +30,7 @@ class MeshPart:
     cells: Mapping[CellType, IntArray]
 
     def numbers(self, nodes: IntArray) -> IntArray:
-        """Numbers in the part of nodes of the whole mesh, all of which it has."""
+        """Numbers, in the part, of nodes of the whole mesh, all of which it must contain."""
         return np.searchsorted(self.nodes, nodes)
 
 
@@ -41,19 +41,19 @@ def mesh_part(
     *,
     loose: IntArray | None = None,
 ) -> MeshPart:
-    """The part of a mesh that some of its cells make, with the links between its nodes.
+    """The part of a mesh formed by some of its cells, with the links between its nodes.
 
-    Cell sets keep those of their members that the part has, and are left out where it has none.
+    Cell sets keep their members in the part, and are left out if there are none.
 
     Parameters
     ----------
     cells : {CellType: int array (E,)}          numbers of the cells, within their type
     node_sets : {name: int array}               of nodes of the part, numbered as in the whole mesh
-    loose : int array                           nodes of no cell that are of the part, too
+    loose : int array                           further nodes of the part, without cells
 
     Raises
     ------
-    MeshError   cells that do not hang together
+    MeshError   cells that are not connected
     """
     kept = {kind: np.sort(numbers) for kind, numbers in cells.items() if len(numbers)}
     in_cells = [mesh.cells[kind][numbers].ravel() for kind, numbers in kept.items()]
@@ -73,7 +73,7 @@ def mesh_part(
 
 
 def _cell_sets(mesh: Mesh, kept: Mapping[CellType, IntArray]) -> dict[str, dict[CellType, IntArray]]:
-    """The cell sets of a mesh, cut down to the cells that are kept and numbered among them."""
+    """The cell sets of a mesh, restricted to the kept cells and renumbered."""
     found = {}
     for name, members in mesh.cell_sets.items():
         own = {

@@ -1,11 +1,11 @@
-"""Sections of nodes: where a mesh can be cut without passing through a cell.
+"""Sections of nodes, where a mesh can be cut without passing through a cell.
 
-Parts that are tied along a surface that zigzags through a row of cells hold this whole row rigid. A section
-of nodes is flat, and every cell lies on one side of it. There are two families:
+A tie of parts along a surface that zigzags through a row of cells makes this whole row rigid. A section of
+nodes is flat, and every cell is on one side of it. There are two families:
 
-    planes   across an axis, at the places of nodes, that no cell crosses
-    layers   of nodes that as many steps from cell to cell lead to from an end of the mesh, where they are
-             flat: the rows of a mesh that is drawn along a curve
+planes   normal to an axis, through nodes, that no cell crosses
+layers   of nodes at an equal number of steps from cell to cell from an end of the mesh, if they are flat:
+   the rows of a mesh swept along a curve
 """
 
 from __future__ import annotations
@@ -27,19 +27,20 @@ __all__ = ["NodeSection", "flat_section", "sections_along", "shared_pieces"]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Against the extent along the axis: nodes of one plane lie so near to each other.
+# Relative to the extent along the axis: largest distance between nodes of one plane.
 _SAME_PLANE = 1e-6
-# Of a section, against the extent of the cells that touch it, across it: what a rigid tie would hold besides.
+# Deviation of a section from a plane, relative to the normal extent of its cells, which a tie would make
+# rigid.
 _FLAT = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class NodeSection:
-    """A way to cut a mesh in two between its cells.
+    """A cut of a mesh between its cells.
 
     position : along the axis, of the nodes on it
-    below : gives bool (E,) of each kind of cell, whether it lies on the lower side; called for few sections
-    is_plane : whether it is across the axis; otherwise its nodes may not lie in a plane
+    below : bool (E,) for each kind of cell, whether it is on the lower side; called for few sections
+    is_plane : whether it is normal to the axis; otherwise its nodes may not be in a plane
     """
 
     position: float
@@ -47,7 +48,7 @@ class NodeSection:
     is_plane: bool
 
     def contains(self, other: NodeSection) -> bool:
-        """Whether all that lies below another section, and some cell more, lies below this one."""
+        """Whether the lower side of another section, and some cell more, is on the lower side of this one."""
         mine, others = self.below(), other.below()
         pairs = [(mine[kind], others[kind]) for kind in mine]
         return all((own | ~lower).all() for own, lower in pairs) and any(
@@ -56,7 +57,7 @@ class NodeSection:
 
 
 def sections_along(mesh: Mesh, direction: FloatArray) -> list[NodeSection]:
-    """Planes across a direction, then layers from either end; layers may not be flat (`flat_section`)."""
+    """Planes normal to a direction, then layers from either end; layers may not be flat (`flat_section`)."""
     along = mesh.nodes @ direction
     return [
         *_planes(mesh, along),
@@ -66,9 +67,9 @@ def sections_along(mesh: Mesh, direction: FloatArray) -> list[NodeSection]:
 
 
 def flat_section(mesh: Mesh, section: NodeSection) -> bool:
-    """Whether the nodes on a section lie in a plane, or in one plane for each of its pieces.
+    """Whether the nodes on a section are in a plane, or in one plane for each of its pieces.
 
-    They may lie beside it by a tenth of what the cells that touch them extend across it.
+    They may deviate from it by a tenth of the normal extent of their cells.
     """
     if section.is_plane:
         return True
@@ -87,7 +88,7 @@ def flat_section(mesh: Mesh, section: NodeSection) -> bool:
 def shared_pieces(
     mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], shared: IntArray
 ) -> Iterator[IntArray]:
-    """The nodes that two sides of a mesh share, apart where no cell joins them."""
+    """The common nodes of two sides of a mesh, divided into connected pieces."""
     if not len(shared):
         return
     rows, columns = [], []
@@ -108,7 +109,7 @@ def shared_pieces(
 
 
 def _is_flat(mesh: Mesh, sides: Sequence[Mapping[CellType, IntArray]], nodes: IntArray) -> bool:
-    """Of one piece, by the plane nearest to its nodes with one side of the cells on either side."""
+    """Whether one piece is flat: the plane nearest to its nodes separates the cells of the two sides."""
     touching = [_touching(mesh, side, nodes) for side in sides]
     low, high = (mesh.nodes[np.unique(np.concatenate([c.ravel() for c in own]))] for own in touching)
     towards = high.mean(axis=0) - low.mean(axis=0)
@@ -132,7 +133,7 @@ def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:
     near = _SAME_PLANE * np.ptp(along)
     extents = [(along[cells].min(axis=1), along[cells].max(axis=1)) for cells in mesh.cells.values()]
     low, high = (np.concatenate(ends) for ends in zip(*extents, strict=True))
-    thick = high - low > 2 * near  # the others lie in a plane across the axis, and cross none
+    thick = high - low > 2 * near  # the others are in a plane normal to the axis, and cross none
     low, high = np.sort(low[thick]), np.sort(high[thick])
     levels = np.unique(along)
     levels = levels[np.concatenate([[True], np.diff(levels) > near])]
@@ -147,7 +148,7 @@ def _planes(mesh: Mesh, along: FloatArray) -> Iterator[NodeSection]:
 
 
 def _layers(mesh: Mesh, along: FloatArray, *, from_low: bool) -> Iterator[NodeSection]:
-    """Steps from cell to cell by any node that they share."""
+    """Layers by steps from cell to cell over any common node."""
     height = along if from_low else -along
     ends = np.flatnonzero(height <= height.min() + _SAME_PLANE * np.ptp(height))
     n, counts = mesh.n_nodes, [len(cells) for cells in mesh.cells.values()]

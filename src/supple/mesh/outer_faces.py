@@ -1,4 +1,4 @@
-"""Outer faces of a mesh as triangles that turn about their outward normals."""
+"""Outer faces of a mesh as triangles oriented by their outward normals."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ FACE_TRIANGLES = {
 
 
 def outer_faces(mesh: Mesh, *, middles: bool = False) -> list[IntArray]:
-    """Faces (F, k) of all cells, by their number of nodes, each turning about its outward normal.
+    """Faces (F, k) of all cells, by their number of nodes, each oriented by its outward normal.
 
-    Faces that two solid cells share, of one type or two, lie inside and are left out; a shell has the side
-    that its triangles turn about.
+    Faces shared by two solid cells, of one type or two, are interior and left out; a shell has the side of
+    its triangles' normals.
 
     middles : with the mid-edge nodes of quadratic cells, between the corners, or the corners alone
     """
@@ -53,7 +53,7 @@ def outer_faces(mesh: Mesh, *, middles: bool = False) -> list[IntArray]:
 
 
 def outer_triangles(mesh: Mesh, nodes: IntArray) -> IntArray:
-    """Triangles (T, 3) of the outer faces all of whose corners are among some nodes; none is (0, 3)."""
+    """Triangles (T, 3) of the outer faces with all corners among some nodes; (0, 3) if there are none."""
     wanted = np.zeros(mesh.n_nodes, dtype=bool)
     wanted[nodes] = True
     found = [np.empty((0, 3), dtype=np.int64)]

@@ -49,9 +49,9 @@ def irons_cube() -> Quadrature:
 def reduced_cube() -> Quadrature:
     """The eight Gauss points on the cube with a share of 3/4, the fourteen of Irons with 1/4.
 
-    Eight points alone leave six modes of a HEXA20 without energy, of which some remain in a row of single
-    cells, below the modes that bend it unless they have a good share of their energy. Of what full
-    integration is too stiff, a quarter remains.
+    Eight points alone leave six zero-energy modes of a HEXA20, some of which remain in a row of single cells
+    below the bending modes, unless they have a sufficient share of their energy. A quarter of the excess
+    stiffness of full integration remains.
     """
     few, full = gauss_cube(2), irons_cube()
     share = 0.25
@@ -115,9 +115,9 @@ def conical_pyramid(n: int) -> Quadrature:
 
 @cache
 def strain_rule(kind: CellType) -> Quadrature:
-    """Where a solid cell takes its strain: points enough that only rigid motion has no energy.
+    """Strain points of a solid cell: enough to exclude zero-energy modes other than rigid motion.
 
-    Eight points would leave six modes of a HEXA20 without energy; fourteen have full rank at half the cost of
+    Eight points would leave six zero-energy modes of a HEXA20; fourteen have full rank at half the cost of
     twenty-seven. A TETRA10 with straight sides has a linear strain, which four points integrate exactly.
     """
     rules = {

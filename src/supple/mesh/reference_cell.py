@@ -18,7 +18,7 @@ _CORNERS = {
         (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1),
     ),
 }  # fmt: skip
-"""Of tetrahedron, pyramid, wedge and hexahedron, by their number."""
+"""Parents of tetrahedron, pyramid, wedge and hexahedron, by their number."""
 
 
 @cache
@@ -50,7 +50,7 @@ def shape_gradients(cell_type: CellType, points: NDArray[np.float64]) -> NDArray
     Parameters
     ----------
     cell_type : CellType             a solid type
-    points : float array (p, 3)      parent coordinates; of a pyramid not its apex, where no gradient is
+    points : float array (p, 3)      parent coordinates; not the apex of a pyramid, where no gradient exists
     Returns
     -------
     float array (p, k, 3)            index a the node, i the parent direction
@@ -78,8 +78,8 @@ def _exponents(cell_type: CellType) -> NDArray[np.int64]:
     """Exponents (k, 4) of the functions of a cell.
 
     Tetrahedra have the complete polynomials of degree 1 or 2; hexahedra and wedges the serendipity ones; so
-    have pyramids, with x y / (1 - z), and x and y times it, which are of this degree on every face and make
-    the cell fit its neighbours.
+    do pyramids, with x y / (1 - z), and x and y times it, which are of this degree on every face and make the
+    cell compatible with its neighbours.
     Source: G. Bedrosian, "Shape functions and integration formulas for three-dimensional finite element
     analysis", Int. J. Numer. Methods Eng. 35 (1992) 95-108.
     """
@@ -96,7 +96,7 @@ def _exponents(cell_type: CellType) -> NDArray[np.int64]:
         case 6:
             kept = (in_triangle <= degree) & (grid[:, 2] <= 1) | (in_triangle <= 1) & (grid[:, 2] <= degree)
         case _:
-            # Serendipity: a linear factor costs nothing, a square costs two (Arnold and Awanou 2011).
+            # Serendipity: a linear factor counts nothing, a square counts two (Arnold and Awanou 2011).
             kept = np.where(grid > 1, grid, 0).sum(axis=1) <= (2 if degree == 2 else 0)
     polynomial = np.column_stack([grid[kept], np.zeros(kept.sum(), dtype=np.int64)])
     return np.vstack([polynomial, rational])

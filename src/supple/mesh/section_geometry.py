@@ -16,26 +16,26 @@ Point = tuple[float, float]
 Loop = tuple[Point, ...]
 
 ROUND_POINTS = 8
-"""Of a circle: the bending stress between two of them is at most 8 % above the larger of theirs."""
+"""Points on a circle: the bending stress between two of them is at most 8 % above the larger of theirs."""
 ROUND_CORNERS = 16
-"""Of the polygon that a circle is drawn as."""
+"""Corners of the polygon that represents a circle."""
 SAME_PLACE = 1e-9
-"""Of the size of a section."""
+"""Relative to the size of a section."""
 
 
 @dataclass(frozen=True)
 class SectionGeometry:
-    """Places (y, z) in the axes of the section, from the beam's axis (its shear centre), m.
+    """Positions (y, z) in the axes of the section, from the beam's axis (its shear centre), m.
 
-    points : where stress is recovered
+    points : of stress recovery
     torsion_shear : (y, z) components of the shear stress at each point per unit torsional moment, m^-3;
-                    empty where the section does not define it, which counts as none
-    loops : convex polygons of which the section is made; empty where its shape is not known
-    hole : inner rim of the first loop, with as many corners; empty where it is solid
+        empty where it is unknown, which counts as zero
+    loops : convex polygons that form the section; empty where its shape is unknown
+    hole : inner rim of the first loop, with as many corners; empty for a solid section
 
     Raises
     ------
-    MeshError   places that are not finite; as many shears as points, or none, are expected
+    MeshError   positions that are not finite; a number of shears other than that of the points, or none
     """
 
     points: Loop = ()
@@ -56,7 +56,7 @@ class SectionGeometry:
             raise MeshError("the hole of a section needs as many corners as its first loop")
 
     def moved(self, y: float, z: float) -> SectionGeometry:
-        """The same, moved."""
+        """The geometry, shifted."""
 
         def all_of(loop: Loop) -> Loop:
             return tuple((p[0] + y, p[1] + z) for p in loop)
@@ -69,7 +69,7 @@ class SectionGeometry:
         )
 
     def mirrored(self) -> SectionGeometry:
-        """The same with z the other way; torsion about the axis that is not mirrored turns z alone."""
+        """The geometry mirrored in z; torsion about the axis, which is unchanged, changes sign in z only."""
 
         def all_of(loop: Loop) -> Loop:
             return tuple((y, -z) for y, z in loop)
@@ -82,7 +82,7 @@ class SectionGeometry:
         )
 
     def turned(self) -> SectionGeometry:
-        """The same, turned by a right angle about the origin: y to -z, z to y."""
+        """The geometry, rotated by a right angle about the origin: y to -z, z to y."""
 
         def all_of(loop: Loop) -> Loop:
             return tuple((z, -y) for y, z in loop)
@@ -97,7 +97,7 @@ class SectionGeometry:
 
 @dataclass(frozen=True)
 class Wall:
-    """A rectangle of a thin-walled section: its middle, its sizes along y and z.
+    """A rectangle of a thin-walled section: its centre, its sizes along y and z.
 
     shear : stress along its longer side per unit torsional moment, m^-3: thickness / J of an open section,
             1 / (2 A thickness) around a closed cell of area A (Bredt)
@@ -116,22 +116,23 @@ class Wall:
 
     @property
     def corners(self) -> Loop:
-        """Around it."""
+        """Its corners, in order."""
         h, w = self.height / 2, self.width / 2
         return tuple((self.y + a * h, self.z + b * w) for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
 
     @property
     def shear_stress(self) -> Point:
-        """(y, z) components that turn about x."""
+        """(y, z) components of the shear stress that act about x."""
         if self.height > self.width:
             return (-self.shear if self.z > 0 else self.shear, 0.0)
         return (0.0, self.shear if self.y >= 0 else -self.shear)
 
 
 def rectangular_section(height: float, width: float) -> SectionGeometry:
-    """A solid rectangle of a height along y and a width along z: its corners, and the middles of its sides.
+    """A solid rectangle with a height along y and a width along z: its corners and mid-sides.
 
-    Torsion has no shear at corners. In the middle of the longer sides a, and of the shorter b, with n odd
+    The torsional shear vanishes at corners. At the middle of the longer sides a, and of the shorter b, with n
+    odd
 
         tau / M = b / J (1 - 8/pi^2 sum 1 / (n^2 cosh c_n)),   b / J 8/pi^2 sum (-1)^((n-1)/2) tanh c_n / n^2
 
@@ -144,7 +145,7 @@ def rectangular_section(height: float, width: float) -> SectionGeometry:
     J *= 1 - 192 / pi**5 * short / long * sum(tanh(x) / n**5 for n, x in zip(odd, c, strict=True))
     by_long = 1 - 8 / pi**2 * sum(1 / (n**2 * cosh(min(x, 300.0))) for n, x in zip(odd, c, strict=True))
     by_short = sum((-1) ** (n // 2) * tanh(x) / n**2 for n, x in zip(odd, c, strict=True)) * 8 / pi**2
-    # The sides across y are as long as the section is wide.
+    # The sides normal to y are as long as the section is wide.
     across_y, across_z = (by_long, by_short) if width >= height else (by_short, by_long)
     h, w = height / 2, width / 2
     corners = Wall(0.0, 0.0, height, width).corners
@@ -155,7 +156,7 @@ def rectangular_section(height: float, width: float) -> SectionGeometry:
 
 
 def circular_section(radius: float, inner: float = 0.0) -> SectionGeometry:
-    """A circle or tube: eight places around it, with tau = M r / J."""
+    """A circle or tube: eight points around it, with tau = M r / J."""
     J = pi * (radius**4 - inner**4) / 2
     places = _around(radius, ROUND_POINTS)
     hole = _around(inner, ROUND_CORNERS) if inner > 0 else ()
@@ -164,9 +165,9 @@ def circular_section(radius: float, inner: float = 0.0) -> SectionGeometry:
 
 
 def walled_section(walls: Sequence[Wall], *, box: tuple[Loop, Loop] | None = None) -> SectionGeometry:
-    """A section of rectangles: the corners of its convex hull, on which the bending stress is largest.
+    """A section of rectangles: the corners of its convex hull, where the bending stress is largest.
 
-    box : outer and inner rim of walls that are one closed box, to draw it by
+    box : outer and inner rim of walls that form one closed box, for drawing
     """
     owners = [(corner, wall) for wall in walls if min(wall.height, wall.width) > 0 for corner in wall.corners]
     hull = np.array(_convex_hull([corner for corner, _ in owners]))

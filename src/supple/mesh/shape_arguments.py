@@ -1,4 +1,4 @@
-"""Checks of the sizes and cell counts that the parametric shapes take."""
+"""Checks of the sizes and cell counts of parametric shapes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from supple.arguments import check_number
 from supple.errors import MeshError
 
 MOST_CELLS = 20_000_000
-"""Of a parametric shape: beyond it the nodes alone fill the memory of a workstation."""
+"""Largest cell count of a parametric shape: beyond it the nodes alone fill the memory of a workstation."""
 
 
 def check_sizes(**sizes: float) -> None:
@@ -16,15 +16,15 @@ def check_sizes(**sizes: float) -> None:
     for name, size in sizes.items():
         check_number(name, size)
         if not (math.isfinite(size) and size > 0):
-            raise MeshError(f"{name} = {size}; a size is finite and above zero")
+            raise MeshError(f"{name} = {size}; give a finite size above zero")
 
 
 def check_counts(least: int = 1, **counts: int) -> None:
-    """Raise MeshError unless every named cell count is whole, at least `least`, and all make a fair mesh."""
+    """Raise MeshError unless every cell count is whole, at least `least`, and the total allowed."""
     for name, count in counts.items():
         check_number(name, count)
         if not math.isfinite(count) or count != int(count) or count < least:
-            raise MeshError(f"{name} = {count}; a number of cells is whole and at least {least}")
+            raise MeshError(f"{name} = {count}; give a whole number of cells, at least {least}")
     cells = math.prod(map(int, counts.values()))
     if cells > MOST_CELLS:
         raise MeshError(

@@ -1,4 +1,4 @@
-"""The triangles that one sees of a mesh: a shell itself, or the outer faces of a solid."""
+"""The visible triangles of a mesh: a shell itself, or the outer faces of a solid."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Skin", "skin_of"]
 
 IntArray = NDArray[np.int64]
 
-# A face as its nodes around the rim (corner, mid-edge, corner, ...), cut into triangles.
+# A face as its nodes around the rim (corner, mid-edge, corner, ...), divided into triangles.
 _CUTS = {
     3: ((0, 1, 2),),
     4: ((0, 1, 2), (0, 2, 3)),
@@ -28,8 +28,8 @@ _CUTS = {
 class Skin:
     """Visible triangles, and which of their sides are edges of the mesh.
 
-    triangles : int array (T, 3)        node numbers, turning about the outward normal on solids
-    mesh_lines : bool array (T, 3)      side i lies across from corner i; the others are cuts through a face
+    triangles : int array (T, 3)        node numbers, oriented by the outward normal on solids
+    mesh_lines : bool array (T, 3)      side i is opposite to corner i; the others are cuts through a face
 
     Raises
     ------
@@ -61,7 +61,7 @@ class Skin:
 def skin_of(mesh: Mesh) -> Skin:
     """The skin of a mesh.
 
-    Faces that two solid cells share lie inside and are left out; faces with mid-edge nodes are cut at them,
+    Faces shared by two solid cells are interior and left out; faces with mid-edge nodes are divided at them,
     so that a curved face looks curved. Beams (LINE2) have no faces: `body_surface` shows them.
     """
     parts = [_skin_of_faces(faces) for faces in outer_faces(mesh, middles=True)]

@@ -9,7 +9,7 @@ IntArray = NDArray[np.int64]
 
 
 def grid_quads(grid: IntArray) -> IntArray:
-    """Quadrilaterals (n_u * n_v, 4) of a table (n_u + 1, n_v + 1) of node numbers, turning from u to v.
+    """Quadrilaterals (n_u * n_v, 4) of a table (n_u + 1, n_v + 1) of node numbers, oriented from u to v.
 
     A closed surface repeats its first row or column of node numbers at the end.
     """
@@ -18,7 +18,7 @@ def grid_quads(grid: IntArray) -> IntArray:
 
 
 def alternating_triangles(grid: IntArray) -> IntArray:
-    """Triangles (2 n_u n_v, 3) of a table of node numbers, turning from u to v.
+    """Triangles (2 n_u n_v, 3) of a table of node numbers, oriented from u to v.
 
     The diagonals alternate as in the Union Jack, so that even numbers of cells give a symmetric mesh with no
     preferred direction of shear.
@@ -32,5 +32,5 @@ def alternating_triangles(grid: IntArray) -> IntArray:
 
 
 def grid_perimeter(grid: IntArray) -> IntArray:
-    """Node numbers (2 (n_u + n_v),) around a table of node numbers: from its first, turning from u to v."""
+    """Node numbers (2 (n_u + n_v),) around a table of node numbers, from its first, oriented from u to v."""
     return np.concatenate([grid[:-1, 0], grid[-1, :-1], grid[:0:-1, -1], grid[0, :0:-1]])

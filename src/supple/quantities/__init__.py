@@ -1,4 +1,4 @@
-"""What is read off a machine: sensors, tracked places, stress, and the quantities whose error is stated."""
+"""Quantities read from a machine: sensors, tracked places, stress, and quantities of interest."""
 
 from supple.quantities.beam_force_sensor import *
 from supple.quantities.contact_force import *

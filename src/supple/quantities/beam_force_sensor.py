@@ -27,14 +27,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BeamForceSensor:
-    """N, Vy, Vz, T, My, Mz at an end of a beam or rod, (t, 6), in axes that turn with its section.
+    """N, Vy, Vz, T, My, Mz at an end of a beam or rod, (t, 6), in axes that rotate with its section.
 
-    They are what lies beyond the section, towards the beam's second end, exerts on what lies before it; N is
-    positive in tension, and moments are about the beam's axis (`beam_forces`).
+    They are the forces that the part towards the beam's second end exerts on the part before the section; N
+    is positive in tension, and moments are about the beam's axis (`beam_forces`).
 
     body : its name;   model : its elements
-    beam : id of the element, as the mesh or deck has it
-    end : 1 or 2, where the element begins or ends
+    beam : id of the element in the mesh or deck
+    end : 1 or 2, the first or second end of the element
     """
 
     name: str
@@ -81,7 +81,7 @@ class BeamForceSensor:
         self._cell()
 
     def _cell(self) -> int:
-        """Number of the cell at that end: an element may be several."""
+        """Number of the cell at that end, as an element may have several cells."""
         ids = self.model.mesh.cell_ids.get(CellType.LINE2, np.empty(0, dtype=np.int64))
         own = np.flatnonzero(ids == self.beam)
         if not own.size:

@@ -1,4 +1,4 @@
-"""The force of each contact of an explicit march over time, and where it acts."""
+"""Force of each contact of an explicit run over time, and its point of action."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 
 class ContactForce(NamedTuple):
-    """Force (t, 3), N, on the nodes that a contact names, and the place (t, 3) where it acts, global axes."""
+    """Force (t, 3), N, on the nodes of a contact, and its point of action (t, 3), global axes."""
 
     name: str
     force: Array
@@ -25,7 +25,7 @@ class ContactForce(NamedTuple):
 
 
 def contact_forces(system: System, solution: Solution) -> list[ContactForce]:
-    """Of all contacts, those with rigid obstacles first; none of a result that did not record them."""
+    """Forces of all contacts, those with rigid obstacles first; empty for a result without them."""
     if CONTACTS not in solution.series:
         return []
     contacts = (*system.rigid_contacts, *system.surface_contacts)

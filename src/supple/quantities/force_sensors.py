@@ -1,4 +1,4 @@
-"""Forces of joints and elements, the energy and power of elements, the energies of a machine."""
+"""Sensors of joint and element forces, of the energy and power of elements, and of machine energies."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 def six_channels(axes: str) -> tuple[Channel, ...]:
-    """Of a force and a moment."""
+    """Six channels, of a force and a moment."""
     parts = (("F", QuantityKind.FORCE), ("M", QuantityKind.MOMENT))
     return tuple(Channel(f"{letter}{axis}", quantity, axes) for letter, quantity in parts for axis in "xyz")
 
@@ -43,7 +43,7 @@ def six_channels(axes: str) -> tuple[Channel, ...]:
 class JointForceSensor:
     """Force and moment of a joint on its second end, along its axes on the first end, (t, 6).
 
-    Of interest is the force.
+    As a quantity of interest, it is the force.
 
     joint : its name
     """
@@ -66,11 +66,11 @@ class JointForceSensor:
 
     @property
     def body(self) -> None:
-        """None: it is between two."""
+        """None: a joint connects two bodies."""
 
     @property
     def words(self) -> str:
-        """The quantity and its norm."""
+        """Description of the quantity and its norm."""
         return f"force of joint '{self.joint}': largest over the run"
 
     def at_points(self, system: System, solution: Solution) -> Array:
@@ -107,7 +107,7 @@ class _OfElement:
 class SpringForceSensor(_OfElement):
     """Force and moment of a spring, damper or torque on its second end, global components, (t, 6).
 
-    element : ForceElement      of the machine's loads, or one that is only imagined there
+    element : ForceElement      of the machine's loads, or a hypothetical one
     """
 
     def channels(self, system: System) -> Sequence[Channel]:
@@ -123,11 +123,11 @@ class SpringForceSensor(_OfElement):
 class ElementEnergySensor(_OfElement):
     """Energy stored in a spring, stop, contact, ..., and the power of its forces on both of its ends, (t, 2).
 
-    What the element dissipates is `-power - d(stored)/dt`; of one that is driven by a law of time or by a
-    controller this is what it is fed with as well. Of an element that a controller drives only the law of
-    time is known here.
+    The dissipated power is `-power - d(stored)/dt`; for an element driven by a law of time or by a controller
+    this includes the power supplied. For an element driven by a controller only the law of time is known
+    here.
 
-    element : ForceElement      of the machine's loads, or one that is only imagined there
+    element : ForceElement      of the machine's loads, or a hypothetical one
     """
 
     def channels(self, system: System) -> Sequence[Channel]:
@@ -162,7 +162,7 @@ def _power(end: Pose, load: Wrench) -> Any:
 class EnergySensor:
     """Kinetic energy, strain energy of the bodies, potential energy of gravity, and their sum.
 
-    Springs and what they store are not in it. The potential is zero at the global origin.
+    The energy of springs is not included. The potential is zero at the global origin.
     """
 
     name: str
@@ -180,12 +180,12 @@ class EnergySensor:
 
 
 def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array]]:
-    """Loads on the second end of each joint, along the joint axes that turn with its first end.
+    """Loads on the second end of each joint, along the joint axes that rotate with its first end.
 
     Returns
     -------
-    by joint, then "force" (t, 3) and "moment" (t, 3) at the second end's point, in the units of the model; of
-    a joint that holds no direction, or no turn, there is no such entry
+    by joint, then "force" (t, 3) and "moment" (t, 3) at the second end's point, in the units of the model; a
+    joint that fixes no direction, or no rotation, has no such entry
     """
     return {
         joint.name: {
@@ -201,7 +201,7 @@ def joint_loads(system: System, solution: Solution) -> dict[str, dict[str, Array
 
 
 def joint_meanings(system: System) -> dict[str, dict[str, str]]:
-    """By joint: the end that its forces act on, and the axes that they are along, in words."""
+    """By joint: descriptions of the end on which its forces act, and of their axes."""
     return {joint.name: {"acts on": str(joint.second), "axes": JOINT_AXES} for joint in system.joints}
 
 

@@ -1,4 +1,4 @@
-"""How far a joint has turned and slid about its axis, and how fast."""
+"""Rotation and sliding of a joint about its axis, and their rates."""
 
 from __future__ import annotations
 
@@ -23,13 +23,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class JointMotionSensor:
-    """Angle and slide of the second end of a joint against the first, about and along the joint's z axis.
+    """Angle and slide of the second end of a joint relative to the first, about and along its z axis.
 
         tan(angle) = (y_1 . x_2 - x_1 . y_2) / (x_1 . x_2 + y_1 . y_2),    slide = z_1 . (r_2 - r_1)
 
-    Both are zero where the joint is undeformed when the machine is put together. The angle goes on beyond
-    pi: from one output time to the next it is taken to change by less than half a turn more or less than the
-    mean of its rates says.
+    Both are zero in the undeformed assembled machine. The angle is counted beyond pi: from one output time to
+    the next it must differ by less than half a revolution from the change given by the mean of its rates.
 
     joint : its name
     """
@@ -64,7 +63,7 @@ _axial_motions = jax.jit(jax.vmap(axial_motion))
 
 
 def _counted(times: Array, angle: Array, rate: Array) -> Array:
-    """Angles with the whole turns that their rates say."""
+    """Angles with whole revolutions counted from their rates."""
     if len(times) == 1:
         return angle
     expected = np.diff(times) * (rate[1:] + rate[:-1]) / 2

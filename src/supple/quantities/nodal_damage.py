@@ -19,15 +19,15 @@ __all__ = ["CriticalPlane", "SignedVonMises", "StressCriterion", "hot_spot_damag
 Array = NDArray[np.float64]
 
 _NUMBERS = 2**22
-"""Numbers of histories held at a time (32 MiB)."""
+"""Numbers of histories in memory at a time (32 MiB)."""
 
 
 class StressCriterion(Protocol):
-    """Which scalar histories of a stress tensor do damage."""
+    """Scalar histories of a stress tensor that cause damage."""
 
     @property
     def n_histories(self) -> int:
-        """Histories of a tensor; the one with the largest damage counts."""
+        """Number of histories per tensor; the largest damage counts."""
         ...
 
     def histories(self, stress: Array) -> Array:
@@ -39,9 +39,9 @@ class StressCriterion(Protocol):
 class CriticalPlane:
     """Stress normal to planes of all directions: the plane with the largest damage counts.
 
-    Principal axes may turn and components be out of phase, where a signed equivalent jumps. The best of the
-    planes is off by at most `spacing` / sqrt(2), and the range of uniaxial stress too small by at most the
-    square of that: 1.5 % at 10 degrees.
+    It holds where principal axes rotate and components are out of phase, unlike a signed equivalent stress,
+    which jumps. The nearest plane is off by at most `spacing` / sqrt(2), and the range of uniaxial stress too
+    small by at most the square of that: 1.5 % at 10 degrees.
 
     spacing : of the planes' normals, rad
     """
@@ -62,12 +62,12 @@ class CriticalPlane:
 
     @property
     def normals(self) -> Array:
-        """(h, 3) on half a sphere: rings of equal latitude, each as densely occupied as the equator."""
+        """(h, 3) on half a sphere: circles of equal latitude, each as densely occupied as the equator."""
         n_rings = int(np.ceil(0.5 * np.pi / self.spacing))
         latitudes = np.linspace(0.0, 0.5 * np.pi, n_rings + 1)
         rings = []
         for latitude in latitudes:
-            # Half of the equator is the other half seen from behind.
+            # Normals on one half of the equator are opposite to those on the other.
             whole_turn = np.pi if latitude == 0 else 2 * np.pi
             number = max(1, int(np.ceil(whole_turn * np.cos(latitude) / self.spacing - 1e-9)))
             turn = np.arange(number) * whole_turn / number
@@ -76,7 +76,7 @@ class CriticalPlane:
         return np.concatenate(rings)
 
     def histories(self, stress: Array) -> Array:
-        """Normal stress n . sigma n (t, k, h) of stresses (t, k, 6)."""
+        """Normal stress n . sigma n (t, k, h) from stresses (t, k, 6)."""
         x, y, z = self.normals.T
         return stress @ np.stack([x * x, y * y, z * z, 2 * y * z, 2 * x * z, 2 * x * y])
 
@@ -86,7 +86,7 @@ class SignedVonMises:
     """Von Mises stress with the sign of the principal stress of largest magnitude: one history a tensor.
 
     For stress that stays proportional and near uniaxial; where the sign changes at large shear it jumps, and
-    the damage is too large. A quick search for the nodes that `CriticalPlane` then computes.
+    the damage is too large. It serves as a quick search for the nodes to be assessed by `CriticalPlane`.
     """
 
     @property
@@ -95,7 +95,7 @@ class SignedVonMises:
         return 1
 
     def histories(self, stress: Array) -> Array:
-        """(t, k, 1) of stresses (t, k, 6)."""
+        """(t, k, 1) from stresses (t, k, 6)."""
         xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
         tensors = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
         principal = np.linalg.eigvalsh(tensors)
@@ -113,24 +113,24 @@ def hot_spot_damage(
     residue: Residue = Residue.HALF_CYCLES,
     correction: Goodman | None = None,
 ) -> Array:
-    """Damage (N,) of a history at nodes, the largest over the layers and histories of the criterion.
+    """Damage (N,) by a history at nodes, the largest over the layers and histories of the criterion.
 
         sigma(t) = S q(t),    s_h = histories(sigma),    D = max_h sum_i n_i / N(S_i)
 
-    Parts of the nodes are computed one after the other: memory does not grow with their number, but holds
-    all histories of one node.
+    Nodes are computed in parts, one after the other: memory does not grow with their number, but contains all
+    histories of one node.
 
     Parameters
     ----------
     modes : of `stress_modes`
     coordinates : (t, r) of the body over time
-    curve : in the units of the stress; its class must fit where the stress is read, which is that of the
-        mesh, without the notch of a weld that is not modelled
+    curve : in the units of the stress; its class must fit the stress definition: that of the mesh, without
+        the notch of a weld that is not modelled
     criterion : `CriticalPlane` or `SignedVonMises`
 
     Raises
     ------
-    ModelError      coordinates of another number or not finite, a peak beyond the ultimate stress
+    ModelError      coordinates of the wrong number or not finite, a peak beyond the ultimate stress
 
     Source: DNVGL-RP-C203 (2016), sections 2 and 4; critical planes: Socie and Marquis, Multiaxial Fatigue
     (SAE, 2000).

@@ -1,4 +1,4 @@
-"""How the nodes of a set become one number of a channel: the largest, the mean, or the nearest node's."""
+"""Reduction of a node set to one value per channel: the largest, the mean, or the nearest node's."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ IntArray = NDArray[np.int64]
 
 
 class MeasuredBlock(NamedTuple):
-    """The channels (t', N', c) at some of the instants and some of the nodes."""
+    """Channels (t', N', c) at some times and some nodes."""
 
     times: slice
     nodes: slice
@@ -24,32 +24,32 @@ class MeasuredBlock(NamedTuple):
 
 
 class Combined(NamedTuple):
-    """Channels (t, c), and at which of the nodes each was read, (t, c); None where it is at no node."""
+    """Channels (t, c), and the node (t, c) at which each was read; None for no single node."""
 
     values: Array
     nodes: IntArray | None
 
 
 class OverNodes(Protocol):
-    """What a sensor on several nodes reads."""
+    """The value of a sensor on several nodes."""
 
     @property
     def words(self) -> str:
-        """Of N nodes this is read: "largest", ..."""
+        """Description of the value for N nodes: "largest", ..."""
         ...
 
     def read(self, points: Array) -> IntArray:
-        """Which of the nodes at points (N, 3) are evaluated."""
+        """Numbers of the nodes, at points (N, 3), to be evaluated."""
         ...
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """The channels of blocks that hold each of (t, N, c) once."""
+        """The channels from blocks that together contain each of (t, N, c) once."""
         ...
 
 
 @dataclass(frozen=True)
 class Maximum:
-    """The value of largest magnitude over the nodes, with its sign, at every instant and of every channel."""
+    """The value of largest magnitude over the nodes, with its sign, at every time and for every channel."""
 
     words: str = field(default="largest", init=False)
 
@@ -58,7 +58,7 @@ class Maximum:
         return np.arange(len(points))
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """By a running maximum."""
+        """A running maximum."""
         n_times, _, n_channels = shape
         values = np.zeros((n_times, n_channels))
         nodes = np.full((n_times, n_channels), -1)
@@ -73,7 +73,7 @@ class Maximum:
 
 @dataclass(frozen=True)
 class Mean:
-    """The mean over the nodes, each of which counts once."""
+    """The mean over the nodes, with equal weights."""
 
     words: str = field(default="mean", init=False)
 
@@ -82,7 +82,7 @@ class Mean:
         return np.arange(len(points))
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """By a running sum."""
+        """A running sum."""
         n_times, n_nodes, n_channels = shape
         total = np.zeros((n_times, n_channels))
         for times, _, found in blocks:
@@ -92,7 +92,7 @@ class Mean:
 
 @dataclass(frozen=True)
 class Nearest:
-    """The one node that lies nearest to the centroid of all."""
+    """The one node nearest to the centroid of all."""
 
     words: str = field(default="nearest to the centroid", init=False)
 
@@ -101,5 +101,5 @@ class Nearest:
         return np.array([np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))])
 
     def combined(self, blocks: Iterable[MeasuredBlock], shape: tuple[int, int, int]) -> Combined:
-        """Its own."""
+        """The channels of that node."""
         return Maximum().combined(blocks, shape)

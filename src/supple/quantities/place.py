@@ -36,7 +36,7 @@ class Place:
             raise ModelError(f"a place of body '{self.body}': give an interface, or node numbers")
 
     def body_of(self, system: System, sensor: str) -> BodyForm:
-        """The form of the body; ModelError where the machine has none, or it has no such place."""
+        """The form of the body; ModelError for a missing body or place."""
         body = body_named(system, self.body, sensor)
         if isinstance(self.at, str):
             body.interface(self.at)
@@ -45,7 +45,7 @@ class Place:
         return body
 
     def rest(self, body: BodyForm) -> Array:
-        """Where it lies undeformed, (3,), mesh axes."""
+        """Its undeformed position, (3,), mesh axes."""
         if isinstance(self.at, str):
             return body.interface(self.at).position
         return body.nodes[list(self.at)].mean(axis=0)
@@ -66,7 +66,7 @@ class Place:
 
 
 def as_place(what: str, value: Any) -> Place:
-    """The place meant by a `Place`, or by "BODY.INTERFACE" or an `At`, as of joints; or ArgumentError."""
+    """A `Place` from a `Place`, from "BODY.INTERFACE", or from an `At`; ArgumentError otherwise."""
     if isinstance(value, Place):
         return value
     if isinstance(value, At) or (isinstance(value, str) and "." in value):
@@ -77,5 +77,5 @@ def as_place(what: str, value: Any) -> Place:
 
 
 def body_named(system: System, body: str, sensor: str) -> BodyForm:
-    """The form of a body; ModelError names the nearest where there is none."""
+    """The form of a body; ModelError with the nearest name if there is none."""
     return system.placed(body, f"sensor '{sensor}'").body

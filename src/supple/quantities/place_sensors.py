@@ -1,4 +1,4 @@
-"""Sensors at a place of a body: where it is, how it moves, how it is deflected."""
+"""Sensors at a place of a body: position, motion, deflection."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class _AtPlace:
 
 
 class PositionSensor(_AtPlace):
-    """Position of a place in space, (t, 3); of interest is that of each of its nodes."""
+    """Position of a place in space, (t, 3); as a quantity of interest, of each of its nodes."""
 
     quantity = QuantityKind.LENGTH
 
@@ -66,12 +66,12 @@ class PositionSensor(_AtPlace):
 
     @property
     def body(self) -> str:
-        """Of the place."""
+        """Body of the place."""
         return self.place.body
 
     @property
     def words(self) -> str:
-        """The quantity and its norm."""
+        """Description of the quantity and its norm."""
         norm = "" if isinstance(self.place.at, str) or len(self.place.at) == 1 else "RMS over its nodes, "
         return f"position of {self.name}: {norm}largest over the run"
 
@@ -80,7 +80,7 @@ class PositionSensor(_AtPlace):
         return self.place.points(body_named(system, self.body, self.name), solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement of its nodes, or of the body's, seen from the first interface."""
+        """Largest displacement of its nodes, or of the body's, relative to the first interface."""
         form, nodes = body_named(system, self.body, self.name), self.place.at
         some = slice(None) if isinstance(nodes, str) else np.array(nodes)
         return largest_displacement(form, solution.motion(self.body, FramedMotion).coordinates, some)
@@ -97,10 +97,10 @@ class VelocitySensor(_AtPlace):
 
 
 class AccelerationSensor(_AtPlace):
-    """Acceleration of a place in space, (t, 3); an accelerometer shows it less gravity, in its own axes.
+    """Acceleration of a place in space, (t, 3); an accelerometer shows it minus gravity, in its own axes.
 
-    Where the base of the machine accelerates (`BaseAcceleration`), positions and velocities are those seen
-    from it; the acceleration has that of the base added.
+    Where the base of the machine accelerates (`BaseAcceleration`), positions and velocities are relative to
+    the base; the acceleration is absolute.
     """
 
     quantity = QuantityKind.ACCELERATION
@@ -117,7 +117,7 @@ class AccelerationSensor(_AtPlace):
 
 
 def base_acceleration(system: System, times: Array) -> Array:
-    """Acceleration of the base on which a machine stands at some times, (t, 3), global."""
+    """Acceleration of the base of a machine at some times, (t, 3), global."""
     bases = [load.law for load in system.loads if isinstance(load, BaseAcceleration)]
     total = np.zeros((len(times), 3))
     for law in bases:
@@ -153,9 +153,9 @@ class AngularVelocitySensor:
 
 @dataclass(frozen=True)
 class DeflectionSensor(_AtPlace):
-    """Displacement of a place as seen from an interface, in the mesh axes that turn with it, (t, 3).
+    """Displacement of a place relative to an interface, in the mesh axes that rotate with it, (t, 3).
 
-    seen_from : At | None   the body's first interface where it is left out
+    seen_from : At | None   the body's first interface by default
     """
 
     seen_from: At | None = None
@@ -177,7 +177,7 @@ class DeflectionSensor(_AtPlace):
         return f"mesh axes turning with {self.base(system)}"
 
     def base(self, system: System) -> At | None:
-        """The end that the deflection is seen from; None of a body without interfaces."""
+        """The reference of the deflection; None for a body without interfaces."""
         if self.seen_from is not None:
             return self.seen_from
         body = body_named(system, self.place.body, self.name)

@@ -1,4 +1,4 @@
-"""What is read off the motion of a machine: a name, channels with unit and axes, and values."""
+"""A quantity of the motion of a machine: a name, channels with unit and axes, and values."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ Array = NDArray[np.float64]
 
 
 class Quantity(Protocol):
-    """Channels that are read off the motion of a machine; a sensor is one."""
+    """Channels computed from the motion of a machine; a sensor is one."""
 
     @property
     def name(self) -> str:
-        """In tables and files; unique among the sensors of a run."""
+        """Name in tables and files; unique among the sensors of a run."""
         ...
 
     def channels(self, system: System, /) -> Sequence[Channel]:
-        """What it measures, one entry per column of its values.
+        """Its channels, one entry per column of its values.
 
         Raises ModelError for a place, joint or force that the machine does not have.
         """
@@ -44,7 +44,7 @@ class Quantity(Protocol):
 
 @runtime_checkable
 class LocatedQuantity(Quantity, Protocol):
-    """A quantity whose nodes are known."""
+    """A quantity with known nodes."""
 
     def located(self, system: System, solution: Solution, /) -> Located:
         """Its values, with the nodes."""
@@ -52,7 +52,7 @@ class LocatedQuantity(Quantity, Protocol):
 
 
 def vector_channels(quantity: QuantityKind, axes: str) -> tuple[Channel, ...]:
-    """Of three components along x, y and z."""
+    """Channels of three components along x, y and z."""
     return tuple(Channel(name, quantity, axes) for name in "xyz")
 
 
@@ -76,24 +76,24 @@ def read_sensors(sensors: Sequence[Quantity], system: System, solution: Solution
 def read_in_parts(sensors: Sequence[Quantity], system: System, parts: Iterable[Solution]) -> Readings:
     """The readings of some sensors over a run that is given in parts, such as `ResultParts`.
 
-    Whole turns of angles are counted across parts. Errors are those of `read_sensors`; also ModelError
+    Revolutions of angles are counted across parts. Errors are those of `read_sensors`; also ModelError
     without any part.
     """
     found: list[Readings] = []
     last: Solution | None = None
     for part in parts:
-        # An angle goes on from the last instant before.
+        # An angle continues from the last time before.
         begun = part if last is None else concatenate([last, part])
         readings = read_sensors(sensors, system, begun)
         found.append(readings if last is None else _continued(found[-1], readings))
         last = part.at(slice(-1, None))
     if not found:
-        raise ModelError("there is no instant to read: give at least one part of a run")
+        raise ModelError("there is no output time to read: give at least one part of a run")
     return Readings(_one_after_another(own) for own in zip(*found, strict=True))
 
 
 def _continued(before: Readings, readings: Readings) -> Readings:
-    """Without their first instant, which is the last before, and with angles that go on from there."""
+    """The readings without their first time, which is the last one before; angles continue from there."""
 
     def continued(old: Reading, new: Reading) -> Reading:
         is_angle = np.array([each.quantity is QuantityKind.ANGLE for each in new.channels])

@@ -1,4 +1,4 @@
-"""Quantities of interest, whose error is stated: positions, the force of a joint, stress at nodes."""
+"""Quantities of interest with error estimates: positions, the force of a joint, stress at nodes."""
 
 from __future__ import annotations
 
@@ -18,40 +18,40 @@ Array = NDArray[np.float64]
 
 
 _ROWS = 64
-"""Output times whose nodal positions are held at once."""
+"""Output times whose nodal positions are in memory at once."""
 
 
 class QuantityOfInterest(Protocol):
-    """A quantity of a run, as of a sensor; its error is the largest over time of the RMS over its points."""
+    """A quantity of a run, such as a sensor; its error is the largest RMS over its points in time."""
 
     @property
     def name(self) -> str:
-        """Under which its error is stated; of a whole body that of the body."""
+        """Name in the error report; for a whole body that of the body."""
         ...
 
     @property
     def words(self) -> str:
-        """What it is and in which norm, in words."""
+        """Description of the quantity and its norm."""
         ...
 
     @property
     def body(self) -> str | None:
-        """The body that it is of; None of a quantity of the machine."""
+        """The body of the quantity; None for a quantity of the machine."""
         ...
 
     def at_points(self, system: System, solution: Solution, /) -> Array:
-        """At the output times, (t, points, components)."""
+        """Values at the output times, (t, points, components)."""
         ...
 
     def size(self, system: System, solution: Solution, /) -> float:
-        """What an error in it is small against."""
+        """Reference size for a relative error."""
         ...
 
 
 def quantity_distance(
     quantity: QuantityOfInterest, system: System, solution: Solution, other_system: System, other: Solution
 ) -> float:
-    """Largest distance of two runs in a quantity, RMS over its points; infinite where one broke off."""
+    """Largest distance of two runs in a quantity, RMS over its points; infinite where one stopped early."""
     if solution.stopped is not None or other.stopped is not None or len(solution.times) != len(other.times):
         return np.inf
     largest = 0.0
@@ -70,12 +70,12 @@ class WholeBody:
 
     @property
     def name(self) -> str:
-        """That of the body."""
+        """Name of the body."""
         return self.body
 
     @property
     def words(self) -> str:
-        """The quantity and its norm."""
+        """Description of the quantity and its norm."""
         return f"positions of body '{self.body}': RMS over its nodes, largest over the run"
 
     def at_points(self, system: System, solution: Solution) -> Array:
@@ -83,7 +83,7 @@ class WholeBody:
         return system.placed(self.body, "stated error").body.positions(solution.bodies[self.body])
 
     def size(self, system: System, solution: Solution) -> float:
-        """Largest displacement of a node, seen from the first interface."""
+        """Largest displacement of a node, relative to the first interface."""
         body = system.placed(self.body, "stated error").body
         return largest_displacement(body, solution.motion(self.body, FramedMotion).coordinates)
 
@@ -91,11 +91,11 @@ class WholeBody:
 def largest_displacement(
     body: BodyForm, coordinates: Array, nodes: np.ndarray | slice = slice(None)
 ) -> float:
-    """Largest displacement of a node over time, seen from the body's first interface, or in its frame.
+    """Largest displacement of a node over time, relative to the body's first interface, or to its frame.
 
     coordinates : (t, r)
-    nodes : those assessed
-    The turn of the interface against the frame is taken as small.
+    nodes : nodes to evaluate
+    The rotation of the interface relative to the frame is taken as small.
     """
     sizes = []
     for rows in blocks_of_times(len(coordinates)):
@@ -109,7 +109,7 @@ def largest_displacement(
 
 
 def _rigid_fields(arms: Array) -> Array:
-    """Displacements (6, k, 3) at places (k, 3) by unit translations, then by small rotations."""
+    """Displacements (6, k, 3) at points (k, 3) by unit translations, then by small rotations."""
     axes = np.eye(3)[:, None]
     return np.concatenate([np.broadcast_to(axes, (3, *arms.shape)), np.cross(axes, arms)])
 
@@ -120,5 +120,5 @@ def _squares(vectors: Array) -> Array:
 
 
 def blocks_of_times(n: int) -> list[slice]:
-    """Numbers of n output times, a few at once."""
+    """Indices of n output times, in blocks."""
     return [slice(start, start + _ROWS) for start in range(0, n, _ROWS)]

@@ -1,4 +1,4 @@
-"""What one sensor read: channels over time."""
+"""The reading of one sensor: channels over time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ IntArray = NDArray[np.int64]
 
 
 class QuantityKind(Enum):
-    """The kind of quantity that a channel measures; its unit follows from those of the model."""
+    """The kind of quantity of a channel; its unit follows from those of the model."""
 
     LENGTH = "length"
     VELOCITY = "velocity"
@@ -50,17 +50,17 @@ class Channel(NamedTuple):
     """"x", "angle", ..."""
     quantity: QuantityKind
     axes: str
-    """What its component is along, in words; "" of a scalar"""
+    """Description of the direction of its component; "" for a scalar"""
     place: str = ""
-    """Where it is read, in words, such as the node or the number of nodes; "" if the sensor defines it"""
+    """Description of its place, such as the node or the number of nodes; "" if the sensor defines it"""
 
 
 class Located(NamedTuple):
-    """What a sensor read, and at which nodes.
+    """The values of a sensor, with their nodes.
 
     values : (t, c)
-    nodes : (t, c)          node ids, as the mesh file has them; None where a value is of no single node
-    points : (t, c, 3)      where these nodes lie undeformed, mesh axes
+    nodes : (t, c)          node ids of the mesh file; None where a value belongs to no single node
+    points : (t, c, 3)      undeformed positions of these nodes, mesh axes
     """
 
     values: Array
@@ -70,12 +70,12 @@ class Located(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reading(Summarized):
-    """What one sensor read.
+    """The reading of one sensor.
 
     name : of the sensor;   channels : of its columns
     times : (t,)            values : (t, c), in the units of the model
-    nodes : (t, c)          ids of the nodes that values were read at, if the sensor has them
-    points : (t, c, 3)      where these lie undeformed, mesh axes
+    nodes : (t, c)          ids of the nodes of the values, if the sensor has them
+    points : (t, c, 3)      their undeformed positions, mesh axes
     """
 
     name: str
@@ -118,7 +118,7 @@ class Reading(Summarized):
 
     @checked_arguments
     def plain(self, units: UnitSystem = UNNAMED) -> dict[str, Any]:
-        """By channel: unit, axes, smallest, largest and last value, when they are met, and at which node."""
+        """By channel: unit, axes, smallest, largest and last value, with times and nodes of the extremes."""
         found = {}
         for number, (channel, column) in enumerate(zip(self.channels, self.values.T, strict=True)):
             low, high = int(np.argmin(column)), int(np.argmax(column))
@@ -139,11 +139,11 @@ class Reading(Summarized):
 
     @property
     def peaks(self) -> IntArray:
-        """Numbers of the times (c,) at which the magnitude of each channel is largest."""
+        """Indices of the times (c,) at which the magnitude of each channel is largest."""
         return np.abs(self.values).argmax(axis=0)
 
     def _node(self, channel: int, time: int, extreme: str) -> dict[str, Any]:
-        """The node that an extreme was read at, if it is known."""
+        """The node of an extreme, if it is known."""
         if self.nodes is None or self.points is None:
             return {}
         return {
@@ -153,5 +153,5 @@ class Reading(Summarized):
 
 
 def point_words(node: int, point: ArrayLike) -> str:
-    """Such as "node 17 at (0.5, 0, 0.01)", in mesh axes."""
+    """Description such as "node 17 at (0.5, 0, 0.01)", in mesh axes."""
     return f"node {node} at ({', '.join(f'{x:.4g}' for x in np.asarray(point))})"

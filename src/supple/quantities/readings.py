@@ -1,4 +1,4 @@
-"""All that was read off one run: a table of named columns with units, over time."""
+"""All readings of one run: a table of named columns with units, over time."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ TIME = "Time"
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns of numbers over time; their names differ.
+    """Columns of numbers over time, with unique names.
 
-    times : (t,);  time_unit : its name, "" where it has none
+    times : (t,);  time_unit : its name, "" if unknown
     names, units : of the c columns, such as "tip.x" and "m"
-    channels : what each column measures, along which axes and where
+    channels : the channel of each column, with axes and place
     values : (t, c)
     """
 
@@ -43,7 +43,7 @@ class Columns:
 
     @property
     def heads(self) -> Iterator[str]:
-        """Names with units, the time first: `Time_[s]`, `tip.x_[m]`; `tip.x` where a unit has no name."""
+        """Names with units, the time first: `Time_[s]`, `tip.x_[m]`; `tip.x` for a unit without a name."""
         pairs = zip((TIME, *self.names), (self.time_unit, *self.units), strict=True)
         return (f"{name}_[{unit}]" if unit else name for name, unit in pairs)
 

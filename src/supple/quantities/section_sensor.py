@@ -23,14 +23,14 @@ __all__ = ["SectionForceSensor"]
 
 @dataclass(frozen=True, eq=False)
 class SectionForceSensor:
-    """Force and moment that what lies beyond a section exerts on what lies before it, (t, 6).
+    """Force and moment that the far side of a section exerts on the near side, (t, 6).
 
-    The section is the plane through a place, undeformed, across a normal in the axes of the mesh. It cuts the
-    whole body. Moments are about the place. Components are along the body's axes; of an intrinsic body
-    along those that turn with the section.
+    The section is the undeformed plane through a place, normal to a direction in the axes of the mesh. It
+    cuts the whole body. Moments are about the place. Components are along the body's axes; for an intrinsic
+    body along axes that rotate with the section.
 
     place : Place       an interface, or the mean of some nodes
-    normal : (3,)       towards what lies beyond
+    normal : (3,)       towards the far side
     model : FiniteElementModel | None    the body's elements; an intrinsic body needs none
     """
 

@@ -18,16 +18,16 @@ from supple.reduction import ReducedBody
 __all__ = ["LargestStress", "largest_stress", "von_mises_by_end", "von_mises_history"]
 
 Array = NDArray[np.float64]
-# Numbers held at a time: of the modes of some nodes (128 MiB), and of the field of some instants (32 MiB).
+# Numbers in memory at a time: modes of some nodes (128 MiB), and the field at some times (32 MiB).
 _MODE_NUMBERS, _FIELD_NUMBERS = 2**24, 2**22
-# Of modes that are kept for many calls (1 GiB).
+# Largest modes cached for many calls (1 GiB).
 _KEPT_NUMBERS = 2**27
-# Instants at which all nodes are searched for the largest stress; nodes that are followed at all instants.
+# Times at which all nodes are searched for the largest stress; nodes that are evaluated at all times.
 _SEARCHED = 100
 
 
 class TensorBlock(NamedTuple):
-    """A tensor field at some of the instants and nodes that are evaluated."""
+    """A tensor field at some of the evaluated times and nodes."""
 
     times: slice
     nodes: slice
@@ -41,17 +41,17 @@ def von_mises_history(
     coordinates: Array,
     nodes: ArrayLike | None = None,
 ) -> Array:
-    """Von Mises stress (t, N), Pa, the largest over the layers, of coordinates (t, r).
+    """Von Mises stress (t, N), Pa, the largest over the layers, at coordinates (t, r).
 
-    A reduced body goes through its stress modes; the reference, a full body, is recovered one vector at a
-    time, as is a body of more columns than tensors are made for (`ReducedBody.elastic_elsewhere`). Elements
-    beside rigid interfaces have the strain that their ties leave them. A linear body has the stress of its
-    linear strain; an intrinsic one that of the static shapes that carry its section loads.
+    A reduced body uses its stress modes; a full body, as the reference, is recovered one vector at a time, as
+    is a body with more columns than tensors allow (`ReducedBody.elastic_elsewhere`). Elements at rigid
+    interfaces have the strain that includes their ties. A linear body has the stress of its linear strain; an
+    intrinsic one that of the static shapes of its section loads.
 
     Parameters
     ----------
-    model : FiniteElementModel      the one the body was made of
-    nodes : int array (N,)          numbers of the nodes of interest; all of them when omitted
+    model : FiniteElementModel      the model of the body
+    nodes : int array (N,)          numbers of the nodes of interest; all by default
 
     Raises
     ------
@@ -72,9 +72,9 @@ def von_mises_history(
 def tensor_blocks(
     tensor: NodalTensor, body: BodyForm, model: FiniteElementModel, coordinates: Array, nodes: ArrayLike
 ) -> Iterator[TensorBlock]:
-    """A tensor at N nodes over t instants, a block that fits in memory at a time.
+    """A tensor at N nodes over t times, in blocks that fit in memory.
 
-    Of l layers (`StressLayers`). Every pair of an instant and a node is in one block. Errors are those of
+    It has l layers (`StressLayers`). Every pair of a time and a node is in one block. Errors are those of
     `von_mises_history`.
     """
     if not _has_modes(body):
@@ -88,7 +88,7 @@ def tensor_blocks(
 
 
 def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> Array:
-    """Von Mises stress (t, N, 1 + ends), Pa: the largest of solids and shells, and of each beam's end there.
+    """Von Mises stress (t, N, 1 + ends), Pa: the largest of solids and shells, and that of each beam end.
 
     Ends are those of `StressLayers`; zero where a node has fewer. Other parameters and errors as for
     `von_mises_history`.
@@ -101,9 +101,9 @@ def von_mises_by_end(body: BodyForm, model: FiniteElementModel, coordinates: Arr
 
 
 def equivalent_stress(body: BodyForm, model: FiniteElementModel) -> Callable[[Array], Array]:
-    """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), to be called many times.
+    """Von Mises stress (t, N) at all nodes as a function of coordinates (t, r), for repeated calls.
 
-    Errors as of `von_mises_history`. Stress modes are made once where they fit in a GiB.
+    Errors as for `von_mises_history`. Stress modes are computed once if they fit in 1 GiB.
     """
     if _has_modes(body) and _numbers_of_modes(body, model) * len(body.nodes) <= _KEPT_NUMBERS:
         return tensor_modes(STRESS, body, model, None).von_mises
@@ -128,10 +128,10 @@ class LargestStress(NamedTuple):
 
 
 def largest_stress(body: BodyForm, model: FiniteElementModel, coordinates: Array) -> LargestStress:
-    """The largest von Mises stress over nodes of cells, layers and instants; errors as that history.
+    """The largest von Mises stress over nodes of cells, layers and times; errors as for the history.
 
-    At a hundred instants, evenly spread, all nodes are evaluated; at all instants the hundred nodes whose
-    stress is largest then. So it is exact of runs of a hundred outputs.
+    All nodes are evaluated at a hundred evenly spread times, and at all times the hundred nodes of largest
+    stress found there. The result is exact for runs of up to a hundred outputs.
     """
     recovery = stress_recovery(model)
     nodes = _nodes_with_stress(recovery)
@@ -159,12 +159,12 @@ def _has_modes(body: BodyForm) -> TypeGuard[ReducedBody]:
 
 
 def _slices_of_modes(body: ReducedBody, model: FiniteElementModel, n_nodes: int) -> Iterator[slice]:
-    """Nodes of which the modes are held at a time."""
+    """Blocks of nodes whose modes are in memory at a time."""
     return _slices(n_nodes, _MODE_NUMBERS // (_numbers_of_modes(body, model) or 1))
 
 
 def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
-    """In the modes of a node."""
+    """Number of entries in the modes of a node."""
     n_condensed = 0 if body.condensed is None else body.condensed.fields.shape[1]
     return 6 * stress_layers(model).count * (body.r * (body.r + 3) // 2 + n_condensed)
 
@@ -172,10 +172,10 @@ def _numbers_of_modes(body: ReducedBody, model: FiniteElementModel) -> int:
 def _recovered(
     body: BodyForm, recovery: StressRecovery, coordinates: Array, nodes: ArrayLike | None
 ) -> Iterator[TensorBlock]:
-    """Of a body whose cells are recovered, those at the nodes alone, some instants after the others.
+    """Stress of a body by direct recovery, from the cells at the nodes alone, in blocks of times.
 
-    Of an intrinsic body: of the linear displacements of its modes, into which only strains, and so section
-    loads, enter.
+    For an intrinsic body, from the linear displacements of its modes: only strains, and so section loads,
+    enter.
     """
     chosen = np.arange(len(body.nodes))
     if nodes is not None:
@@ -196,7 +196,7 @@ def _recovered(
         motions = [interface.motion @ q.T for interface in interfaces]
         motions += [piece.motion @ nodal for piece in inner]
         field = recovery.over(with_virtual_freedoms(nodal, motions, ties, d), averaging)
-        if condensed is not None:  # its linear strain alone, as in `tensor_modes`; interfaces rest
+        if condensed is not None:  # only linear strain, as in `tensor_modes`; interfaces are fixed
             still = [np.zeros_like(motion) for motion in motions]
             field += linear.over(with_virtual_freedoms(condensed, still, ties, d), averaging)
         yield TensorBlock(times, slice(0, len(chosen)), field)

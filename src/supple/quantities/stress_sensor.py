@@ -31,25 +31,25 @@ COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 class TensorMeasure(Protocol):
-    """Numbers that are read off a symmetric tensor."""
+    """Scalar values of a symmetric tensor."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What its numbers are called."""
+        """Names of the values."""
         ...
 
     def of_stress(self, tensors: Array) -> Array:
-        """(..., k) of stresses (..., 6), xx yy zz yz xz xy."""
+        """(..., k) from stresses (..., 6), xx yy zz yz xz xy."""
         ...
 
     def of_strain(self, tensors: Array) -> Array:
-        """(..., k) of strains (..., 6) with engineering shears."""
+        """(..., k) from strains (..., 6) with engineering shears."""
         ...
 
 
 @dataclass(frozen=True)
 class VonMises:
-    """The equivalent of von Mises, never negative."""
+    """The von Mises equivalent, never negative."""
 
     names: tuple[str, ...] = field(default=("von Mises",), init=False)
 
@@ -70,11 +70,11 @@ class Component:
 
     def __post_init__(self) -> None:
         if self.name not in COMPONENTS:
-            raise ModelError(f"there is no component '{self.name}' of a tensor: {', '.join(COMPONENTS)}")
+            raise ModelError(f"there is no component '{self.name}' of a tensor; use {', '.join(COMPONENTS)}")
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Its own."""
+        """Name of the component."""
         return (self.name,)
 
     def of_stress(self, tensors: Array) -> Array:
@@ -105,9 +105,10 @@ class Principal:
 
 @dataclass(frozen=True, eq=False)
 class _TensorSensor(ABC):
-    """A tensor at nodes of a body, averaged over the elements at each; of a shell at its three layers.
+    """A tensor at nodes of a body, averaged over the elements at each; for a shell at its three layers.
 
-    Of interest is what is measured at each of the nodes, of a shell in the layer where it is largest.
+    As a quantity of interest it is the measure at each of the nodes, for a shell in the layer where it is
+    largest.
     """
 
     name: str
@@ -141,7 +142,7 @@ class _TensorSensor(ABC):
         return self.located(system, solution).values
 
     def located(self, system: System, solution: Solution) -> Located:
-        """(t, l k), layer by layer, and the ids and undeformed places of the nodes that they were read at."""
+        """(t, l k), layer by layer, with the ids and undeformed positions of the nodes."""
         form, mesh, chosen = _elastic(system, self.body, self.name), self.model.mesh, self._chosen()
         coordinates, layers = solution.motion(self.body, FramedMotion).coordinates, self._layers()
         blocks = (
@@ -156,11 +157,11 @@ class _TensorSensor(ABC):
 
     @property
     def words(self) -> str:
-        """The quantity and its norm."""
+        """Description of the quantity and its norm."""
         return f"{' and '.join(self.measure.names)} {self.name}: RMS over its nodes, largest over the run"
 
     def at_points(self, system: System, solution: Solution) -> Array:
-        """What is measured (t, N, k) at each of the nodes."""
+        """The measure (t, N, k) at each of the nodes."""
         form, chosen = _elastic(system, self.body, self.name), self._chosen()
         coordinates = solution.motion(self.body, FramedMotion).coordinates
         if form.has_stress_modes and form not in self._modes:
@@ -174,12 +175,12 @@ class _TensorSensor(ABC):
         return np.take_along_axis(found, largest[:, :, None], axis=2)[:, :, 0]
 
     def size(self, system: System, solution: Solution) -> float:
-        """The largest magnitude there."""
+        """The largest magnitude of the measure."""
         return float(np.abs(self.at_points(system, solution)).max())
 
     @abstractmethod
     def _measured(self, tensors: Array) -> Array:
-        """Numbers (..., k) of tensors (..., 6)."""
+        """Measure (..., k) of tensors (..., 6)."""
 
     def _numbers(self) -> IntArray:
         try:
@@ -191,12 +192,12 @@ class _TensorSensor(ABC):
         return numbers
 
     def _chosen(self) -> IntArray:
-        """Numbers of the nodes that are read."""
+        """Numbers of the nodes to be read."""
         given = self._numbers()
         return given[self.over.read(self.model.mesh.nodes[given])]
 
     def _layers(self) -> IntArray:
-        """Layers that the nodes have; ModelError where a mean is of some nodes with one and some without."""
+        """Layers of the nodes; ModelError where a mean is over nodes with different layers."""
         chosen = self._chosen()
         try:
             there = stress_recovery(self.model).around(chosen).layers_at(chosen)
@@ -205,7 +206,7 @@ class _TensorSensor(ABC):
         if isinstance(self.over, Mean) and not (there.all(axis=0) | ~there.any(axis=0)).all():
             raise ModelError(
                 f"sensor '{self.name}': its nodes belong to different kinds of elements, or to different "
-                "numbers of beams, whose stresses have no common mean; take fewer nodes, or the largest"
+                "numbers of beams, whose stresses have no common mean; use fewer nodes, or Maximum()"
             )
         return np.flatnonzero(there.any(axis=0))
 
@@ -219,13 +220,13 @@ class _TensorSensor(ABC):
 
 
 class StressSensor(_TensorSensor):
-    """Stress at nodes of a body, averaged over the elements at each; of a shell at its bottom, middle, top;
-    of a beam at the points of its section, without a mean over the beams of a node.
+    """Stress at nodes of a body, averaged over the elements at each; for a shell at bottom, middle and top;
+    for a beam at the points of its section, without averaging over the beams of a node.
 
     body : its name;   model : its elements
-    nodes : the number of one, or of several
-    measure : VonMises(), Component("xx"), Principal() or one of your own
-    over : of several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid
+    nodes : number of one node, or of several
+    measure : VonMises(), Component("xx"), Principal() or a user-defined one
+    over : for several nodes the Maximum() of magnitude, the Mean(), or the one Nearest() to their centroid
     """
 
     quantity, tensor = QuantityKind.STRESS, STRESS
@@ -235,7 +236,7 @@ class StressSensor(_TensorSensor):
 
 
 class StrainSensor(_TensorSensor):
-    """Strain at nodes of a body: as a `StressSensor`, such as a strain gauge reads."""
+    """Strain at nodes of a body, as measured by a strain gauge; arguments as for `StressSensor`."""
 
     quantity, tensor = QuantityKind.STRAIN, STRAIN
 
@@ -249,7 +250,7 @@ def _elastic(system: System, body: str, sensor: str) -> Any:
         raise ModelError(f"sensor '{sensor}': body '{body}' is {form.kind}: it has no stress")
     if not form.has_frame:
         raise ModelError(
-            f"sensor '{sensor}': body '{body}' is of explicit finite elements, which keep von Mises' stress "
-            f"of each with their motion: read solution.bodies['{body}'].von_mises"
+            f"sensor '{sensor}': body '{body}' has explicit finite elements, whose von Mises stress "
+            f"is stored with their motion: use solution.bodies['{body}'].von_mises"
         )
     return form

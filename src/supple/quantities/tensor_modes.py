@@ -30,15 +30,15 @@ __all__ = ["TensorModes", "strain_modes", "stress_modes"]
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-# Numbers of the field held at a time (32 MiB), for a long run of a large body would not fit.
+# Numbers of the field in memory at a time (32 MiB): a long run of a large body would not fit.
 _FIELD_NUMBERS = 2**22
 
 
 class NodalTensor(NamedTuple):
     """A symmetric tensor at nodes, xx yy zz yz xz xy in the body's frame.
 
-    recovery : of a model, by displacements
-    equivalent : von Mises' number (...) of tensors (..., 6)
+    recovery : function of a model that prepares the recovery by displacements
+    equivalent : von Mises equivalent (...) of tensors (..., 6)
     """
 
     recovery: Callable[[FiniteElementModel], StressRecovery]
@@ -53,7 +53,7 @@ STRAIN = NodalTensor(strain_recovery, von_mises_strain)
 
 @dataclass(frozen=True, eq=False)
 class TensorModes:
-    """What unit coordinates, and unit products of two of them, give at nodes.
+    """Values at nodes for unit coordinates, and for unit products of two of them.
 
         field(gamma) = linear (gamma, amplitudes m2) + quadratic m2
         m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
@@ -62,9 +62,9 @@ class TensorModes:
     linear : (N, l, 6, r + m)           l layers, components xx yy zz yz xz xy in the body's frame; of the
                                         columns, then of the m fields of the condensed motion
     quadratic : (N, l, 6, n2) or None   n2 = r(r+1)/2; None for a linear body
-    amplitudes : (m, n2)                of the fields of the condensed motion; m = 0 where there is none
+    amplitudes : (m, n2)                of the fields of the condensed motion; m = 0 without
     tensor : NodalTensor                stress or strain
-    outer : (o,)                        layers among which the largest equivalent lies
+    outer : (o,)                        layers that contain the largest equivalent
     """
 
     nodes: IntArray
@@ -85,13 +85,13 @@ class TensorModes:
         return self.linear.shape[-1] - len(self.amplitudes)
 
     def at(self, coordinates: ArrayLike) -> Array:
-        """The field (..., N, l, 6) of coordinates (..., r); ModelError where they are of another number."""
+        """The field (..., N, l, 6) at coordinates (..., r); ModelError for a wrong number."""
         gamma = self._checked(coordinates)
         field = self._field(gamma.reshape(-1, self.r))
         return field.reshape(*gamma.shape[:-1], *self.linear.shape[:3])
 
     def von_mises(self, coordinates: ArrayLike) -> Array:
-        """The equivalent of von Mises (..., N), the largest over the layers; in blocks of times that fit in
+        """The von Mises equivalent (..., N), the largest over the layers; in blocks of times that fit in
         memory.
 
         Layers that cannot have the largest (`StressLayers.outer`) are not evaluated.
@@ -112,7 +112,7 @@ class TensorModes:
         return replace(self, nodes=self.nodes[nodes], linear=self.linear[nodes], quadratic=quadratic)
 
     def outer_layers(self) -> TensorModes:
-        """The layers alone among which the largest equivalent lies."""
+        """The modes of only those layers that contain the largest equivalent."""
         if len(self.outer) == self.linear.shape[1]:
             return self
         layers = list(self.outer)
@@ -140,45 +140,45 @@ class TensorModes:
 
 
 def stress_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> TensorModes:
-    """Stress modes of a reduced body: computed once, then a small matrix product per instant.
+    """Stress modes of a reduced body: computed once, then a small matrix product per time.
 
         sigma(gamma) = S1 gamma + S2 (gamma gamma) + S3 z(gamma)
 
-    S1 holds the stress of each column, S2 that of each pair of columns by the quadratic part of the strain,
-    without which a body that turns far against its frame, as a bent blade does, shows stress that it does
-    not have. S3 holds that of the condensed motion z, which takes back the stress of stiff motion that the
-    columns lack. A linear body has S1 alone, the stress that belongs to its K gamma. Memory: N l 6 r numbers,
-    and N 6 r(r+1)/2 and N l 6 m (m fields of z) for a nonlinear body; choose nodes where that is much.
+    S1 is the stress of each column, S2 that of each pair of columns by the quadratic part of the strain,
+    without which a body that rotates far relative to its frame, such as a bent blade, has spurious stress. S3
+    is that of the condensed motion z, which cancels the stress of stiff motion that the columns lack. A
+    linear body has S1 alone, the stress of its K gamma. Memory: N l 6 r numbers, and N 6 r(r+1)/2 and N l 6 m
+    (m fields of z) for a nonlinear body; restrict the nodes if that is too much.
 
     Parameters
     ----------
-    model : FiniteElementModel      the one the body was made of
-    nodes : int array (N,)          numbers of the nodes of interest; all of them when omitted
+    model : FiniteElementModel      the model of the body
+    nodes : int array (N,)          numbers of the nodes of interest; all by default
 
     Raises
     ------
-    ModelError   a model of other nodes or freedoms, a node number outside it, a laminate
+    ModelError   a model with other nodes or freedoms, a node number outside it, a laminate
     """
     return tensor_modes(STRESS, body, model, nodes)
 
 
 def strain_modes(body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None = None) -> TensorModes:
-    """Strain modes of a reduced body: as stress_modes, with the same parameters and errors."""
+    """Strain modes of a reduced body; parameters and errors as for stress_modes."""
     return tensor_modes(STRAIN, body, model, nodes)
 
 
 def tensor_modes(
     tensor: NodalTensor, body: ReducedBody, model: FiniteElementModel, nodes: ArrayLike | None
 ) -> TensorModes:
-    """The modes of a tensor of a body, at some of its nodes or all; errors as for `stress_modes`.
+    """The modes of a tensor of a body, at all or some of its nodes; errors as for `stress_modes`.
 
     With the columns V of the body at the points of an element, e = B V and a = G V, the strain is
 
         eps = e gamma + 1/2 sum_jk N(a_j, a_k) gamma_j gamma_k
 
-    without remainder, and stress and its mean at the nodes are linear in it. The motion z that the body's
-    tensors let follow its columns adds B z to it, as it does to the energy; z turns no interface.
-    Elements beside rigid interfaces see their second-order ties (`tied_recovery`).
+    exactly, and stress and its nodal mean are linear in it. The condensed motion z adds B z to the strain, as
+    it does in the energy; z rotates no interface. Elements at rigid interfaces include their second-order
+    ties (`tied_recovery`).
     """
     same_count = body.nodal_basis.shape[0] == model.n_dofs and body.nodes.shape == model.mesh.nodes.shape
     if not (same_count and np.array_equal(body.nodes, model.mesh.nodes)):
@@ -222,12 +222,12 @@ def tensor_modes(
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Some cells of a section and the nodes that they share in.
+    """Some cells of a section and their common nodes.
 
-    rows : (R,)                     places in the field
-    share : csr (R, E g l')         what the tensors of each point give to them
+    rows : (R,)                     positions in the field
+    share : csr (R, E g l')         weights of the tensors of each point
     arrays : QuadraticStrain        of the E cells
-    to_field : (E, 6 l', s)         tensors of a strain
+    to_field : (E, 6 l', s)         tensors from a strain
     """
 
     rows: IntArray
@@ -243,7 +243,7 @@ class _Part:
 
 
 def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]:
-    """The cells that give to any row of `shares`, in parts whose tensors fit in memory."""
+    """The cells that contribute to any row of `shares`, in parts whose tensors fit in memory."""
     n_tensors = section.to_nodes.shape[2]
     cells = np.unique(shares.indices // n_tensors)
     size = max(1, _FIELD_NUMBERS // (n_tensors * 6 * r))
@@ -257,7 +257,7 @@ def _parts(section: SectionStress, shares: csr_array, r: int) -> Iterator[_Part]
 
 
 def _pair_strains(form: Array, gradients: Array) -> Iterator[tuple[slice, Array]]:
-    """Quadratic strain of the pairs (j, k >= j), one j at a time: where they stand, and (E, g, s, r - j).
+    """Quadratic strain of the pairs (j, k >= j), one j at a time: their positions, and (E, g, s, r - j).
 
     form : (s, d, d), or (E, g, s, d, d);  gradients : (E, g, d, r)
     """

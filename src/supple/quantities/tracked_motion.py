@@ -1,4 +1,4 @@
-"""Motion of a place of a body, in space and against the body's first interface, or another's."""
+"""Motion of a place of a body, in space and relative to an interface of this or another body."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = slice(None)) -> Array:
-    """Positions (t, k, 3) of some nodes (k,), or all, in space, as the body's form has them.
+    """Positions (t, k, 3) of all or some nodes (k,) in space, by the body's form.
 
     Raises
     ------
@@ -42,17 +42,17 @@ def node_positions(body: BodyForm, motion: Motion, nodes: ArrayLike | slice = sl
 
 
 def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array, rest: ArrayLike) -> Array:
-    """Displacement A^T (r - R) - q_0 of points against moving axes, as an observer on them sees it.
+    """Displacement A^T (r - R) - q_0 of points relative to moving axes.
 
-    The tip displacement of [Wu2019] (51) is the tip's against the axes of the driven root, in whichever
-    floating frame the body was computed.
+    The tip displacement of [Wu2019] (51) is that of the tip relative to the axes of the driven root, whatever
+    the floating frame of the body.
 
     Parameters
     ----------
     positions : array (t, ..., 3)   r, in space
-    origin : array                  R, of a shape that suits the positions
+    origin : array                  R, of a shape that broadcasts with the positions
     rotation : array (t, 3, 3)      A, axes to space
-    rest : array (..., 3)           q_0, where the undeformed points lie in the axes
+    rest : array (..., 3)           q_0, undeformed positions of the points in the axes
 
     Returns
     -------
@@ -62,10 +62,10 @@ def displacement_from_axes(positions: Array, origin: ArrayLike, rotation: Array,
 
 
 class Observer(NamedTuple):
-    """An interface over time, from which deflections are seen, its axes turning with it.
+    """An interface over time, the reference of deflections, with axes that rotate with it.
 
     name : str
-    rest : (3,)         its place in the undeformed body
+    rest : (3,)         its position in the undeformed body
     origin : (t, 3)     its position in space
     axes : (t, 3, 3)    as columns, in space
     """
@@ -77,7 +77,7 @@ class Observer(NamedTuple):
 
 
 def observer(body: BodyForm, motion: Motion, interface: str | None = None) -> Observer:
-    """An interface of a body as an observer: its first one unless named, its frame where it has none.
+    """An interface of a body as reference: by default the first, or the frame of a body without one.
 
     Raises ModelError for an interface that the body does not have.
     """
@@ -96,13 +96,14 @@ def observer_of(
     bases: Mapping[str, At] = MappingProxyType({}),
     rows: slice | np.ndarray = slice(None),
 ) -> Observer | None:
-    """The observer of the deflections of a body: its first interface, or that which `bases` names for it.
+    """The reference of the deflections of a body: its first interface, or that given in `bases`.
 
-    A part of a split body is seen from the first interface of the whole, which another part may have.
+    A part of a split body is described relative to the first interface of the whole, which may be on another
+    part.
 
-    bases : interfaces, by the names of the bodies seen from there; undeformed they share their axes
+    bases : reference interfaces, by body name; in the undeformed state body and reference share their axes
     rows : output times
-    Returns None of a body without a frame, unless an interface is named.
+    Returns None for a body without a frame, unless an interface is given.
     """
     base = bases.get(body)
     if base is None:
@@ -117,10 +118,10 @@ class TrackedMotion:
     """A place of a body over time.
 
     position : (t, 3)        in global axes, unit of length
-    seen_from : str          the body's first interface, `BODY.INTERFACE` where it is another body's, or ""
-                             when there is none to look from
-    deflection : (t, 3)      displacement as seen from there, in the mesh axes that turn with it;
-                             zero of a rigid body
+    seen_from : str          the body's first interface, `BODY.INTERFACE` if it is another body's, or ""
+          without a reference
+    deflection : (t, 3)      displacement relative to that interface, in the mesh axes that rotate with it;
+          zero for a rigid body
     is_elastic : bool        whether the body deforms
     """
 
@@ -135,13 +136,13 @@ def tracked_motion(
 ) -> TrackedMotion:
     """Motion of one place, `r = R + A (x + u)`, and its deflection `A_p^T (r - r_p) - (x - x_p)`.
 
-    p is the body's first interface, with its own axes A_p: what is seen from there does not depend on the
-    choice of the floating frame.
+    p is the body's first interface, with its own axes A_p: the deflection does not depend on the choice of
+    the floating frame.
 
     Parameters
     ----------
     motion : of the body, at t times
-    at : name of an interface, or node numbers (k,), whose mean is taken
+    at : name of an interface, or node numbers (k,), whose mean is used
     seen_from : another p, of this or another body, at the same times
 
     Raises
@@ -166,7 +167,7 @@ def tracked_places(
 ) -> dict[str, TrackedMotion]:
     """`tracked_motion` of places by their names.
 
-    bases : as of `observer_of`
+    bases : as for `observer_of`
     """
     return {
         name: tracked_motion(
@@ -180,7 +181,7 @@ def tracked_places(
 
 
 def deflections(body: BodyForm, motion: Motion, seen_from: Observer | None = None) -> Array:
-    """Displacements (t, N, 3) of all nodes, seen from the body's first interface, or else from its frame.
+    """Displacements (t, N, 3) of all nodes, relative to the body's first interface, or else to its frame.
 
     seen_from : another interface, of this or another body, at the same times
     """

@@ -1,4 +1,4 @@
-"""Modes of a body with one interface clamped in space: what a test on a clamp would measure."""
+"""Modes of a body with one interface clamped in space, as a test on a clamp measures them."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ class BodyModes:
 
 @dataclass(frozen=True, eq=False)
 class ClampedModes(BodyModes):
-    """Those of a reduced body, with their damping.
+    """Modes of a reduced body, with their damping.
 
-    damping_ratios : (m,)   phi^T D phi / (2 omega), of the damping at rest
+    damping_ratios : (m,)   phi^T D phi / (2 omega), with the damping at rest
     """
 
     damping_ratios: np.ndarray
@@ -47,7 +47,7 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
 
     The floating frame takes part in the motion, so the result is that of the clamped body in any frame.
 
-    n_modes : how many; all of them when omitted
+    n_modes : number of modes; None: all
     Raises ModelError when the body has no interface of that name.
     """
     place = body.interface(interface)
@@ -77,9 +77,9 @@ def clamped_modes(body: ReducedBody, interface: str, *, n_modes: int | None = No
 
 
 def body_modes(body: FlexibleBody, constraint: Any, *, n_modes: int) -> BodyModes:
-    """The lowest modes of a whole body on `D q = 0`, D (m, n): of a frame, or the motion of an interface.
+    """The lowest modes of a full body under the constraint `D q = 0`, D (m, n), of a frame or an interface.
 
-    Fewer where the body has no more.
+    Fewer are returned when the body has fewer.
     """
     D = constraint_rows(constraint, body.n)
     found = body.lowest_modes(min(n_modes, body.n - len(D)), D)

@@ -1,4 +1,4 @@
-"""Condensation: the energy that motion outside the columns of a basis releases when it follows them."""
+"""Condensation: the energy released when motion outside the columns of a basis follows them statically."""
 
 from __future__ import annotations
 
@@ -21,42 +21,42 @@ __all__ = ["Condensation"]
 
 Array = NDArray[np.float64]
 
-# Numbers of the pairs' forces held at once (128 MiB); those of a larger body are evaluated in blocks.
+# Entries of the pair forces stored at once (128 MiB); those of a larger body are evaluated in blocks.
 NUMBERS_AT_ONCE = 2**24
 FEWEST_AT_ONCE = 16
 
-# Shares of energy below which columns are dependent: those of a basis, and static shapes of interfaces on it.
+# Energy shares below which columns are dependent: those of a basis, and static interface shapes on it.
 DEPENDENT = 1e-12
 DEPENDENT_ON_BASIS = 1e-8
 
-# Of the energy of the motion of all pairs: what is left out of the fields of z. Those of quadratic curvatures
-# bend, so that little energy moves far: 1e-10 leaves out a thousandth of the motion where 1e-8 does six.
+# Share of the energy of all pairs' motion that the fields of z leave out. Fields of quadratic curvature bend,
+# so that little energy is much motion: 1e-10 leaves out a thousandth of the motion, 1e-8 six thousandths.
 SMALLEST_SHARE = 1e-10
 
 RIGID = 6
-"""Motions that store nothing."""
+"""Motions without strain energy."""
 
 
 @dataclass(frozen=True, eq=False)
 class Condensation:
-    """What the columns V of a basis leave out of a nonlinear body, and let follow them.
+    """The motion that the columns V leave out of a nonlinear body, and that follows them statically.
 
     A body's strain energy is one square, U(q) = 1/2 |B q + 1/2 N(q, q)|^2. Its motion z outside span V,
-    K-orthogonal to it, takes part to leading order, N(q, z) and N(z, z) left out:
+    K-orthogonal to it, enters to leading order, without N(q, z) and N(z, z):
 
         U_c(gamma) = min_z 1/2 |B (V gamma + z) + 1/2 N(V gamma, V gamma)|^2
                    = U(V gamma) - 1/8 s^T R s >= 0,     s_(jk) = mult_jk gamma_j gamma_k
         K t_jk = -sum w B^T D N(G V_j, G V_k),          R = Gram matrix of the t_jk outside V, in the K-norm
         z(gamma) = 1/2 sum_jk gamma_j gamma_k (1 - P) t_jk
 
-    A stiff direction that is missing, such as the shortening of a bent beam, would otherwise block bending.
-    What N(q, z) would add is a share of the order of theta^2 of the work, whatever the slenderness: 0.41
-    theta^2 for a beam under uniform load whose tip turns by theta. Columns of derivatives bring it in.
-    z moves no interface against another: joints and loads there see V gamma alone. So z is K-orthogonal to
-    their static shapes too, which most bases contain.
+    Without z a missing stiff direction, such as the shortening of a bent beam, would block bending. N(q, z)
+    would add a share of the work of the order of theta^2, whatever the slenderness: 0.41 theta^2 for a beam
+    under uniform load whose tip rotates by theta. Derivative columns contain this share. z moves no interface
+    relative to another: joints and loads there see V gamma alone. z is therefore also K-orthogonal to their
+    static shapes, which most bases contain.
 
     body : FlexibleBody         with quadratic strains
-    basis : ReductionBasis      of it
+    basis : ReductionBasis      of this body
     Source: this project's own; the static derivatives it condenses are those of [Idelsohn1985].
     """
 
@@ -65,17 +65,17 @@ class Condensation:
 
     @cached_property
     def energy(self) -> Array:
-        """R (n2, n2): what the pairs' motions outside the columns release, symmetric, not negative."""
+        """R (n2, n2): energy that the pairs' motions outside the columns release, symmetric, not negative."""
         energy = self._energy_of_all - self._held.T @ self._held
         return (energy + energy.T) / 2
 
     @cached_property
     def interface_energy(self) -> Array:
-        """What they would release besides, were the interfaces free to move, (n2, n2); mostly zero."""
+        """Energy (n2, n2) that free interfaces would release in addition; mostly zero."""
         return self._held_by_interfaces.T @ self._held_by_interfaces
 
     def motion(self) -> CondensedMotion:
-        """Z at the nodes: the motions of the pairs that span the others, orthonormal in the strain energy."""
+        """Z at the nodes: independent motions that span those of all pairs, orthonormal in energy."""
         first, second = self._pairs
         scale = np.sum(self._vectors * (self.body.stiffness @ self._vectors), axis=0) ** -0.5
         unit = scale[first] * scale[second]  # of pairs of columns of unit energy
@@ -84,7 +84,7 @@ class Condensation:
         factor, order, rank, _ = pivoted_cholesky(
             unit[:, None] * self.energy * unit, tol=SMALLEST_SHARE * largest, lower=1
         )
-        # Of a complete basis all that is left is round-off.
+        # For a complete basis only round-off remains.
         held = self._columns.shape[1] + self._interfaces.shape[1] + RIGID
         rank = min(rank, self.body.n - held)
         factor, order = np.tril(factor)[:, :rank], order - 1
@@ -103,7 +103,7 @@ class Condensation:
     def bilinear(self, a: Array, b: Array) -> Array:
         """Z (n, k) of k pairs of coordinates a, b (k, r), bilinear and symmetric: z(gamma) where a = b.
 
-        One static solution each; nothing is kept by pairs.
+        One static solution each; nothing is stored by pairs.
         """
         numbers = np.arange(len(a))
         moved = np.hstack([self._vectors @ a.T, self._vectors @ b.T])
@@ -111,21 +111,21 @@ class Condensation:
         return 0.5 * frame_projector(self.body, self.basis.frame)(self._outside(forces))
 
     def rigid_part(self, moved: Array) -> Array:
-        """Rigid motion (6, k) that `bilinear` leaves out of z (n, k): z + R rho rests at the first interface.
+        """Rigid motion (6, k) that `bilinear` leaves out of z (n, k); z + R rho fixes the first interface.
 
-        Displacements of the reduced body hold it: translation and rotation, in the body's axes.
+        Displacements of the reduced body contain it: translation and rotation, in the body's axes.
         """
         D, R = self._resting.constraint(self.body), self.body.rigid_modes
         return -np.linalg.inv(D @ R) @ (D @ moved)
 
     @property
     def _resting(self) -> Frame:
-        """The frame in which no interface moves, as joints have it; that of the basis where there is none."""
+        """The frame fixed to the interfaces as joints are; without interfaces, that of the basis."""
         interfaces = self.body.interfaces
         return NodalFixedFrame(interfaces[0].name) if interfaces else self.basis.frame
 
     def _outside(self, forces: Array) -> Array:
-        """Motions that forces of pairs cause outside the columns and the interfaces' shapes."""
+        """Motions that pair forces cause outside the columns and the interface shapes."""
         held = np.hstack([self._columns, self._interfaces])
         return held @ (held.T @ forces) - self.body.grounded_stiffness.factor.solve(forces)
 
@@ -144,7 +144,7 @@ class Condensation:
 
     @cached_property
     def _forces(self) -> Callable[[slice], Array]:
-        """Forces (n, size) of a block of pairs; the last ones are kept: all of them where one block does."""
+        """Forces (n, size) of a block of pairs; the last block is cached, all pairs if there is only one."""
         first, second = self._pairs
 
         @lru_cache(maxsize=1)
@@ -163,7 +163,7 @@ class Condensation:
 
     @cached_property
     def _energy_of_all(self) -> Array:
-        """The same as R, of all motion: K t = -f, so that it is f K^-1 f."""
+        """Energy like R, but of all motion: K t = -f, hence f K^-1 f."""
         n2 = len(self._pairs[0])
         energy = np.empty((n2, n2))
         for i, block in enumerate(self._blocks):
@@ -175,7 +175,7 @@ class Condensation:
 
     @cached_property
     def _held(self) -> Array:
-        """(q, n2): shares of the pairs' forces in the motion of the columns and of the interfaces."""
+        """(q, n2): shares of the pair forces in the motion of the columns and of the interfaces."""
         shapes = np.hstack([self._columns, self._interfaces])
         return np.hstack([shapes.T @ self._forces(block) for block in self._blocks])
 
@@ -190,7 +190,7 @@ class Condensation:
 
     @cached_property
     def _interfaces(self) -> Array:
-        """Static shapes of the interfaces outside the columns, K-orthonormal; the first interface rests."""
+        """Static interface shapes outside the columns, K-orthonormal; the first interface rests."""
         if len(self.body.interfaces) < 2:
             return np.empty((self.body.n, 0))
         return _orthonormalized(interface_shapes(self.body)[:, 6:], self.body.stiffness, self._columns)

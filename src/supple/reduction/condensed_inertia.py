@@ -1,22 +1,22 @@
 """Inertia of the condensed motion z, which follows the coordinates of a reduced body, to leading order.
 
-Beside its columns a body moves by `z(g)`, quadratic in the coordinates: a bent beam draws its tip in. To
-second order in g, three moments of z about the frame, with the interfaces at rest, enter the kinetic energy,
+Beside its columns a body moves by `z(g)`, quadratic in the coordinates: a bent beam shortens. To second
+order in g, three moments of z about the frame, with the interfaces at rest, enter the kinetic energy,
 
     s = sum m z,     c = sum m x cross z,     J: the change of the inertia tensor,     each `g G_i g / 2`,
 
     T_z = v . (ds/dt + w x s) + w . dc/dt + w J w / 2.
 
-In mean axes, and with columns that hold the static shapes of the interfaces, s and c vanish: z is
-K-orthogonal to those shapes, whose forces at the interfaces inertia balances. What is left, `w J w / 2`, is
-of the form of blocks of the inertia Gram matrix, and is added to them. So a body whose columns do not stretch
-is stiffened by centrifugal force; energy and momenta are kept; it costs nothing.
+In mean axes, and with columns that contain the static shapes of the interfaces, s and c vanish: z is
+K-orthogonal to those shapes, whose interface forces balance inertia. The rest, `w J w / 2`, has the form of
+blocks of the inertia Gram matrix and is added to them. So a body whose columns do not stretch is stiffened
+by centrifugal force; energy and momenta are conserved, at no cost in the run.
 
-In a nodal-fixed frame the columns nearly undo motions of the frame. Velocities of z are not small beside what
-is left, the mass matrix would lose its definiteness: there z has no inertia. How much stiffness this lacks is
-known, and is warned of.
+In a nodal-fixed frame the columns nearly cancel motions of the frame. Velocities of z are not small beside
+the remainder, and the mass matrix would become indefinite: there z has no inertia. The stiffness that is
+missing as a result is computed, and a warning reports it.
 
-Source: this project's own; theory page on tensors.
+Source: derived here; theory page on tensors.
 """
 
 from __future__ import annotations
@@ -38,27 +38,27 @@ Array = NDArray[np.float64]
 N_MOMENTS = 12
 """s and c (3 each), and J_ij, i <= j (6)."""
 NEGLIGIBLE = 1e-3
-"""Moments s (times the body's size) and c that are left beside J by what the fields of z leave out."""
+"""Size of moments s (over the body's size) and c, relative to J, due to what the fields of z leave out."""
 _FIRST, _SECOND = np.triu_indices(3)
 _PLACE = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])
 _DIAGONAL = [0, 3, 5]
 
 
 def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> Array:
-    """Second derivatives of s, c and J_ij (i <= j) by the coordinates, packed in pairs, (12, r(r+1)/2).
+    """Second derivatives of s, c and J_ij (i <= j) with respect to the coordinates, by pairs, (12, r(r+1)/2).
 
         s = Phi_t^T M z,     c = Phi_w0^T M z,
         J_ij = Phi_w0,i^T M (e_j x z) + Phi_w0,j^T M (e_i x z)
 
-    Phi_t, Phi_w0: unit translations and rotations of the undeformed body. So the change of the kinetic energy
-    of a rotation w is w J w / 2 to first order in z.
+    Phi_t, Phi_w0: unit translations and rotations of the undeformed body. The kinetic energy of a rotation w
+    thus changes by w J w / 2 to first order in z.
 
     body : FlexibleBody
     fields : (n_nodal, m);  amplitudes : (m, r(r+1)/2)     of a `CondensedMotion`
     """
     d, n_nodes = body.dofs_per_node, len(body.nodes)
     momenta = body.nodal_mass @ nodal_rigid_modes(body.nodes, d)
-    # Of a translation and of a rotation, three components each.
+    # Dimensions: translation and rotation, three components each.
     of_rotation = momenta.reshape(n_nodes, d // 3, 3, 6)[..., 3:]
     unit = np.eye(3)
     weights = np.zeros((n_nodes, d, N_MOMENTS))
@@ -73,9 +73,9 @@ def condensed_moments(body: FlexibleBody, fields: Array, amplitudes: Array) -> A
 
 
 def condensed_gram(body: ReducedBody) -> Array:
-    """The inertia Gram matrix (6 + 4r, 6 + 4r) of a reduced body, with that of its condensed motion.
+    """The inertia Gram matrix (6 + 4r, 6 + 4r) of a reduced body, with its condensed motion.
 
-    Two fields `g_k w_i` and `g_l w_j` meet in `w J w / 2`.
+    Two fields `g_k w_i` and `g_l w_j` are coupled by `w J w / 2`.
     """
     moments = _moments(body)
     if moments is None or not _keeps_definite(body, moments):
@@ -88,9 +88,9 @@ def condensed_gram(body: ReducedBody) -> Array:
 
 
 def missing_centrifugal_stiffness(body: ReducedBody) -> Array:
-    """Largest share of the stiffness that z lacks per squared spin about each axis of the body, (3,).
+    """Largest share of the stiffness missing per squared angular velocity about each body axis, (3,).
 
-        max over g of  (- g J_ii g / 2) / (g K g),     zero where z has its inertia
+        max over g of  (- g J_ii g / 2) / (g K g),     zero where z has inertia
 
     The axes go through the frame's origin, which rests in a nodal-fixed frame.
     """
@@ -104,12 +104,12 @@ def missing_centrifugal_stiffness(body: ReducedBody) -> Array:
 
 
 def _moments(body: ReducedBody) -> Array | None:
-    """Those of the body's condensed motion; a body made linear has none."""
+    """Moments of the body's condensed motion; None for a linearised body."""
     return None if body.is_linear or body.condensed is None else body.condensed.moments
 
 
 def _keeps_definite(body: ReducedBody, moments: Array) -> bool:
-    """Whether z moves neither the centre of mass nor turns the body, as seen from mean axes."""
+    """Whether z leaves the centre of mass and the mean orientation at rest."""
     if not isinstance(body.frame, MeanAxisFrame):
         return False
     size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))

@@ -1,4 +1,4 @@
-"""Motion that follows the coordinates of a reduced body at rest, outside its columns."""
+"""Motion outside the columns of a reduced body that follows its coordinates statically."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class CondensedMotion:
-    """The motion z that the quartic tensor lets follow the coordinates, at the nodes.
+    """The motion z of the condensed quartic tensor, which follows the coordinates, at the nodes.
 
         z(gamma) = fields @ (amplitudes @ m2),   m2 = (gamma_j gamma_k), j <= k as numpy.triu_indices(r)
 
-    Its strain is the linear one alone, and its inertia the leading one (`condensed_inertia`). Displacements
-    contain it: a strip twisted by theta draws its edges in by width theta^2 / 4, a bent one its tip.
+    Its strain is the linear one, and its inertia is of leading order (`condensed_inertia`). Displacements
+    include it: the edges of a strip twisted by theta move inwards by width theta^2 / 4, a bent beam shortens.
 
     fields : (n_nodal, m)       orthonormal in the strain energy; interfaces rest
     amplitudes : (m, n2)        n2 = r(r+1)/2
-    moments : (12, n2)          of its inertia; None where it has none, as of files of format version 1
+    moments : (12, n2)          of its inertia; None where it has none, as in files of format version 1
     """
 
     fields: Array
@@ -40,7 +40,7 @@ class CondensedMotion:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Numbers of nodal freedoms and of pairs of coordinates."""
+        """Numbers of nodal freedoms and of coordinate pairs."""
         return self.fields.shape[0], self.amplitudes.shape[1]
 
     def amplitudes_at(self, gamma: ArrayLike) -> Array:
@@ -48,7 +48,7 @@ class CondensedMotion:
         return 0.5 * self.amplitude_rates(gamma, gamma)
 
     def amplitude_rates(self, gamma: ArrayLike, rates: ArrayLike) -> Array:
-        """Their rates (..., m) at coordinates and rates (..., r): symmetric in both, for z is quadratic."""
+        """Rates (..., m) of the amplitudes at coordinates and rates (..., r): bilinear, as z is quadratic."""
         gamma, rates = np.asarray(gamma, dtype=np.float64), np.asarray(rates, dtype=np.float64)
         first, second = np.triu_indices(gamma.shape[-1])
         products = gamma[..., first] * rates[..., second] + rates[..., first] * gamma[..., second]

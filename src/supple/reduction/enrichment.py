@@ -1,4 +1,4 @@
-"""Enriching a basis with displacement fields that it misses."""
+"""Enrichment of a basis with displacement fields outside it."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ __all__ = ["Enrichment", "enrich"]
 
 
 class Enrichment(NamedTuple):
-    """A basis with more columns, and what they were chosen from."""
+    """A basis with added columns, and the singular values of the fields they come from."""
 
     basis: ReductionBasis
     singular_values: np.ndarray
-    """Of the fields outside the old basis, in the M-norm, the unit of length times root mass; descending."""
+    """Singular values of the fields outside the old basis, in the M-norm (length x root mass); descending."""
 
 
 def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int) -> Enrichment:
-    """Append the n directions that fields take most outside a basis; fewer where they span less.
+    """Append the n leading directions of the fields outside a basis; fewer where they span less.
 
     body : FlexibleBody
-    fields : (n, m)     displacement fields on the body's coordinates, for example those a basis misses
+    fields : (n, m)     displacement fields on the body's coordinates, for example a basis error
     Raises ModelError: n below one; fields of the wrong size.
     """
     if n < 1:
-        raise ModelError(f"a basis is enriched with at least one direction, not {n}")
+        raise ModelError(f"a basis cannot be enriched with {n} directions; give one or more")
     if fields.ndim != 2 or fields.shape[0] != body.n:
         raise ModelError(
             f"fields to enrich the basis of body '{body.name}' have shape {fields.shape}: "
@@ -42,7 +42,7 @@ def enrich(body: FlexibleBody, basis: ReductionBasis, fields: np.ndarray, n: int
     seen = in_frame(fields)
     norms = np.sqrt(np.sum(seen * (body.mass @ seen), axis=0))
     directions = leading_directions(seen, basis.vectors, body.mass, norms)
-    # Both once more after scaling, as directions of small fields carry the round-off of large ones.
+    # Repeated after scaling, as directions of small fields carry the round-off of large ones.
     added = in_frame(directions.vectors[:, :n])
     V = mass_orthonormalize(np.hstack([basis.vectors, added]), body.mass).vectors
     check_frame_motion(body, basis.frame, V)

@@ -1,4 +1,4 @@
-"""Locking: how much too little a reduced body answers because stiff motion is missing from its columns."""
+"""Locking: the deficit of a reduced body's static response when stiff motion is missing from its columns."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from supple.reduction.tensors import InternalForceTensors
 Array = NDArray[np.float64]
 
 TOLERATED = 0.02
-"""Share of the answer that may be withheld without a word."""
+"""Deficit of the response up to which no warning is given."""
 
 _ACCELERATIONS = (
     "acceleration x",
@@ -34,11 +34,11 @@ _INCREMENTS, _ITERATIONS, _HALVINGS, _TOLERANCE = 4, 40, 8, 1e-8
 def locking(left_out: Condensation, plain: InternalForceTensors, chosen: InternalForceTensors) -> Locking:
     """The locking indicator of a reduced body, from its tensors: no load needs to be known.
 
-    The body is held at its first interface and accelerated in the six ways that a rigid body can be (without
-    an interface: pushed along its six lowest shapes), each load scaled to the energy that turns the softest
-    of them by 0.1 rad in linear theory. Two or three static solutions of r unknowns each.
+    The body is fixed at its first interface and accelerated in the six rigid-body directions (without an
+    interface: loaded along its six lowest shapes), each load scaled to the energy at which the softest of
+    them rotates the body by 0.1 rad in linear theory. Two or three static solutions of r unknowns each.
 
-    plain, chosen : of the columns alone, and of the reduced body; one object where nothing is condensed
+    plain, chosen : of the columns alone, and of the reduced body; the same object where nothing is condensed
     """
     body = left_out.body
     free = left_out.energy + left_out.interface_energy
@@ -57,7 +57,7 @@ def locking(left_out: Condensation, plain: InternalForceTensors, chosen: Interna
 
 
 def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
-    """LockingWarning when the body withholds more than 2 % of an answer."""
+    """LockingWarning when the static response is more than 2 % too small."""
     if found.largest_remaining <= TOLERATED:
         return
     worst = found.loads[int(np.nanargmax(found.remaining))]
@@ -67,8 +67,8 @@ def warn_of_locking(name: str, found: Locking, is_condensed: bool) -> None:
         else "its columns lack stiff motion: take quartic=CondensedQuartic(), the default, or add derivatives"
     )
     warnings.warn(
-        f"reduced body '{name}' locks: under {worst}, rotated by about {ROTATION:g} rad, it answers "
-        f"{in_percent(found.largest_remaining)} too little; {remedy}",
+        f"reduced body '{name}' locks: under {worst}, rotated by about {ROTATION:g} rad, its response is "
+        f"{in_percent(found.largest_remaining)} too small; {remedy}",
         LockingWarning,
         stacklevel=2,
     )
@@ -81,7 +81,7 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
         held = body.interfaces[0].motion
         nodal = nodal_rigid_modes(body.nodes - body.interfaces[0].position, body.dofs_per_node)
         forces = body.expansion.T @ (body.nodal_mass @ nodal)
-        # The interface's reaction balances them: the six rigid motions do no work.
+        # The interface reaction balances the loads: the six rigid motions do no work.
         moves = held @ body.rigid_modes
         forces = forces - held.T @ np.linalg.solve(moves.T, body.rigid_modes.T @ forces)
         names, loads = _ACCELERATIONS, (V.T @ forces).T
@@ -107,8 +107,8 @@ def _loads(body: FlexibleBody, V: Array, stiffness: Array) -> tuple[tuple[str, .
 
 
 def _static_answers(tensors: InternalForceTensors, loads: Array) -> Array:
-    """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan where it finds none."""
-    with np.errstate(all="ignore"):  # what buckles may go far before it is given up
+    """Equilibria (k, r) under loads (k, r), all at once by Newton's method; nan where it diverges."""
+    with np.errstate(all="ignore"):  # a buckling body may overflow before the iteration ends
         return _newton(tensors, loads)
 
 

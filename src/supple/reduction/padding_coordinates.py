@@ -1,10 +1,10 @@
-"""Coordinates that never move: bodies of nearby sizes run by one compiled program.
+"""Padding coordinates, which never move: bodies of similar sizes share one compiled program.
 
-A reduced body of r coordinates is filled up to R by such of unit mass and its highest frequency, that
-nothing couples or loads: they stay at rest, and every number of the run is what it was. The sizes of the
-arrays, which a compiled program is made for, no longer tell r. It costs the products of R coordinates instead
-of r, against several seconds of the compiler for every other r; so it is for runs made once, as the rounds of
-a self-correction are.
+A reduced body of r coordinates is padded to R with coordinates of unit mass and the highest frequency of the
+body. Nothing couples or loads them: they stay at rest, and every number of the run is unchanged. The array
+sizes, for which a program is compiled, no longer depend on r. The cost is products of R coordinates instead
+of r, against several seconds of compilation for each further r; so padding is for runs made once, such as the
+rounds of a self-correction.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ __all__ = ["filled_up", "padded", "with_zeros_behind"]
 
 MULTIPLE = 16
 LARGEST = 32
-"""Coordinates: beyond, products of the quartic tensor take longer than a compiler in runs of some seconds."""
+"""Largest padded size: beyond it, products of the quartic tensor cost a short run more than a compilation."""
 
 
 def padded(body: ReducedBody) -> ReducedBody:
-    """The same body, to be run with padding coordinates: up to the next larger multiple of sixteen.
+    """The same body with padding coordinates up to the next larger multiple of sixteen.
 
-    A body of sixteen has more too: the next round adds a few, and is to share its program.
+    A body of sixteen coordinates is padded too: the next round adds a few, and shares its program.
     """
     if body.condensed is not None or body.r >= LARGEST:
         return body
@@ -34,7 +34,7 @@ def padded(body: ReducedBody) -> ReducedBody:
 
 
 def filled_up(body: ReducedBody) -> ReducedBody:
-    """The body with its padding coordinates as coordinates like all others, behind them."""
+    """The body with its padding coordinates appended to its own as ordinary coordinates."""
     if not body.padding:
         return body
     r, size = body.r, body.r + body.padding
@@ -46,7 +46,7 @@ def filled_up(body: ReducedBody) -> ReducedBody:
     second = np.triu_indices(size)[1]
 
     def spread(tensor: np.ndarray) -> np.ndarray:
-        """Rows of pairs where they stand among those of all coordinates."""
+        """Rows of pairs at their positions among those of all coordinates."""
         whole = np.zeros((len(second), tensor.shape[1]))
         whole[second < r] = tensor
         return whole
@@ -76,12 +76,12 @@ def filled_up(body: ReducedBody) -> ReducedBody:
         else with_zeros_behind(body.rotation_basis, body.padding),
         frequencies=np.append(body.frequencies, np.full(body.padding, highest)),
     )
-    # Not by the blocks of their zeros, which would tell r.
+    # No split into blocks of zeros: the block sizes would depend on r.
     vars(filled)["quartic_blocks"] = filled.quartic
     vars(filled)["damping_quartic_blocks"] = filled.damping_quartic
     return filled
 
 
 def with_zeros_behind(columns: np.ndarray, more: int) -> np.ndarray:
-    """Arrays (.., r) of coordinates with room for more of them."""
+    """Arrays (.., r) of coordinates, extended by zeros."""
     return np.pad(columns, [(0, 0)] * (columns.ndim - 1) + [(0, more)])

@@ -1,9 +1,9 @@
-"""The quartic tensor as blocks of pairs: what the symmetries of a body leave of it.
+"""The quartic tensor as blocks of pairs, which the symmetries of a body leave nonzero.
 
 In a body with planes of symmetry every shape is even or odd in each of them. A term of the strain energy that
 is odd as a whole is zero, so that the packed products `g_l g_m` fall into classes, two for one plane and four
-for two, and the matrix of pairs couples none with another. What is zero is neither stored nor multiplied:
-with two planes a quarter is left. A body without symmetry has one block, the matrix itself.
+for two, and the matrix of pairs does not couple them. Zero blocks are neither stored nor multiplied: with two
+planes a quarter remains. A body without symmetry has one block, the matrix itself.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ __all__ = ["PairBlocks", "pair_blocks"]
 Array = NDArray[np.float64]
 
 _LARGEST_SHARE = 0.75
-"""Of the numbers of the whole matrix: with more than that the order of the pairs is left alone."""
+"""Largest share of the matrix in its blocks; above it the order of the pairs is left unchanged."""
 _FEWEST_PAIRS = 100
-"""Of a matrix worth splitting: below, the fixed time of a product outweighs its numbers."""
+"""Smallest matrix that is split: below it, the overhead of a product exceeds the saving."""
 _SMALLEST_BLOCK = 16
-"""Pairs; smaller classes go together, for the same reason."""
+"""Pairs; smaller classes are merged, for the same reason."""
 
 
 class PairBlocks(NamedTuple):
@@ -39,7 +39,7 @@ class PairBlocks(NamedTuple):
     matrices: tuple[Array, ...]
     """(n_b, n_b)"""
     position: NDArray[np.int32]
-    """(r, r): where a pair stands in the products of all blocks, one after the other, and a zero behind"""
+    """(r, r): position of each pair in the products of all blocks, one after the other, followed by a zero"""
 
 
 def pair_blocks(packed: Array) -> Array | PairBlocks:
@@ -66,7 +66,7 @@ def pair_blocks(packed: Array) -> Array | PairBlocks:
 
 
 def _coupled(packed: Array) -> list[NDArray[np.intp]]:
-    """Classes of pairs that the matrix couples, the small ones together; pairs without a number in none."""
+    """Classes of pairs that the matrix couples, small ones merged; all-zero pairs belong to none."""
     present = packed != 0
     alone = ~(present.any(axis=0) | present.any(axis=1))
     _, label = connected_components(csr_array(present), directed=False)

@@ -36,10 +36,10 @@ def project(
     body : FlexibleBody
     basis : ReductionBasis      of that body
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
-    quartic : CondensedQuartic() lets motion outside the columns follow; PlainQuartic() leaves it out
-    Raises AccuracyError when the Gram matrix misses its own identity, MemoryShortageError before the tensors
-    would take more memory than is left.
-    Warns LockingWarning when the body answers too little because its columns lack stiff motion.
+    quartic : CondensedQuartic() condenses motion outside the columns; PlainQuartic() leaves it out
+    Raises AccuracyError when the Gram matrix violates its own identity, MemoryShortageError before the
+    tensors exceed the available memory.
+    Warns LockingWarning when the static response is too small because the columns lack stiff motion.
     """
     V, r = basis.vectors, basis.r
     time = 0.0 if damping is None else damping.retardation_time
@@ -58,7 +58,7 @@ def project(
         left_out = Condensation(body, basis)
         with timed(seconds, "condensation"):
             of_columns, products = products, quartic.strains(products, left_out)
-            # The indicator tells a body without condensation by its tensors: they are the same object.
+            # A body without condensation is recognised by its tensors: both are the same object.
             if products is not of_columns:
                 products = products.by_classes(classes)
                 tensors = products.internal_force()
@@ -94,23 +94,23 @@ def project(
         frequencies=np.sqrt(np.linalg.eigvalsh(tensors.stiffness)),
         report=replace(basis.report, seconds=seconds, locking=found),
         condensed=motion,
-        # Of coordinates that no node has, the nodal basis would not tell which were kept.
+        # Coordinates that no node has are invisible in the nodal basis.
         full=None if body.n_modal else FullBody(body, basis.frame, counted_damping(damping, r)),
     )
 
 
 def counted_damping(damping: Damping | None, r: int) -> Damping | None:
-    """The same damping of a body in full: as many modes are damped as the reduced one has."""
+    """The damping for the full body: as many modes are damped as the reduced body has."""
     if isinstance(damping, ModalDamping) and damping.n_modes is None:
         return replace(damping, n_modes=r)
     return damping
 
 
 def _check_gram(body: FlexibleBody, gram: np.ndarray, r: int) -> None:
-    """The Gram matrix's last block is V^T M V = I, computed from the nodal mass instead of the body's."""
+    """The last block of the Gram matrix is V^T M V = I, from the nodal mass instead of the body's mass."""
     error = float(np.max(np.abs(gram[-r:, -r:] - np.eye(r)), initial=0.0))
     if not error < LARGEST_GRAM_ERROR:
         raise AccuracyError(
-            f"the inertia Gram matrix of body '{body.name}' misses V^T M V = I by {error:.1e}: "
-            "do its nodal mass, expansion and mass agree?"
+            f"the inertia Gram matrix of body '{body.name}' violates V^T M V = I by {error:.1e}: "
+            "check that its nodal mass, expansion and mass agree"
         )

@@ -1,4 +1,4 @@
-"""Which quartic tensor a reduced body has: condensed by what its columns leave out, or plain."""
+"""The choice of the quartic tensor of a reduced body: condensed or plain."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ class QuarticChoice(Protocol):
     """CondensedQuartic() or PlainQuartic()."""
 
     def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
-        """Products of the strains of the reduced body, from those of its columns alone."""
+        """Strain products of the reduced body, from those of its columns alone."""
         ...
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:
-        """The motion that they let follow the columns."""
+        """The motion that follows the columns statically; None without."""
         ...
 
 
 @dataclass(frozen=True)
 class CondensedQuartic:
-    """Stiff motion outside the columns follows them at rest: its lack blocks nothing; see `Condensation`."""
+    """Stiff motion outside the columns follows them statically: no locking; see `Condensation`."""
 
     def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:
-        """The quadratic strains less what that motion takes away: of force and of damping alike."""
+        """The quadratic strains minus those that this motion relaxes, for force and damping alike."""
         return plain.condensed(left_out.energy)
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:
-        """That motion."""
+        """The condensed motion."""
         return left_out.motion()
 
 
 @dataclass(frozen=True)
 class PlainQuartic:
-    """The body moves in its columns alone, as in published work, and locks where they lack stiff motion."""
+    """The body moves in its columns alone, as in published work; it locks where they lack stiff motion."""
 
     def strains(self, plain: StrainProducts, left_out: Condensation) -> StrainProducts:  # noqa: ARG002
-        """Those of the columns."""
+        """The products of the columns."""
         return plain
 
     def motion(self, left_out: Condensation) -> CondensedMotion | None:  # noqa: ARG002

@@ -1,4 +1,4 @@
-"""Another damping of a body that is reduced already: damping is a number of the run, not of the reduction."""
+"""New damping for a reduced body without reducing it again."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["redamped"]
 Array = NDArray[np.float64]
 
 ROUND_OFF = 1e-9
-"""Of the damping that is taken away: what is left below is not the body's own."""
+"""Relative to the damping removed: a smaller remainder is not the body's own damping."""
 
 
 def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
@@ -24,8 +24,8 @@ def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
 
         D = D_own + alpha V^T P^T M P V + beta V^T K V,      D(q) - D(0) proportional to beta
 
-    with P V = V - R a, a the motion of the interface `held`: the Gram matrix of the body holds all of it. Of
-    modal damping D follows from the modes of the same matrices. D_own is that of matrices from elsewhere.
+    with P V = V - R a, a the motion of the interface `held`: the body's Gram matrix contains all of it. For
+    modal damping, D follows from the modes of the same matrices. D_own is the damping of imported matrices.
 
     before : the damping that the body was reduced with
     Raises ModelError for another kind, another `held`, and where `before` has no beta and `after` has one.
@@ -55,7 +55,7 @@ def redamped(body: ReducedBody, before: Damping, after: Damping) -> ReducedBody:
 
 
 def _mass_beside(body: ReducedBody, held: str | None) -> Array:
-    """V^T P^T M P V (r, r): of the motion seen from an interface; the identity without one."""
+    """V^T P^T M P V (r, r) of the motion relative to an interface; the identity without one."""
     r = body.r
     if held is None:
         return np.eye(r)

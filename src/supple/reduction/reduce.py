@@ -1,4 +1,4 @@
-"""From a flexible body to a reduced one."""
+"""Reduction of a flexible body."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from supple.reduction.reduction_basis import ReductionBasis, reduction_basis
 __all__ = ["reduce"]
 
 LARGEST_SHEAR = 0.01
-"""Of the energy of the lowest mode, in walls that do not shear."""
+"""Share of the energy of the lowest mode, for walls without shear flexibility."""
 
 
 @checked_arguments
@@ -41,26 +41,26 @@ def reduce(
 
         q = V gamma,   V = [X Theta],   V^T M V = I,   D V = 0
 
-    The linear columns come first, by frequency (X^T K X = diag(omega^2)), then the derivatives chosen.
+    The linear columns come first, by frequency (X^T K X = diag(omega^2)), then the selected derivatives.
 
     body : FlexibleBody
-    frame : NodalFixedFrame(interface) or MeanAxisFrame()   the motion gamma is relative to
+    frame : NodalFixedFrame(interface) or MeanAxisFrame()   the frame that gamma is relative to
     basis : Rubin(...), CraigBampton(...), CraigBamptonResidual(...), Herting(...), NormalModes(...), Guyan()
             or CompleteBasis()
-    loads : SteadyLoads: the static answers to the accelerations and spins that the frame can have are columns
-        too, up to twelve, without which a bar that spins is off by three quarters of its stretch; NoLoads:
-        the basis alone, as in published work
+    loads : SteadyLoads: adds up to twelve columns, the static responses to the accelerations and rotations of
+        the frame; without them the stretch of a rotating bar is three quarters too small. NoLoads: the basis
+        alone, as in published work
     derivatives : CompressedDerivatives(n), PickedDerivatives(n) or NoDerivatives()
     damping : RayleighDamping(...), LinearRayleighDamping(...) or ModalDamping(...); None: undamped
-    quartic : CondensedQuartic(): stiff motion that the columns lack follows them, so that they do not lock;
-        PlainQuartic(): they do, as in published work
+    quartic : CondensedQuartic(): stiff motion that the columns lack follows them statically, so that they do
+        not lock; PlainQuartic(): they lock, as in published work
     Raises
     ------
     ModelError      too many modes or derivatives; a basis that needs interfaces; derivatives of a linear body
-    AccuracyError   the basis or the Gram matrix misses its own identities
-    Warns LockingWarning when the body answers too little because its columns lack stiff motion;
-    ValidityWarning when its walls are rigid in transverse shear, which would take a hundredth of its energy
-    in its lowest mode.
+    AccuracyError   the basis or the Gram matrix violates its own identities
+    Warns LockingWarning when the static response is too small because the columns lack stiff motion;
+    ValidityWarning when the walls are rigid in transverse shear, which would take a hundredth of the energy
+    of the lowest mode.
     Source: [Wu2019] section 5.
     """
     recipe = basis if isinstance(basis, SteadyLoads) else loads(basis)
@@ -75,8 +75,8 @@ def _warn_of_rigid_shear(body: FlexibleBody, columns: ReductionBasis) -> None:
     share = shear_share(body.model, body.expansion @ columns.vectors[:, :1])[0]
     if share > LARGEST_SHEAR:
         warnings.warn(
-            f"body '{body.name}': transverse shear, in which its walls are rigid, would take {share:.1%} of "
-            f"the energy of its lowest mode, and some {share / 2:.1%} off its frequency; give the walls a "
+            f"body '{body.name}': its walls are rigid in transverse shear, which would take {share:.1%} of "
+            f"the energy of its lowest mode and lower its frequency by {share / 2:.1%}; give the walls a "
             "shear factor (5/6 where they are solid)",
             ValidityWarning,
             stacklevel=4,

@@ -1,4 +1,4 @@
-"""The reduced body: everything a simulation needs of a flexible body, in r coordinates, and the way back."""
+"""The reduced body: the data of a simulation in r coordinates, and the expansion to the full body."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ReducedBody", "ReducedInterface"]
 
-# Of the largest number of a tensor: what its sums may miss the symmetry of a potential by.
+# Relative to the largest tensor entry: allowed deviation of its sums from the symmetry of a potential.
 LARGEST_ASYMMETRY = 1e-8
 
 
@@ -38,9 +38,9 @@ class ReducedInterface:
     name : str
     position : (3,) array      in the body's frame, undeformed
     motion : (6, r) array      rows ux uy uz rx ry rz
-    cubic_turn : float         as of BodyInterface
-    tied_nodes : (k,) array    likewise
-    softness : (3,) array      of an averaging one, see `section_softness`; zeros else
+    cubic_turn : float         as in BodyInterface
+    tied_nodes : (k,) array    as in BodyInterface
+    softness : (3,) array      of an averaging interface, see `section_softness`; zeros otherwise
     """
 
     name: str
@@ -70,7 +70,7 @@ class ReducedBody(FloatingForm, Summarized):
     cubic : (r(r+1)/2, r)       or None: the body is linear
     quartic : (n2, n2)          or None, n2 = r(r+1)/2
     damping : (r, r)            acts on the rates of gamma, undeformed
-    damping_cubic : (n2, r)     or None; what the damping gains where it follows the strain rate,
+    damping_cubic : (n2, r)     or None; increase of the damping with deformation, for strain-rate damping:
     damping_quartic : (n2, n2)  D = damping + unpack(damping_cubic @ gamma) + unpack(damping_quartic @ m2)
     interfaces : ReducedInterface, one per virtual node
     nodes : (N, 3)              undeformed positions
@@ -79,13 +79,12 @@ class ReducedBody(FloatingForm, Summarized):
     rotation_limit : float      rad; largest rotation against the frame that the kinematics describe
     frequencies : (r,)          rad/s, ascending, of the reduced body fixed in its frame
     report : ReductionReport
-    condensed : the motion z outside the columns that the quartic tensor lets follow them; None where it lets
-                none
-    padding : int               coordinates that a run takes along besides, see `padded`; not kept in files
-    full : FullBody | None      the body with all its coordinates that it was reduced from, a reference, which
-                                neither files nor other processes have
-    elastic_elsewhere : bool    what deformation adds to the force is not in the tensors, though the elements
-                                are nonlinear, and so their strains; not kept in files
+    condensed : motion z outside the columns, condensed into the quartic tensor; None without
+    padding : int               padding coordinates of a run, see `padded`; not stored in files
+    full : FullBody | None      the full body that it was reduced from, a reference, absent in files and in
+           other processes
+    elastic_elsewhere : bool    the elements are nonlinear, but their force of deformation is not in the
+           tensors; not stored in files
     Raises ModelError when the shapes disagree, a value is not finite, or the tensors have no potential.
     """
 
@@ -111,7 +110,7 @@ class ReducedBody(FloatingForm, Summarized):
     full: FullBody | None = None
 
     def summary(self) -> Summary:
-        """Coordinates, basis, mass, lowest frequencies, what is proven of them, and interfaces."""
+        """Coordinates, basis, mass, lowest frequencies and their proven accuracy, and interfaces."""
         kind = "linear" if self.is_linear else "nonlinear"
         lowest = ", ".join(f"{value:.4g}" for value in self.frequencies[:6] / (2 * np.pi))
         rows = [
@@ -141,17 +140,17 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def mass(self) -> float:
-        """Of the whole body, kg."""
+        """Mass of the body, kg."""
         return float(self.gram[0, 0])
 
     @property
     def centre_of_mass(self) -> np.ndarray:
-        """(3,) undeformed, in the body's frame, m."""
+        """Centre of mass (3,), undeformed, in the body's frame, m."""
         return centre_of_gram(self.gram)
 
     @property
     def r(self) -> int:
-        """Number of reduced coordinates, as the equations name it."""
+        """Number of reduced coordinates, by the symbol of the equations."""
         return self.stiffness.shape[0]
 
     @property
@@ -161,7 +160,7 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def is_linear(self) -> bool:
-        """True when the internal force of the elements is K gamma alone."""
+        """True when the elastic force is K gamma alone."""
         return self.cubic is None and not self.elastic_elsewhere
 
     @property
@@ -181,20 +180,20 @@ class ReducedBody(FloatingForm, Summarized):
 
     @cached_property
     def quartic_blocks(self) -> np.ndarray | PairBlocks | None:
-        """The quartic tensor as the equations of motion read it: without its blocks of zeros."""
+        """The quartic tensor for the equations of motion, without its zero blocks."""
         return None if self.quartic is None else pair_blocks(self.quartic)
 
     @cached_property
     def damping_quartic_blocks(self) -> np.ndarray | PairBlocks | None:
-        """That of the damping, likewise."""
+        """The quartic tensor of the damping, likewise."""
         return None if self.damping_quartic is None else pair_blocks(self.damping_quartic)
 
     def interface(self, name: str) -> ReducedInterface:
-        """The interface of that name; ModelError names the nearest, or those there are."""
+        """The interface of that name; ModelError lists the nearest names, or all."""
         return interface_named(self.name, name, self.interfaces)
 
     def expand(self, gamma: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)) -> np.ndarray:
-        """Displacements V gamma + z(gamma), (..., k, 3), of some nodes or all, in the body's frame."""
+        """Displacements V gamma + z(gamma), (..., k, 3), of all or some nodes, in the body's frame."""
         moved = _combine(self.displacement_basis[nodes], gamma)
         if self.condensed is not None:
             moved += self._condensed_fields(nodes, self.condensed.amplitudes_at(gamma))
@@ -203,7 +202,7 @@ class ReducedBody(FloatingForm, Summarized):
     def expand_rates(
         self, gamma: ArrayLike, rates: ArrayLike, nodes: NDArray[np.intp] | slice = slice(None)
     ) -> np.ndarray:
-        """Their rates (..., k, 3) at coordinates and rates (..., r); the linear shapes where gamma = 0."""
+        """Displacement rates (..., k, 3) at coordinates and rates (..., r); of V alone where gamma = 0."""
         moved = _combine(self.displacement_basis[nodes], rates)
         if self.condensed is not None and np.any(gamma):
             moved += self._condensed_fields(nodes, self.condensed.amplitude_rates(gamma, rates))
@@ -218,7 +217,7 @@ class ReducedBody(FloatingForm, Summarized):
     def nodal_fields(
         self, gamma: np.ndarray, freedoms: NDArray[np.intp] | slice = slice(None)
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """V gamma (n_nodal, t) of gamma (t, r), and z(gamma) likewise; some nodal freedoms, or all."""
+        """V gamma (n_nodal, t) for gamma (t, r), and z(gamma) likewise; at all or some nodal freedoms."""
         moved = self.nodal_basis[freedoms] @ gamma.T
         if self.condensed is None:
             return moved, None
@@ -226,20 +225,20 @@ class ReducedBody(FloatingForm, Summarized):
 
     @property
     def has_stress_modes(self) -> bool:
-        """Whether its tensors hold all its strains."""
+        """Whether the tensors represent all strains."""
         return not self.elastic_elsewhere
 
     def section_softness(self, interface: str) -> np.ndarray:
-        """Softness c / C (3,) of the section of an averaging interface; zeros of any other."""
+        """Softness c / C (3,) of the section of an averaging interface; zeros for any other."""
         return self.interface(interface).softness
 
     @property
     def missing_centrifugal_stiffness(self) -> np.ndarray:
-        """(3,) of its condensed motion, whose inertia it may lack."""
+        """(3,) missing stiffness where the condensed motion has no inertia."""
         return missing_centrifugal_stiffness(self)
 
     def lowest_frequency(self) -> float:
-        """Of the undeformed body fixed in its frame, rad/s."""
+        """Lowest frequency of the undeformed body fixed in its frame, rad/s."""
         return float(np.min(self.frequencies, initial=np.inf))
 
     @property
@@ -252,7 +251,7 @@ class ReducedBody(FloatingForm, Summarized):
         if self.rotation_basis is None:
             raise ModelError(
                 f"body '{self.name}' carries no rotations: "
-                "it was imported without rotational freedoms or elements"
+                "it was imported without rotational freedoms or elements; import it with them"
             )
         return _combine(self.rotation_basis, gamma)
 
@@ -325,14 +324,14 @@ def _check_shapes(body: ReducedBody) -> None:
 def _check_potential(body: ReducedBody) -> None:
     if body.cubic is None or body.quartic is None:
         return
-    # Not the cached ones: a record that was only checked keeps nothing but its fields.
+    # Not the cached ones: validation must not store anything beside the fields.
     symmetric = InternalForceTensors(body.stiffness, body.cubic, body.quartic).symmetrized()
     for name in ("cubic", "quartic"):
         own, other = getattr(body, name), getattr(symmetric, name)
         error = np.max(np.abs(own - other), initial=0.0)
         if error > LARGEST_ASYMMETRY * np.max(np.abs(own), initial=0.0):
             raise ModelError(
-                f"reduced body '{body.name}': its {name} tensor misses the symmetry in all indices by "
-                f"{error:.1e}, so that its force has no potential: take those of "
+                f"reduced body '{body.name}': its {name} tensor deviates from symmetry in all indices by "
+                f"{error:.1e}, so that its force has no potential: use "
                 "InternalForceTensors(stiffness, cubic, quartic).symmetrized()"
             )

@@ -1,4 +1,4 @@
-"""The basis of a reduction: orthonormal columns that span the motion a body keeps, and their origin."""
+"""The basis of a reduction: orthonormal columns, and the report of their origin."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class ReductionBasis:
 
     frame : the frame that gamma is relative to
     vectors : (n, r)
-    report : ReductionReport     what the columns are
+    report : ReductionReport     origin of the columns
     """
 
     frame: Frame
@@ -49,7 +49,7 @@ def reduction_basis(
     *,
     derivatives: DerivativeChoice = CompressedDerivatives(10),  # noqa: B008 (it is immutable)
 ) -> ReductionBasis:
-    """The basis that `reduce` projects on: linear columns, then derivatives; all as there."""
+    """The basis that `reduce` projects on: linear columns, then derivatives; same arguments and errors."""
     seconds: dict[str, float] = {}
     with timed(seconds, "linear basis"):
         linear = rayleigh_ritz(body, frame, basis.build(body, frame))
@@ -70,12 +70,12 @@ def reduction_basis(
 
 
 def check_frame_motion(body: FlexibleBody, frame: Frame, V: np.ndarray) -> None:
-    """D V = 0, each entry relative to the lengths of its row and column; AccuracyError otherwise."""
+    """Check D V = 0, each entry relative to the lengths of its row and column; AccuracyError otherwise."""
     D = frame.constraint(body)
     lengths = np.linalg.norm(D, axis=1)[:, None] * np.linalg.norm(V, axis=0)
     error = float(np.max(np.abs(D @ V) / lengths, initial=0.0))
     if not error < LARGEST_FRAME_MOTION:
         raise AccuracyError(
-            f"the basis of body '{body.name}' moves against its frame by {error:.1e} "
+            f"the basis of body '{body.name}' moves relative to its frame by {error:.1e} "
             f"(allowed {LARGEST_FRAME_MOTION:.0e})"
         )

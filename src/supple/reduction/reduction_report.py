@@ -1,4 +1,4 @@
-"""How a reduced basis came about: its columns, what was left out, what it cost, and how far it locks."""
+"""Report of a reduction: columns kept and dropped, cost, and locking."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ __all__ = ["Locking", "ReductionReport"]
 Array = NDArray[np.float64]
 
 ROTATION = 0.1
-"""rad, by which the softest of the loads turns the body against its held interface in linear theory."""
+"""rad, rotation in linear theory under the softest of the loads, relative to the fixed interface."""
 
 
 @dataclass(frozen=True, eq=False)
 class Locking:
-    """Share of its static answer to plausible loads that a reduced body withholds.
+    """Relative deficit of the static response of a reduced body to plausible loads.
 
-        1 - f.gamma / f.gamma_free,   gamma_free: with all motion outside the columns free to follow
+        1 - f.gamma / f.gamma_free,   gamma_free: with all motion outside the columns included
 
-    loads : what acts, each with the same linear energy: that which turns the softest by 0.1 rad
-    plain : (k,)        of the tensors of the columns alone; nan where the body buckles under the load
-    remaining : (k,)    of the body as it is
+    loads : the loads, all of the same linear energy: that at which the softest rotates by 0.1 rad
+    plain : (k,)        with the tensors of the columns alone; nan where the body buckles under the load
+    remaining : (k,)    with the tensors of the body
     """
 
     loads: tuple[str, ...]
@@ -40,12 +40,12 @@ class Locking:
 
     @property
     def largest_plain(self) -> float:
-        """The largest share that the columns alone would withhold."""
+        """The largest deficit with the columns alone."""
         return _largest(self.plain)
 
     @property
     def largest_remaining(self) -> float:
-        """The largest share that the body withholds."""
+        """The largest deficit of the body."""
         return _largest(self.remaining)
 
     def __str__(self) -> str:
@@ -53,24 +53,24 @@ class Locking:
             return "not known: no load bends the body"
         worst = self.loads[int(np.argmax(np.nan_to_num(self.plain, nan=-1.0)))]
         return (
-            f"{in_percent(self.largest_remaining)} of the answer at {ROTATION:g} rad; without condensation "
+            f"{in_percent(self.largest_remaining)} of the response at {ROTATION:g} rad; without condensation "
             f"{in_percent(self.largest_plain)}, under {worst}"
         )
 
 
 @dataclass(frozen=True, eq=False)
 class ReductionReport:
-    """How the basis came about: what was kept, what was dropped, and what it cost.
+    """Origin of a basis: columns kept, columns dropped, and cost.
 
     linear : labels of the linear columns (modes and static columns) that span the linear subspace
     derivatives : labels of the columns added for the quadratic motion
-    corrections : labels of the columns added because a run of the reduced body missed them
-    dropped : labels of the columns left out because others, or the frame, already hold their motion
+    corrections : labels of the columns added because a run of the reduced body lacked them
+    dropped : labels of the columns left out because other columns, or the frame, contain their motion
     singular_values_kept, singular_values_dropped : of the weighted derivatives, relative to the first
         (both empty unless the derivatives were compressed)
     seconds : wall time of each offline step
-    certificate : what is proven of the body's eigenvalues, by a basis that proves it (ErrorControlled)
-    locking : what stiff motion outside the columns would withhold, and does; None of a linear body
+    certificate : proven accuracy of the body's eigenvalues, by a basis that proves it (ErrorControlled)
+    locking : deficit due to missing stiff motion, without and with condensation; None for a linear body
     """
 
     linear: tuple[str, ...]

@@ -9,7 +9,7 @@ from time import perf_counter
 
 @contextmanager
 def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
-    """Note how long the block takes, in `seconds[step]`."""
+    """Record the wall time of the block in `seconds[step]`."""
     start = perf_counter()
     yield
     seconds[step] = perf_counter() - start

@@ -1,4 +1,4 @@
-"""What the tensors of a nonlinear body cost in memory, known before they are built."""
+"""Memory that the tensors of a nonlinear body need, known before they are built."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from supple.body import FlexibleBody
 __all__ = ["largest_fitting", "require_tensor_memory", "tensor_memory"]
 
 _MATRICES = 16
-"""Matrices of pairs that a reduction has at one time, measured: 11 of plain tensors, 14 of condensed ones."""
+"""Pair matrices in memory at one time in a reduction, measured: 11 for plain tensors, 14 for condensed."""
 _MATRICES_OF_DAMPING = 4
 
 
 def tensor_memory(r: int, *, strain_rate_damping: bool = False) -> int:
-    """Bytes that building the tensors of r coordinates takes at most; grows with r⁴."""
+    """Largest memory, in bytes, for building the tensors of r coordinates; grows with r⁴."""
     n2 = r * (r + 1) // 2
     return 8 * n2**2 * (_MATRICES + _MATRICES_OF_DAMPING * strain_rate_damping)
 
 
 def largest_fitting(memory: float, *, strain_rate_damping: bool = False) -> int:
-    """Most coordinates whose tensors fit in so many bytes."""
+    """Largest number of coordinates whose tensors fit in the given memory (bytes)."""
     r = int((memory / tensor_memory(1, strain_rate_damping=strain_rate_damping) * 4) ** 0.25) + 1
     while r and tensor_memory(r, strain_rate_damping=strain_rate_damping) > memory:
         r -= 1
@@ -29,9 +29,9 @@ def largest_fitting(memory: float, *, strain_rate_damping: bool = False) -> int:
 def require_tensor_memory(
     body: FlexibleBody, r: int, *, strain_rate_damping: bool = False, named: str = "columns"
 ) -> None:
-    """MemoryShortageError where the tensors of r coordinates of a nonlinear body would not fit.
+    """MemoryShortageError where the tensors of r coordinates of a nonlinear body do not fit in memory.
 
-    named : what the number r is called where it is chosen
+    named : name of the number r where the user sets it
     """
     if body.is_linear:
         return

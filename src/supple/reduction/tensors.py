@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 __all__ = ["InternalForceTensors", "internal_force_tensors", "unpack_symmetric"]
 
-# The largest work array. Measured at r = 25 and 60: larger chunks cost memory for no gain, smaller ones time.
+# Largest work array. Measured at r = 25 and 60: larger chunks gain nothing, smaller ones are slower.
 CHUNK_BYTES = 16 * 2**20
 
-# Cosine between the strains of two pairs: below it they belong to different classes of symmetry.
+# Cosine between the strains of two pairs, below which they belong to different classes of symmetry.
 SMALLEST_COUPLING = 1e-8
 
 
@@ -76,7 +76,7 @@ class InternalForceTensors:
         return self.stiffness + A3 + A4
 
     def condensed(self, energy: np.ndarray) -> InternalForceTensors:
-        """Less the energy (1/8) s^T R s, s_(jk) = mult_jk gamma_j gamma_k, that motion outside releases.
+        """The tensors minus the energy (1/8) s^T R s, s_(jk) = mult_jk gamma_j gamma_k, of condensed motion.
 
         energy : (n2, n2)   R of `Condensation`
         """
@@ -85,9 +85,9 @@ class InternalForceTensors:
         return replace(self, quartic=self.quartic - _fold_quartic(energy, self.r))
 
     def symmetrized(self) -> InternalForceTensors:
-        """Of the same energy, with tensors symmetric in all indices: their force is its gradient.
+        """Tensors of the same energy, symmetric in all indices: their force is its gradient.
 
-        Published forms that are symmetric in some indices alone have forces without a potential.
+        Published forms that are symmetric in some indices only have forces without a potential.
         """
         if self.cubic is None or self.quartic is None:
             return self
@@ -108,18 +108,18 @@ class InternalForceTensors:
 
 
 def number_of_coordinates(n_pairs: int) -> int:
-    """R of r(r+1)/2 packed pairs."""
+    """The r of r(r+1)/2 packed pairs."""
     return round((np.sqrt(8 * n_pairs + 1) - 1) / 2)
 
 
 def unpack_symmetric(packed: np.ndarray, r: int) -> np.ndarray:
-    """Symmetric matrices (..., r, r) of their packed upper triangles (..., r(r+1)/2)."""
+    """Symmetric matrices (..., r, r) from their packed upper triangles (..., r(r+1)/2)."""
     return packed[..., _pair_number(r)]
 
 
 @dataclass(frozen=True, eq=False)
 class MaterialTensors:
-    """What the material stiffness K_mat(g) = V^T sum w A^T D A V of r coordinates gains by deformation.
+    """Change of the material stiffness K_mat(g) = V^T sum w A^T D A V of r coordinates with deformation.
 
         K_mat = K + unpack(cubic @ g) + unpack(quartic @ m2),   m2_(kl) = g_k g_l for k <= l
 
@@ -134,7 +134,7 @@ class MaterialTensors:
 
 @dataclass(frozen=True, eq=False)
 class StrainProducts:
-    """Inner products, weighted by w D, of the strains of a basis: force and damping are made of them.
+    """Inner products, weighted by w D, of the strains of a basis, from which force and damping follow.
 
         eps = e_l g_l + E_jk g_j g_k / 2
 
@@ -148,23 +148,23 @@ class StrainProducts:
     pair_by_pair: np.ndarray | None = None
 
     def internal_force(self) -> InternalForceTensors:
-        """Cubic = 3 sym(F), quartic = (3/2) sym(H)."""
+        """Tensors cubic = 3 sym(F), quartic = (3/2) sym(H)."""
         if self.strain_by_pair is None or self.pair_by_pair is None:
             return InternalForceTensors(self.stiffness)
         quartic = _fold_quartic(self.pair_by_pair, len(self.stiffness))
         return InternalForceTensors(self.stiffness, _fold_cubic(self.strain_by_pair), quartic)
 
     def condensed(self, energy: np.ndarray) -> StrainProducts:
-        """Of the strains that are left when motion outside the columns follows them.
+        """The products of the strains that remain when motion outside the columns follows them.
 
-        energy : (n2, n2)   R of `Condensation`: of the strains that this motion takes away
+        energy : (n2, n2)   R of `Condensation`: the products of the strains that this motion removes
         """
         if self.pair_by_pair is None:
             return self
         return replace(self, pair_by_pair=self.pair_by_pair - energy)
 
     def classes(self) -> np.ndarray:
-        """The class of every pair (n2,): a body with planes of symmetry couples none with another.
+        """The symmetry class of every pair (n2,): a body with planes of symmetry does not couple them.
 
         Pairs are of one class where the cosine of the angle between their strains, `H_ab / sqrt(H_aa H_bb)`,
         is above 1e-8, or that of (jl, km) or (jm, kl) for (jk, lm). Without symmetry there is one class.
@@ -176,9 +176,9 @@ class StrainProducts:
         return connected_components(csr_array(_over_pairings(coupled)), directed=False)[1]
 
     def by_classes(self, classes: np.ndarray) -> StrainProducts:
-        """Without what couples pairs of different classes: the round-off of columns that are even or odd.
+        """The products without coupling between classes, which is round-off of even and odd columns.
 
-        The energy changes by less than 1e-8 of that of its parts, and stays that of a potential.
+        The energy changes by less than 1e-8 of that of its parts, and remains a potential.
         """
         if self.pair_by_pair is None or not np.any(classes):
             return self
@@ -212,9 +212,10 @@ def internal_force_tensors(body: FlexibleBody, basis: np.ndarray) -> InternalFor
 def strain_products(body: FlexibleBody, basis: np.ndarray) -> StrainProducts:
     """Inner products of the strains of a basis V, summed over all integration points.
 
-    Every integration point is reduced first; the sums over points are two matrix products, in chunks.
+    The strains at every integration point are reduced first; the sums over points are two matrix products, in
+    chunks.
 
-    body : FlexibleBody (its coordinates q have length n); of a linear body the stiffness alone
+    body : FlexibleBody (coordinates q of length n); for a linear body the stiffness alone
     basis : (n, r)
     Raises ModelError when the basis does not fit the body.
     """
@@ -268,7 +269,7 @@ def _stress_scaled_strains(block: QuadraticStrain, chunk: slice, nodal_basis: np
 def _square_root(constitutive: np.ndarray) -> np.ndarray:
     """R with R^T R = D for symmetric D (..., s, s) that may be singular; as many rows as D has rank.
 
-    A shell has 18 strains and 12 shapes, so that a third of the rows of all sums over elements would be zero.
+    A shell has 18 strains and 12 shapes, so that a third of the rows of all sums would be zero.
     """
     values, vectors = np.linalg.eigh(constitutive)
     rank = (values > 1e-14 * values[..., -1:]).sum(axis=-1).max()

@@ -1,4 +1,4 @@
-"""A run as one page for a browser, which needs no network."""
+"""Report of a run as one HTML page that needs no network."""
 
 from supple.report.player import *
 from supple.report.sweep_page import *

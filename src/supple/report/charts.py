@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Curves over one abscissa (n,), which is the time of a run unless it has a label of its own.
+    """Curves over one abscissa (n,), by default the time of a run, otherwise with its own label.
 
     label : of the ordinate, with its unit;   curves : (n,) by name;   note : such as the axes, or ""
     """
@@ -43,7 +43,7 @@ def charts_of(
     readings: Sequence[Reading],
     units: UnitSystem = UNNAMED,
 ) -> Iterator[Chart]:
-    """Sensors, deflection and position of tracked places, forces of joints and contacts, energies."""
+    """Charts of sensors, deflection and position of tracked places, joint and contact forces, energies."""
     times = solution.times
     for reading in readings:
         yield from _charts_of_reading(reading, units)
@@ -76,7 +76,7 @@ def charts_of(
 
 
 def _charts_of_reading(reading: Reading, units: UnitSystem) -> Iterator[Chart]:
-    """A chart for each quantity that a sensor reads."""
+    """A chart for each quantity of a sensor."""
     for quantity in dict.fromkeys(channel.quantity for channel in reading.channels):
         own = [number for number, each in enumerate(reading.channels) if each.quantity == quantity]
         values = without_noise(reading.values[:, own])

@@ -54,7 +54,7 @@ class MarkedPlace:
 
 @dataclass(frozen=True, eq=False)
 class JointMark:
-    """A joint: name, kind in words, and the points of its ends."""
+    """A joint: name, description of its kind, and the points of its ends."""
 
     name: str
     kind: str

@@ -1,4 +1,4 @@
-"""A body as the page draws it: its surface, the axes that it is seen from, and its fields over time."""
+"""A body in the page: its surface, the axes of its displacements, and its fields over time."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 DISPLACEMENT_TOLERANCE = 1e-5
-"""Of displacements, as a share of the largest: what shapes that are left out may change."""
+"""Displacement error from omitted shapes, relative to the largest displacement."""
 FIELD_TOLERANCE = 5e-3
-"""Of a field that colours: two of the 256 steps of a screen's colours, half of it for leaving shapes out."""
+"""Error of a colour field: two of the 256 steps of a screen's colours, half of it for omitted shapes."""
 _NUMBERS = 2**21
-"""Of displacements that are held at a time (16 MiB)."""
+"""Numbers of displacements in memory at a time (16 MiB)."""
 _FIELD_NUMBERS = 2**24
-"""Of another field (128 MiB)."""
+"""Numbers of another field in memory at a time (128 MiB)."""
 
 
 @dataclass(frozen=True, eq=False)
 class MovingBody:
-    """Points that are drawn, `r(t, n) = position + rotation (rest + displacement(t, n))`.
+    """Points to draw, `r(t, n) = position + rotation (rest + displacement(t, n))`.
 
-    name, kind : of the body;   seen_from : the interface whose axes these are, or what else
+    name, kind : of the body;   seen_from : the interface that defines the axes, or a description
     rest : (N, 3) undeformed, mesh axes
-    node_ids : (N,) of the nodes that carry them, as the mesh file has them, or numbers
-    surface : triangles of these points, and when each is there;   edges : (e, 2) that show its shape
-    position : (t, 3), rotation : (t, 3, 3)      of the axes that displacements are seen from
-    displacement : along these axes; None of a rigid body
-    fields : what else colours it, by name, (t, N, 1)
-    unknown : (N,) where fields have no value, such as the stress of a section that is not known
+    node_ids : (N,) of the nodes to which the points are attached, from the mesh file, or numbers
+    surface : triangles of these points with their lifetimes;   edges : (e, 2) feature edges
+    position : (t, 3), rotation : (t, 3, 3)      of the axes of the displacements
+    displacement : along these axes; None for a rigid body
+    fields : further fields for colours, by name, (t, N, 1)
+    unknown : (N,) where fields have no value, such as the stress of a section without recovery points
     """
 
     name: str
@@ -63,7 +63,7 @@ class MovingBody:
 
     @property
     def largest_displacement(self) -> float:
-        """The magnitude, of any node at any instant."""
+        """The largest magnitude, over all nodes and times."""
         if self.displacement is None:
             return 0.0
         rows = _rows(len(self.position), self.rest.size)
@@ -72,7 +72,7 @@ class MovingBody:
         return max(float(each.max(initial=0.0)) for each in sizes)
 
     def positions(self, rows: IntArray) -> Array:
-        """(t', N, 3) in space, as the page draws them."""
+        """(t', N, 3) in space, as drawn by the page."""
         local = self.rest[None]
         if self.displacement is not None:
             local = local + np.tensordot(self.displacement.amplitudes[rows], self.displacement.shapes, 1)
@@ -92,12 +92,12 @@ def moving_body(
     colourings: Mapping[str, Colouring],
     bases: Mapping[str, At],
 ) -> MovingBody:
-    """A deformable body as it moves in a run; without a look its nodes are drawn as points.
+    """A deformable body in a run; without a mesh its nodes are drawn as points.
 
-    Displacements are those from the interface that `deflections` sees them from; of explicit elements, which
-    have no axes of their own, from those that fit the nodes best at each instant.
+    Displacements are relative to the interface of `deflections`; for explicit elements, which have no axes of
+    their own, relative to the best-fit axes of the nodes at each time.
 
-    colourings : of what it has values of, by name
+    colourings : of its fields, by name
     """
     motion = solution.bodies[body.name]
     surface = surface_of(body, look, motion)
@@ -118,7 +118,7 @@ def moving_body(
             yield displacement_from_axes(places, position[rows, None], rotation[rows], rest)
 
     def values(colouring: Colouring) -> Iterator[Array]:
-        # Many instants at a time: what a colouring prepares of the body, it prepares each time.
+        # Many times at once: a colouring repeats its preparation of the body at each call.
         for rows in _rows(len(position), len(body.nodes), _FIELD_NUMBERS):
             found = colouring.values(body, motion.at(rows), None)
             assert found is not None
@@ -148,7 +148,7 @@ def moving_body(
 
 
 def rigid_links(body: RigidBody, motion: Motion, thickness: float) -> MovingBody:
-    """A rigid body: bars from its centre of mass to its interfaces, and a ball there without any."""
+    """A rigid body: bars from its centre of mass to its interfaces, or a ball without interfaces."""
     own = motion.of_type(FloatingMotion)
     centre = body.centre[None]
     nodes, triangles = _bars(np.broadcast_to(centre, body.nodes.shape), body.nodes, 0.5 * thickness)
@@ -191,7 +191,7 @@ def _bars(starts: Array, ends: Array, thickness: float) -> tuple[Array, IntArray
 
 
 def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[Array, Array]:
-    """Origin (t, 3) and axes (t, 3, 3) of the rigid motion of the rest that is nearest to the nodes.
+    """Origin (t, 3) and axes (t, 3, 3) of the best-fit rigid motion of the undeformed nodes.
 
     Source: [Kabsch1976]
     """
@@ -202,13 +202,13 @@ def _fitted_axes(body: BodyForm, motion: Motion) -> tuple[Array, Array]:
         middles.append(places.mean(axis=1))
         products.append(np.einsum("tni,nj->tij", places - middles[-1][:, None], body.nodes - centre))
     left, _, right = np.linalg.svd(np.concatenate(products))
-    # The nearest rotation, and not a reflection: flat bodies leave the third direction open.
+    # The nearest rotation, without reflection: for flat bodies the third direction is otherwise undetermined.
     left[:, :, 2] *= np.sign(np.linalg.det(left @ right))[:, None]
     rotation = left @ right
     return np.concatenate(middles) - rotation @ centre, rotation
 
 
 def _rows(n_times: int, numbers: int, held: int = _NUMBERS) -> list[slice]:
-    """Some instants after the others, so many that at most some numbers are held; eight at least."""
+    """Blocks of times, as many as fit in the given numbers; at least eight."""
     size = max(8, held // max(1, numbers))
     return [slice(start, min(start + size, n_times)) for start in range(0, n_times, size)]

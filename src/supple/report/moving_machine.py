@@ -1,4 +1,4 @@
-"""A machine as the page draws it: bodies, joints, force elements, loads and obstacles over time."""
+"""A machine in the page: bodies, joints, force elements, loads and obstacles over time."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _SAMPLED = 60
-"""Instants at which the extent of the motion is looked at."""
+"""Number of times at which the extent of the motion is evaluated."""
 _LINK_THICKNESS = 0.012
-"""Of the machine's extent: of the bars that a rigid body is drawn with."""
+"""Relative to the machine's extent: thickness of the bars of a rigid body."""
 _ARROW_LENGTH = 0.16
-"""Of the machine's extent."""
+"""Relative to the machine's extent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +45,10 @@ class MovingObstacle:
 
 @dataclass(frozen=True)
 class FieldScale:
-    """The one range of a field's colours, over all bodies and instants, in the unit that it is shown in.
+    """The common range of a field's colours, over all bodies and times, in the displayed unit.
 
-    label : with the unit;   factor : that values of the model are multiplied by
-    error : that values of the page may have; zero where it is not to be seen
+    label : with the unit;   factor : on values of the model
+    error : allowed error of the page's values; zero if it must not be visible
     """
 
     label: str
@@ -60,10 +60,10 @@ class FieldScale:
 
 @dataclass(frozen=True, eq=False)
 class MovingMachine:
-    """What of a run is drawn.
+    """The drawn parts of a run.
 
-    times : (t,);   scales : of the fields that colour it, by name, "deflection" among them
-    low, high : (3,) corners of all that is seen at any instant;   up : (3,) against gravity, or z
+    times : (t,);   scales : of the colour fields, by name, "deflection" among them
+    low, high : (3,) corners of the extent over all times;   up : (3,) against gravity, or z
     arrow_length : of the largest force, moment and contact force
     """
 
@@ -91,7 +91,7 @@ def moving_machine(
 ) -> MovingMachine:
     """A machine in a run; parameters as for `write_report`.
 
-    Raises ModelError for a solution that states other columns than the bodies have.
+    Raises ModelError for a solution with other columns than those of the bodies.
     """
     check_motions(system, solution)
     colourings = {} if elements is None else {"von Mises stress": stress_colouring(elements)}
@@ -145,7 +145,7 @@ def moving_machine(
 
 
 def _arrow_tails(arrows: Sequence[Arrow], length: float, rows: IntArray) -> Iterator[Array]:
-    """Where arrows begin (t, 3): each ends at its place, and the largest of its kind has the whole length."""
+    """Tails of arrows (t, 3): each head is at its point, and the largest of its kind has the full length."""
     largest: dict[str, float] = {}
     for arrow in arrows:
         size = float(np.linalg.norm(arrow.values, axis=1).max(initial=0.0))
@@ -160,7 +160,7 @@ def _possible(
     colourings: Mapping[str, Colouring],
     elements: Mapping[str, FiniteElementModel],
 ) -> dict[str, Colouring]:
-    """Those that a body has values of: stress needs its elements, plastic strain elements that yield."""
+    """Colourings with values for a body: stress needs its elements, plastic strain explicit elements."""
     start = solution.bodies[body.name].at(slice(0, 1))
     return {
         name: each
@@ -173,7 +173,7 @@ def _possible(
 def _scales(
     bodies: Sequence[MovingBody], colourings: Mapping[str, Colouring], units: UnitSystem
 ) -> dict[str, FieldScale]:
-    """Of the fields that there are: stress, which is optional, comes first."""
+    """Scales of the available fields; stress, which is optional, comes first."""
     largest = {"deflection": [body.largest_displacement for body in bodies]}
     for name in colourings:
         largest[name] = [body.fields[name].largest for body in bodies if name in body.fields]
@@ -188,7 +188,7 @@ def _scales(
 
 
 def _obstacles(system: System, solution: Solution, seen: Array) -> Iterator[MovingObstacle]:
-    """Rigid obstacles, which an explicit march moves."""
+    """Rigid obstacles with their displacements in an explicit run."""
     offsets = obstacle_offsets(system, solution)
     for number, contact in enumerate(system.rigid_contacts):
         points, triangles = obstacle_shape(contact.obstacle, seen)

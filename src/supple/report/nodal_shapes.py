@@ -1,8 +1,8 @@
-"""A nodal field over time as few shapes times amplitudes: proper orthogonal decomposition to a tolerance.
+"""A nodal field over time as a few shapes times amplitudes: proper orthogonal decomposition.
 
-Every form of a body goes the same way: a reduced body that is seen from an interface that turns against its
-frame, a body with all its freedoms, a line of stations, elements that yield. Shapes are needed once and
-amplitudes by instant, however long the run.
+It applies to every form of a body: a reduced body relative to an interface that rotates against its frame, a
+full body, a line of stations, elements with plasticity. Shapes are stored once and amplitudes per time, for
+runs of any length.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["NodalShapes", "nodal_shapes"]
 Array = NDArray[np.float64]
 
 _SEARCHED = 200
-"""Instants at which the error of leaving shapes out is measured: those where the most is left out."""
+"""Number of times at which the truncation error is measured: those with the largest remainder."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class NodalShapes:
 
     shapes : (k, N, c)          orthonormal, the largest first
     amplitudes : (t, k)
-    largest : of the field's components, at any node and instant
+    largest : of the field's components, over all nodes and times
     """
 
     shapes: Array
@@ -41,16 +41,16 @@ class NodalShapes:
 
 
 def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
-    """The shapes and amplitudes of a field whose instants come in blocks.
+    """The shapes and amplitudes of a field given in blocks of times.
 
-    A block adds the directions that the shapes so far lack, found by the eigenvectors of the Gram matrix of
-    what is left; at last all are ordered by the singular values of the amplitudes, and the smallest dropped.
-    Each of the two leaves out half of the tolerance at most.
+    A block adds the directions missing from the shapes so far, from the eigenvectors of the Gram matrix of
+    the remainder; at the end all are ordered by the singular values of the amplitudes, and the smallest
+    dropped. Each of the two steps uses at most half of the tolerance.
 
     Parameters
     ----------
     blocks : (t', N, c) each, in the order of time
-    tolerance : of any component at any node and instant, as a share of the largest
+    tolerance : of any component at any node and time, relative to the largest
     """
     rows: list[Array] = []
     shape, basis, largest = (0, 0), np.zeros((0, 0)), 0.0
@@ -62,7 +62,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
         known = flat @ basis.T
         rest = flat - known @ basis
         added = np.linalg.qr(_directions(rest, 0.5 * tolerance * largest).T)[0].T
-        # What the first projection left of the basis by round-off, a second one takes.
+        # A second projection removes the round-off that the first leaves of the basis.
         added = np.linalg.qr((added - (added @ basis.T) @ basis).T)[0].T
         basis = np.vstack([basis, added])
         rows.append(np.hstack([known, rest @ added.T]))
@@ -76,7 +76,7 @@ def nodal_shapes(blocks: Iterable[Array], *, tolerance: float) -> NodalShapes:
 
 
 def _directions(rest: Array, allowed: float) -> Array:
-    """The fewest left eigenvectors times rest (k, m) without which no number of rest (b, m) is larger."""
+    """The fewest left eigenvectors, times rest (k, m), with no error in rest (b, m) above the allowed one."""
     values, vectors = np.linalg.eigh(rest @ rest.T)
     leading = vectors[:, ::-1].T @ rest
     kept = vectors[:, ::-1]
@@ -103,7 +103,7 @@ def _truncated(basis: Array, amplitudes: Array, allowed: float) -> tuple[Array, 
 
 
 def _fewest(left: Callable[[int], float], most: int, allowed: float) -> int:
-    """By bisection the smallest number that leaves no more than is allowed; `left` falls with the number."""
+    """The smallest number whose remainder is allowed, by bisection; `left` decreases with the number."""
     low, high = 0, 0 if left(0) <= allowed else most
     while low < high:
         middle = (low + high) // 2

@@ -1,4 +1,4 @@
-"""Arrays of a page as one deflated text, and how each of them is read from it."""
+"""Arrays of a page as one compressed text, with the layout of each."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ __all__ = ["PackedArrays", "Packing", "unpacked"]
 Kind = Literal["f4", "f8", "i2", "i4"]
 
 _LEVEL = 6
-"""Of the compression: 9 takes four times as long for 1 % less."""
+"""Compression level: 9 takes four times as long for 1 % less."""
 
 
 class Packing(NamedTuple):
-    """Where in the block an array stands, and what it is made of."""
+    """Position of an array in the block, and its type."""
 
     start: int
     shape: tuple[int, ...]
     kind: Kind
 
     def plain(self) -> dict[str, Any]:
-        """As a script reads it."""
+        """The layout as JSON values for the script."""
         return {"start": self.start, "shape": list(self.shape), "kind": self.kind}
 
 
 class PackedArrays:
-    """Arrays one behind the other, little-endian.
+    """Arrays one after the other, little-endian.
 
-    An array is written byte plane by byte plane, all first bytes of its numbers, then all second ones, and so
-    on; of integers the differences along the last axis, modulo the size of their kind. Both make numbers that
-    vary slowly repeat themselves, which deflating needs.
+    An array is written byte plane by byte plane: all first bytes of its numbers, then all second ones, and so
+    on; integers as differences along the last axis, modulo their range. Both make slowly varying numbers
+    repetitive, for better compression.
     """
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class PackedArrays:
         if kind[0] == "i" and not np.array_equal(array, values):
             raise ModelError(
                 f"cannot write whole numbers up to {np.abs(values).max():.0f} in {8 * array.itemsize} bits: "
-                "give nodes smaller ids"
+                "use smaller node ids"
             )
         numbers = array
         if kind[0] == "i" and array.size:
@@ -62,7 +62,7 @@ class PackedArrays:
         return packing
 
     def text(self) -> str:
-        """All of them, deflated (zlib), in base 64."""
+        """All arrays, deflated (zlib), in base 64."""
         return base64.b64encode(zlib.compress(b"".join(self._parts), _LEVEL)).decode("ascii")
 
 

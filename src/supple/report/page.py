@@ -26,9 +26,9 @@ __all__ = ["Assets", "Clip", "Page", "PageSection", "html_text", "page_text", "w
 
 @dataclass(frozen=True)
 class Assets:
-    """What a kind of page is made of.
+    """Files of a kind of page.
 
-    template : its file;   styles : names of files;   scripts : in the order in which one needs the other
+    template : its file;   styles : names of files;   scripts : in the order of their dependencies
     """
 
     template: str
@@ -45,7 +45,7 @@ _PLAYER = Assets(
 
 @dataclass(frozen=True)
 class PageSection:
-    """A heading with lines of text, tables, and texts as they stand, such as a case file, by name."""
+    """A heading with lines of text, tables, and verbatim texts, such as a case file, by name."""
 
     title: str
     lines: Sequence[str] = ()
@@ -55,9 +55,9 @@ class PageSection:
 
 @dataclass(frozen=True)
 class Clip:
-    """Some instants of a machine's motion that are played on their own, such as one mode.
+    """Some times of a machine's motion that are played separately, such as one mode.
 
-    first, number : rows of the times;   repeats : whether the last instant leads on to the first
+    first, number : range of the times;   repeats : whether the last time is followed by the first
     """
 
     name: str
@@ -69,10 +69,10 @@ class Clip:
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What a page shows.
+    """Content of a page.
 
     sections : in their order;   machine : None where there is nothing to draw
-    clips : of its motion; all of it where there are none;   charts : curves
+    clips : of its motion; by default the whole motion;   charts : curves
     """
 
     title: str
@@ -89,7 +89,7 @@ def write_page(path: Path | str, page: Page) -> Path:
 
 
 def write_text(path: Path | str, text: str) -> Path:
-    """Write a text whole; ResultFileError where the file cannot be written."""
+    """Write a text file atomically; ResultFileError where the file cannot be written."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return Path(path)
@@ -114,9 +114,9 @@ def page_text(page: Page) -> str:
 def html_text(
     assets: Assets, title: str, sections: Sequence[PageSection], head: Mapping[str, Any], arrays: PackedArrays
 ) -> str:
-    """One HTML file of sections and data, which its scripts show.
+    """One HTML file of sections and data, displayed by its scripts.
 
-    head : what the scripts read as JSON;   arrays : that it refers to
+    head : JSON data for the scripts;   arrays : those that it refers to
     """
     libraries, scripts = _source("libraries.js"), _scripts(assets.scripts)
     styles = "".join(_source(f"{name}.css") for name in ("libraries", *assets.styles))
@@ -125,7 +125,7 @@ def html_text(
         "title": escape(title),
         "styles": styles,
         "sections": "\n".join(_section(section) for section in sections),
-        # "</script>" in a text would end the data: no "<" is written in it.
+        # "</script>" in a text would end the data: "<" is always escaped.
         "head": json.dumps(head, allow_nan=False).replace("<", "\\u003c"),
         "data": arrays.text(),
         "libraries": libraries,
@@ -139,12 +139,12 @@ def _source(name: str) -> str:
 
 
 def _scripts(names: Sequence[str]) -> str:
-    """Scripts as one, whose names are its own."""
+    """Scripts in one scope of their own."""
     return '(() => {\n"use strict";\n' + "\n".join(_source(f"{name}.js") for name in names) + "})();\n"
 
 
 def _policy(scripts: Sequence[str], styles: str) -> str:
-    """Nothing is fetched, and nothing runs but these scripts, whatever a text of a case holds."""
+    """Content policy: no requests, and no scripts but these, whatever the texts of a case contain."""
     allowed = " ".join(_hash(script) for script in scripts)
     return (
         f"default-src 'none'; script-src {allowed}; style-src {_hash(styles)}; img-src data: blob:; "

@@ -1,4 +1,4 @@
-"""The player of a run within a notebook."""
+"""Player of a run in a notebook."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from supple.units import UNNAMED, UnitSystem
 __all__ = ["Player", "player"]
 
 _HEIGHT = 760
-"""Pixels of a notebook."""
+"""Height in a notebook, pixels."""
 
 
 @dataclass(frozen=True, eq=False)
 class Player:
-    """A page that a notebook shows where an expression has it for its value."""
+    """A page that a notebook shows as the value of an expression."""
 
     page: Page = field(repr=False)
 
@@ -36,7 +36,7 @@ class Player:
         return f"<Player of {instants} instants: a notebook shows it; write_report writes it to a file>"
 
     def _repr_html_(self) -> str:
-        """The page in a frame of its own, whose styles and scripts do not meet the notebook's."""
+        """The page in a frame, whose styles and scripts are separate from the notebook's."""
         frame = f"width: 100%; height: {_HEIGHT}px; border: 0"
         return f'<iframe srcdoc="{escape(page_text(self.page))}" style="{frame}"></iframe>'
 

@@ -1,4 +1,4 @@
-"""A moving machine as the numbers that the script of the page reads."""
+"""A moving machine as data for the script of the page."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ Array = NDArray[np.float64]
 
 _LEVELS = 32767
 _STEP = 1.5e-5
-"""Of a field's largest number: the step that amplitudes times shapes are rounded to, if 16 bits reach it."""
+"""Relative to a field's maximum: rounding step of amplitudes times shapes, if 16 bits suffice."""
 _STEP_OF_FIELD = 3e-4
-"""The same of fields that colour."""
+"""The same for colour fields."""
 _STILL = 1e-12
-"""Of the machine's extent: a mark that moves less within its body does not move in it."""
+"""Relative to the machine's extent: a mark that moves less within its body is fixed to it."""
 
 
 def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
-    """Adds the arrays; returns where they are and all that has words. Lengths are from the middle of all."""
+    """Adds the arrays; returns their layout and all texts. Lengths are from the machine's centre."""
     middle = 0.5 * (machine.low + machine.high)
     numbers = {body.name: number for number, body in enumerate(machine.bodies)}
     marks = _Marks(machine, numbers, middle, arrays)
@@ -77,7 +77,7 @@ def scene_data(machine: MovingMachine, arrays: PackedArrays) -> dict[str, Any]:
 
 
 def chart_data(charts: Sequence[Chart], arrays: PackedArrays) -> list[dict[str, Any]]:
-    """Adds the arrays; abscissas that are the same are written once."""
+    """Adds the arrays; equal abscissas are written once."""
     known: dict[int, dict[str, Any]] = {}
     found = []
     for chart in charts:
@@ -121,7 +121,7 @@ def _body_data(body: MovingBody, middle: Array, arrays: PackedArrays) -> dict[st
 
 
 def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[str, Any]:
-    """Shapes as whole numbers, the more of them the more a shape contributes; amplitudes times their unit."""
+    """Shapes as integers, with more digits for larger contributions; amplitudes times their unit."""
     largest = np.abs(field.shapes).max(axis=(1, 2), initial=0.0)
     contribution = largest * np.abs(field.amplitudes).max(axis=0, initial=0.0)
     levels = np.clip(np.ceil(contribution / (step * (field.largest or 1.0))), 1, _LEVELS)
@@ -134,7 +134,7 @@ def _shapes_data(field: NodalShapes, step: float, arrays: PackedArrays) -> dict[
 
 
 class _Marks:
-    """Places of marks, each along the axes of the body that carries it."""
+    """Positions of marks, each in the axes of its body."""
 
     def __init__(
         self, machine: MovingMachine, numbers: Mapping[str, int], middle: Array, arrays: PackedArrays
@@ -143,7 +143,7 @@ class _Marks:
         self._still = _STILL * float(np.linalg.norm(machine.high - machine.low))
 
     def of(self, place: MarkedPlace) -> dict[str, Any]:
-        """Body number (-1: the ground), rest, and what changes within the body; axes as quaternions."""
+        """Body number (-1: the ground), rest position, and motion within the body; axes as quaternions."""
         number = self._numbers.get(place.body, -1)
         if number < 0:
             points, axes, rest = place.points - self._middle, place.axes, place.rest - self._middle
@@ -166,9 +166,9 @@ class _Marks:
 
 
 def quaternions(rotation: Array) -> Array:
-    """Unit quaternions (t, 4), x y z w, of rotation matrices (t, 3, 3), each on the side of the one before.
+    """Unit quaternions (t, 4), x y z w, of rotation matrices (t, 3, 3), with continuous sign.
 
-    Of the four products 4 q_i q, the row of the largest component divides by no small number.
+    Of the four products 4 q_i q, the row of the largest component avoids division by a small number.
     Source: [Shepperd1978]
     """
     m = np.moveaxis(np.asarray(rotation), 0, -1)

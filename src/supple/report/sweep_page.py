@@ -33,11 +33,11 @@ _EXTREMES = ("minimum", "time of minimum", "maximum", "time of maximum")
 
 @dataclass(frozen=True, eq=False)
 class ChannelOfCases:
-    """What a channel came to in the cases.
+    """Statistics of a channel over the cases.
 
-    statistics : (n,) by name, NaN of cases without results; with minimum, time of minimum, maximum and time
+    statistics : (n,) by name, NaN for cases without results; with minimum, time of minimum, maximum and time
         of maximum the page lists its extremes
-    has_extremes : False of a channel that stands still
+    has_extremes : False for a constant channel
     """
 
     name: str
@@ -50,7 +50,7 @@ class ChannelOfCases:
 class RainflowSpectrum:
     """Rainflow cycles of a channel over all cases.
 
-    ranges : (b,) in the middle of the classes, ascending;   counts : (b,) of cycles
+    ranges : (b,) class centres, ascending;   counts : (b,) of cycles
     """
 
     name: str
@@ -61,12 +61,12 @@ class RainflowSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class SweepPage:
-    """What the page of a sweep shows.
+    """Content of the page of a sweep.
 
-    parameters : (n,) numbers or words by path;   results : (n,) of each case, such as its status
-    channels : what was read;   spectra : of channels, with exponents for their shares of damage
+    parameters : (n,) numbers or texts by path;   results : (n,) of each case, such as its status
+    channels : statistics of channels;   spectra : of channels, with exponents for their shares of damage
     sections : above the plots;   reports : addresses of pages of single cases, by number
-    time : unit of the instants;   row : what a row of the table is
+    time : unit of times;   row : name of a row of the table
     """
 
     title: str
@@ -91,9 +91,9 @@ class SweepPage:
 
 
 def channels_that_fit(n_cases: int, n_others: int, n_statistics: int) -> int:
-    """How many channels a page may have, at least one, for a browser to open it in seconds.
+    """Largest number of channels, at least one, for which a browser opens the page in seconds.
 
-    n_others : columns that are of no channel
+    n_others : number of other columns
     """
     return max(1, (_NUMBERS // max(n_cases, 1) - n_others) // n_statistics)
 
@@ -143,7 +143,7 @@ def write_sweep_page(path: Path | str, page: SweepPage) -> Path:
 
 
 class _Column(NamedTuple):
-    """A value of each case; words are numbered."""
+    """A value of each case; texts are numbered."""
 
     label: str
     kind: str

@@ -1,4 +1,4 @@
-"""What the page shows of a body: triangles and lines over points that nodes carry, while they are there."""
+"""The visible surface of a body in the page: triangles and lines, with their lifetimes."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def _none(columns: int) -> IntArray:
 
 @dataclass(frozen=True, eq=False)
 class VisibleSurface:
-    """Triangles and lines; bare points where a body has neither.
+    """Triangles and lines; points for a body without either.
 
-    points : N points that are drawn, the nodes that carry others among them
+    points : N points to draw, with the nodes to which others are attached
     triangles : (m, 3), lines : (k, 2)       of these N
-    lifetimes : (m, 2) first instant at which a triangle is there, and first at which it is not any more;
-        None where all are there throughout
+    lifetimes : (m, 2) first time index at which a triangle exists, and first at which it no longer does;
+        None where all exist throughout
     """
 
     points: SurfacePoints
@@ -41,16 +41,16 @@ class VisibleSurface:
 
     @property
     def carriers(self) -> IntArray:
-        """(N,) which of these points is the node that carries each."""
-        # Nodes come before what they carry.
+        """(N,) index, among these points, of the node of each."""
+        # Nodes come before the points attached to them.
         _, first, own = np.unique(self.points.nodes, return_index=True, return_inverse=True)
         return first[own]
 
 
 def surface_of(body: BodyForm, look: Look | None, motion: Motion) -> VisibleSurface:
-    """The skin of a body, of which elements may be deleted; without a look all nodes.
+    """The skin of a body, whose elements may be deleted; without a mesh all nodes.
 
-    Beams are drawn with their sections if the look has them, else as lines; springs and ties are
+    Beams are drawn with their sections if their elements are given, otherwise as lines; springs and ties are
     lines.
     """
     alive = motion.arrays().get("alive")
@@ -73,7 +73,7 @@ def surface_of(body: BodyForm, look: Look | None, motion: Motion) -> VisibleSurf
 def _of_used_points(
     points: SurfacePoints, triangles: IntArray, lines: IntArray, lifetimes: IntArray | None = None
 ) -> VisibleSurface:
-    """Of points whose nodes come first, in the order of their numbers."""
+    """Restriction to used points, with nodes first, in the order of their numbers."""
     drawn = np.concatenate([triangles.ravel(), lines.ravel()])
     used = np.union1d(drawn, points.nodes[drawn])
     first, second = np.split(np.searchsorted(used, drawn), [triangles.size])
@@ -81,9 +81,9 @@ def _of_used_points(
 
 
 def _eroding_surface(body: Any, alive: NDArray[np.float64]) -> VisibleSurface:
-    """Faces of elements (t, E) that are alive or not: a face is seen while just one of its elements is.
+    """Faces of elements (t, E) that may be deleted: a face is visible while just one of its elements exists.
 
-    A face between two elements appears when the first of them is deleted, and goes with the second.
+    A face between two elements appears when the first of them is deleted, and disappears with the second.
     """
     n_times = len(alive)
     death = np.where(np.all(alive, axis=0), n_times, np.argmin(alive, axis=0))

@@ -46,20 +46,20 @@ def write_report(
 ) -> Path:
     """Write a run as one HTML page that needs no network: its motion in 3-D, curves, tables, inputs.
 
-    Displacements in it are those of `node_positions` to 1e-4 of the largest.
+    Its displacements agree with `node_positions` to 1e-4 of the largest.
 
     Parameters
     ----------
-    meshes : of the deformable bodies, by name, or their elements, which have the sections of beams; of a
+    meshes : of the deformable bodies, by name, or their elements, which contain the beam sections; for a
         body without either the nodes are drawn
     title : of the page
-    tracked, readings : what curves are drawn of, besides the forces of joints
-    elements : of bodies, by name, whose von Mises stress may colour them; see `von_mises_history`
-    bases : interfaces that deflections are seen from, by body, where it is not its own first one
-    numbers : as of `summarize`, if they are known
-    rounds : of a self-correction, as of `correction_numbers`
-    inputs : texts to be kept with it, such as the case file, by name
-    units : of the model; without names no unit is written
+    tracked, readings : sources of curves, besides joint forces
+    elements : of bodies, by name, for colours by von Mises stress; see `von_mises_history`
+    bases : reference interfaces of deflections, by body, if other than its own first one
+    numbers : from `summarize`, if available
+    rounds : of a self-correction, from `correction_numbers`
+    inputs : texts to include, such as the case file, by name
+    units : of the model; no unit is written for units without names
 
     Raises
     ------
@@ -81,7 +81,7 @@ def write_report(
 def run_sections(
     numbers: Mapping[str, Any], solution: Solution, rounds: Sequence[Mapping[str, Any]], units: UnitSystem
 ) -> list[PageSection]:
-    """The error statement, then all other tables of a run."""
+    """The error estimate, then all other tables of a run."""
     if numbers["errors"]:
         error = PageSection("Error of the run", list(error_lines(numbers)), [error_table(numbers)])
     else:
@@ -97,7 +97,7 @@ def run_sections(
 
 
 def inputs_section(inputs: Mapping[str, str]) -> PageSection:
-    """What the run was computed from, and with."""
+    """Input texts and program versions of the run."""
     programs = [f"{name} {version(name)}" for name in ("supple", "numpy", "scipy", "jax")]
     line = f"Computed with {', '.join(programs)}; Python {platform.python_version()}."
     return PageSection("Inputs and versions", [line], texts=inputs)

@@ -1,4 +1,4 @@
-"""The report of an equilibrium, and those of modes about it: shapes that are played, Campbell diagrams."""
+"""Reports of an equilibrium, of modes about it, and of a Campbell diagram."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from supple.units import UNNAMED, UnitSystem, labelled, measured, plain_number
 __all__ = ["write_campbell_report", "write_modes_report", "write_static_report"]
 
 AMPLITUDE = 0.1
-"""Of a mode, as a share of the machine's size."""
+"""Amplitude of a mode, relative to the machine's size."""
 _PERCENT = 100.0
 _ORDERS = (1, 2, 3, 4)
 """Multiples of the speed in a Campbell diagram."""
@@ -80,10 +80,10 @@ def write_modes_report(
     inputs: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write modes as a page that plays each of them, its decay left out, at a tenth of the machine's size.
+    """Write modes as a page that plays each of them, without decay, at a tenth of the machine's size.
 
     tables : of all modes
-    chosen : numbers from 0 of the modes that are played; all when omitted
+    chosen : numbers from 0 of the modes to play; by default all
     Others as for `write_report`.
     """
     names, seen = mode_names(modes), f"Frequencies are in axes {modes.machine.axes}."
@@ -94,7 +94,7 @@ def write_modes_report(
         size = AMPLITUDE * system_length(system)
         motions = [mode_motion(modes, number, amplitude=size) for number in played]
         whole = moving_machine(system, concatenate(motions), meshes, bases=bases, units=units)
-        # A mode has no size of its own: colours are shares of the largest.
+        # The scale of a mode is arbitrary: colours are relative to the largest value.
         scales = {
             name: FieldScale(f"{name}, share of the largest", 1 / scale.high if scale.high else 1.0, 0.0, 1.0)
             for name, scale in whole.scales.items()
@@ -118,7 +118,7 @@ def write_campbell_report(
     inputs: Mapping[str, str] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Write frequencies and damping over speed as a page whose curves are named at the pointer.
+    """Write frequencies and damping over speed as a page with the names of curves at the pointer.
 
     tables : of the same
     Others as for `write_report`.
@@ -127,7 +127,7 @@ def write_campbell_report(
     speed, over = by_rate * diagram.rates, labelled("speed", speed_unit)
     note = f"seen in axes {diagram.axes}"
     shown = factor / (2 * np.pi) * diagram.frequencies
-    # Multiples of the speed that excite modes, as far as there are modes.
+    # Multiples of the speed that excite modes, up to the highest frequency.
     orders = {f"{order}P": order * factor / (2 * np.pi) * abs(diagram.rates) for order in _ORDERS}
     top = np.nanmax(shown, initial=0.0)
     reached = {name: np.where(own <= 1.1 * top, own, np.nan) for name, own in orders.items()}
@@ -142,7 +142,7 @@ def write_campbell_report(
 
 
 def _mode_note(modes: MachineModes, number: int, units: UnitSystem) -> str:
-    """Frequency, damping, error by the bases, stability."""
+    """Frequency, damping, basis error, stability."""
     unit, factor = units.frequency_shown
     words = [
         measured(plain_number(factor * modes.frequencies[number] / (2 * np.pi), 5), unit),

@@ -1,4 +1,4 @@
-"""Numbers of a finished run and its tables: summary, error measures, round-off."""
+"""Results of a finished run: summary, tables, error measures, round-off."""
 
 from supple.results.body_surface import *
 from supple.results.error_measures import *

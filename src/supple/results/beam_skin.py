@@ -21,11 +21,11 @@ _Loop = Array
 
 
 class BeamSkin(NamedTuple):
-    """Triangles over points of their own, which nodes carry.
+    """Triangles over points attached to nodes.
 
-    triangles, mesh_lines : (T, 3) as of a `Skin`, numbers of these points
-    nodes : (P,) node that carries each point;  arms : (P, 3) from it, undeformed, m
-    ends : (P,) which of the beams at its node each point belongs to; -1 where there is no stress
+    triangles, mesh_lines : (T, 3) as in a `Skin`, numbers of these points
+    nodes : (P,) node of each point;  arms : (P, 3) from it, undeformed, m
+    ends : (P,) number of the beam end, at its node, of each point; -1 without stress
     """
 
     triangles: IntArray
@@ -36,13 +36,13 @@ class BeamSkin(NamedTuple):
 
 
 MOST_OUTLINED = 1000
-"""Beams of a body that are drawn with their outlines; of more, which are thin lines, the boxes around."""
+"""Largest number of beams drawn with their outlines; above it, bounding boxes are drawn."""
 
 
 def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | None) -> BeamSkin:
     """The prisms of the beams of one section, open where the section is hollow.
 
-    ranks : (E, 2) which of the beams at a node each end is (`beam_end_ranks`); None without stress
+    ranks : (E, 2) number of each end among the beam ends at its node (`beam_end_ranks`); None without stress
     """
     given = section.property
     assert isinstance(given, LineSection | RodSection)
@@ -52,7 +52,7 @@ def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | Non
     first, second = (outlines(given, end) if fine else _box(*outlines(given, end)) for end in (0, 1))
     loops, hole = first
     if [len(own) for own in (*second[0], second[1])] != [len(own) for own in (*loops, hole)]:
-        second = first  # tapered into another shape
+        second = first  # tapered to another shape
     rims = [np.concatenate([*own_loops, own_hole]) for own_loops, own_hole in (first, second)]
     local = np.stack(
         [line.arms[:, [end]] + np.pad(rim, ((0, 0), (1, 0)))[None] for end, rim in enumerate(rims)], axis=1
@@ -73,7 +73,7 @@ def beam_skin(model: FiniteElementModel, section: Section, ranks: IntArray | Non
 def outlines(given: LineSection | RodSection, end: int) -> tuple[tuple[_Loop, ...], _Loop]:
     """Convex polygons of a section at one end, and its hole (0, 2) or (k, 2).
 
-    Of a section without known shape: an ellipse with its radii of gyration, if its area lies along the rim.
+    A section of unknown shape is an ellipse with its radii of gyration, if its area is along the rim.
     A rod is round.
     """
     none = np.empty((0, 2))
@@ -100,7 +100,7 @@ def outlines(given: LineSection | RodSection, end: int) -> tuple[tuple[_Loop, ..
 
 
 def _box(loops: tuple[_Loop, ...], hole: _Loop) -> tuple[tuple[_Loop, ...], _Loop]:
-    """The rectangle around a section, in place of its outline."""
+    """The bounding rectangle of a section, in place of its outline."""
     low, high = (pick(np.concatenate(loops), axis=0) for pick in (np.min, np.max))
     return (np.array([high, (low[0], high[1]), low, (high[0], low[1])]),), hole[:0]
 

@@ -1,4 +1,4 @@
-"""What is seen of a body: faces of its mesh, its beams with their sections, springs, ties and masses."""
+"""The visible surface of a body: faces of its mesh, beam sections, springs, ties and masses."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ __all__ = ["BodySurface", "Look", "SurfacePoints", "body_surface"]
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Look = Mesh | FiniteElementModel
-"""What a body is drawn by: its mesh, or its elements, which have the sections of beams."""
+"""Input of the drawing of a body: its mesh, or its elements, which contain the beam sections."""
 
 
 @dataclass(frozen=True, eq=False)
 class SurfacePoints:
-    """Points that are seen of a body, which its nodes carry: the nodes themselves, and the skins of beams.
+    """Visible points of a body, attached to nodes: the nodes themselves, and the skins of beams.
 
-    nodes : (P,) node that carries each point;   arms : (P, 3) from it, undeformed, m
-    groups : (P,) of the stress of a node (`von_mises_by_end`): 0 of faces, 1 + end of beams, -1 without
+    nodes : (P,) node of each point;   arms : (P, 3) from it, undeformed, m
+    groups : (P,) stress group at the node (`von_mises_by_end`): 0 for faces, 1 + end for beams, -1 without
     """
 
     nodes: IntArray
@@ -37,7 +37,7 @@ class SurfacePoints:
 
     @classmethod
     def of_nodes(cls, nodes: IntArray) -> SurfacePoints:
-        """Nodes alone."""
+        """Nodes only."""
         return cls(nodes, np.zeros((len(nodes), 3)), np.zeros(len(nodes), dtype=np.int64))
 
     def some(self, points: IntArray) -> SurfacePoints:
@@ -46,23 +46,23 @@ class SurfacePoints:
 
     @property
     def on_arms(self) -> IntArray:
-        """Numbers of the points that are no nodes."""
+        """Numbers of the points that are not nodes."""
         return np.flatnonzero(self.arms.any(axis=1))
 
     def placed(self, nodes: Array, rotations: Array | None = None) -> Array:
-        """Places (..., P, 3) where nodes are at (..., N, 3) and have turned by rotations (..., N, 3, 3)."""
+        """Positions (..., P, 3) for nodes at (..., N, 3) with rotations (..., N, 3, 3)."""
         return self._out_on_arms(nodes[..., self.nodes, :], rotations)
 
     def positions(self, body: BodyForm, motion: Motion, nodes: Array | None = None) -> Array:
-        """Places (t, P, 3) in space.
+        """Positions (t, P, 3) in space.
 
-        nodes : (t, N, 3) where the nodes are seen; where they are, when omitted
+        nodes : (t, N, 3) drawn positions of the nodes; by default the true ones
         """
         own = node_positions(body, motion, self.nodes) if nodes is None else nodes[:, self.nodes]
         return self._out_on_arms(own, body.node_rotations(motion) if len(self.on_arms) else None)
 
     def _out_on_arms(self, carriers: Array, rotations: Array | None) -> Array:
-        """From places (..., P, 3) of the nodes that carry the points."""
+        """The points from positions (..., P, 3) of their nodes."""
         own = self.on_arms
         if not len(own):
             return carriers
@@ -74,7 +74,7 @@ class SurfacePoints:
         return found
 
     def at_points(self, values: Array) -> Array:
-        """Nodal values (t, N), or by groups (t, N, g), at the points (t, P); NaN where there is no stress."""
+        """Nodal values (t, N), or by groups (t, N, g), at the points (t, P); NaN without stress."""
         if values.ndim == 2:
             return values[:, self.nodes]
         return np.where(self.groups >= 0, values[:, self.nodes, self.groups], np.nan)
@@ -82,11 +82,11 @@ class SurfacePoints:
 
 @dataclass(frozen=True, eq=False)
 class BodySurface(SurfacePoints):
-    """A skin over points that nodes carry: the nodes themselves, and behind them those of beams.
+    """A skin over points attached to nodes: the nodes themselves, followed by the points of beams.
 
     mesh : of the body
     skin : over the P points
-    links : (S, 2) nodes that springs, ties or masses join;  masses : (M,) nodes with a mass of their own
+    links : (S, 2) nodes connected by springs, ties or masses;  masses : (M,) nodes with concentrated masses
     """
 
     mesh: Mesh
@@ -96,25 +96,25 @@ class BodySurface(SurfacePoints):
 
     @property
     def rest(self) -> Array:
-        """Undeformed places (P, 3)."""
+        """Undeformed positions (P, 3)."""
         return self.placed(self.mesh.nodes)
 
     def shaped(self, shapes: Array, rotations: Array | None) -> Array:
-        """Displacements (..., P, 3) by those of nodes (..., N, 3) and their small rotations (..., N, 3)."""
+        """Displacements (..., P, 3) from those of nodes (..., N, 3) and their small rotations (..., N, 3)."""
         found = shapes[..., self.nodes, :]
         return found if rotations is None else found + np.cross(rotations[..., self.nodes, :], self.arms)
 
     def deflections(self, body: BodyForm, motion: Motion, seen_from: Observer) -> Array:
-        """Displacements (t, P, 3) as an observer sees them."""
+        """Displacements (t, P, 3) relative to an observer."""
         origin = seen_from.origin[:, None]
         places = self.positions(body, motion)
         return displacement_from_axes(places, origin, seen_from.axes, self.rest - seen_from.rest)
 
 
 def body_surface(look: Look) -> BodySurface:
-    """The surface of a body; of a mesh without elements its beams are not shown.
+    """The surface of a body; without elements its beams are not shown.
 
-    Raises ModelError where nothing is seen.
+    Raises ModelError where nothing is visible.
     """
     beams, mass = [], None
     if isinstance(look, FiniteElementModel):

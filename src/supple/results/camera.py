@@ -1,4 +1,4 @@
-"""The direction from which a body is looked at."""
+"""The viewing direction of a body."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Camera:
 
     @classmethod
     def looking(cls, *, along: ArrayLike, up: ArrayLike) -> Camera:
-        """Camera that looks along a direction with another one upright.
+        """Camera along a direction, with another direction upright.
 
         Raises
         ------
@@ -61,7 +61,7 @@ class Camera:
 
     @classmethod
     def three_quarter(cls, nodes: Array) -> Camera:
-        """View of a body from a corner: its longest extent to the right, its thinnest upright."""
+        """Camera towards a corner of a body: its longest extent to the right, its shortest upright."""
         thin, _, long = np.argsort(np.ptp(nodes, axis=0), kind="stable")
         right, up = np.eye(3)[long], np.eye(3)[thin]
         towards = np.cross(right, up)

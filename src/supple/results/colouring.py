@@ -1,4 +1,4 @@
-"""What colours an animation."""
+"""Colours of an animation."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Colouring:
-    """What colours the bodies of an animation.
+    """Scalar field that colours the bodies of an animation.
 
     values : (t, N) of a body, its motion, and its deflections (t, N), None without a frame, or (t, N, g) by
-        the groups of a `BodySurface`; None of a body that has no such values
-    label : of a unit system: what stands under the colour bar, and what the values are shown times
+        the groups of a `BodySurface`; None for a body without such values
+    label : for a unit system, the label of the colour bar and the factor on the values
     """
 
     values: Callable[[Any, Motion, Array | None], Array | None]
@@ -49,7 +49,7 @@ def _plastic_strain(body: Any, motion: Motion, _deflection: Array | None) -> Arr
 
 
 def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
-    """By von Mises' stress, without what round-off leaves in a body that flies undeformed: strains of 1e-9.
+    """Colouring by von Mises stress, without the round-off of an undeformed moving body: strains of 1e-9.
 
     elements : of the bodies, by name
     """
@@ -71,6 +71,6 @@ def stress_colouring(elements: Mapping[str, FiniteElementModel]) -> Colouring:
 DEFLECTION = Colouring(
     lambda _body, _motion, deflection: deflection, lambda units: (labelled("deflection", units.length), 1.0)
 )
-"""By deflection."""
+"""Colouring by deflection."""
 PLASTIC_STRAIN = Colouring(_plastic_strain, lambda _: ("plastic strain", 1.0))
-"""By equivalent plastic strain, of explicit elements that yield."""
+"""Colouring by equivalent plastic strain, for explicit elements with plasticity."""

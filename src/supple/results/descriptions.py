@@ -1,4 +1,4 @@
-"""What a mesh, a reduced body or a result file holds, in rows of two: name and words."""
+"""Description of a mesh, a reduced body or a result file in rows of two: name and value."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Row = tuple[str, str]
 
 
 def describe_reduction(report: ReductionReport) -> Iterator[Row]:
-    """What the basis is made of, what was left out, and what it cost."""
+    """Columns of the basis, dropped columns, and cost."""
     for what in ("linear", "derivatives", "corrections", "dropped"):
         labels = getattr(report, what)
         if labels:
@@ -29,7 +29,7 @@ def describe_reduction(report: ReductionReport) -> Iterator[Row]:
 
 
 def describe_result(path: Path) -> Iterator[Row]:
-    """Whether a result file is complete, what it is of, its motions and forces, and its cost.
+    """Whether a result file is complete, its case, its motions and forces, and its cost.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def describe_result(path: Path) -> Iterator[Row]:
 
 
 def _described(motion: Motion) -> str:
-    """The size of a motion: coordinates of a form that has them, or the kinds and shapes of its arrays."""
+    """Size of a motion: its coordinates, or the kinds and shapes of its arrays."""
     if isinstance(motion, FramedMotion):
         return f"{motion.coordinates.shape[1]} coordinates"
     first, values = next(iter(motion.arrays().items()))

@@ -1,4 +1,4 @@
-"""How far one motion is from another: the RMS error over time and the relative error of a run."""
+"""Error measures of a motion relative to another: RMS error over time, relative error of a run."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def motion_error(
     """
     expected, found = reference.motion(body, Motion), candidate.motion(body, Motion)
     times = reference.times
-    # Output times come from sums of steps, which may differ in their last digits.
+    # Output times are sums of steps, which may differ in their last digits.
     if times.shape != candidate.times.shape or not np.allclose(
         times, candidate.times, rtol=1e-9, atol=1e-9 * abs(times[-1])
     ):

@@ -1,4 +1,4 @@
-"""The numbers of an explicit march besides those of any run: parts, energies and their balance, steps."""
+"""Further results of an explicit run: parts, energies and their balance, steps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 
 def energy_balance(solution: Solution) -> FloatArray:
-    """By how much the sum of all energies less external work has changed since the start, (t,) J."""
+    """Change since the start of the sum of all energies minus external work, (t,) J."""
     energies = solution.series[ENERGIES]
     external = Energies._fields.index("external")
     total = np.delete(energies, external, axis=1).sum(axis=1) - energies[:, external]
@@ -33,7 +33,7 @@ def energy_balance(solution: Solution) -> FloatArray:
 
 
 def march_numbers(solution: Solution) -> dict[str, Any]:
-    """Energies, how far their balance is open, and steps of a march; nothing of another method's run."""
+    """Energies, balance error, and steps of an explicit run; empty for other methods."""
     if ENERGIES not in solution.series:
         return {}
     times, energies, steps = solution.times, solution.series[ENERGIES], solution.series[STEPS][1:]
@@ -58,7 +58,7 @@ def march_numbers(solution: Solution) -> dict[str, Any]:
 
 
 def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motion: Motion) -> dict[str, Any]:
-    """Size, step limit at rest, and what yielded and broke of a part."""
+    """Size, step limit at rest, and plastic strain and deleted elements of a part."""
     size: dict[str, Any] = {"mass": body.mass, "nodes": len(body.nodes), "step limit": body.step_limit}
     if body.has_frame:
         return {**size, "coordinates": body.n_coordinates}
@@ -72,7 +72,7 @@ def part_numbers(body: ModalSubdomain | ExplicitSubdomain | ExplicitShell, motio
 
 
 def explicit_cost_line(numbers: Mapping[str, Any]) -> str:
-    """Steps and seconds in one line; numbers as of `summarize`."""
+    """Steps and seconds in one line; numbers from `summarize`."""
     steps, cost = numbers["steps"], numbers["statistics"]
     time = numbers["units"].get("time", "")
     longest = f"{steps['largest']:.3g}{f' {time}' if time else ''}"

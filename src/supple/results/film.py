@@ -1,4 +1,4 @@
-"""Which output times of a run an animation shows, and how fast they pass."""
+"""Output times and speed of an animation of a run."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 N_FRAMES = 60
-"""Of a film whose speed is not given."""
+"""Duration of an animation without a given speed."""
 MOST_FRAMES = 2000
 LARGEST_OFF = np.radians(5.0)
-"""From the angle of a rotor that seems to stand."""
+"""Allowed deviation from the angle of a rotor shown at rest."""
 
 
 @dataclass(frozen=True)
 class RotorAngle:
-    """Frames are taken whenever a joint is at one angle: a rotor appears at rest.
+    """Frames at the times when a joint passes one angle: a rotor appears at rest.
 
     joint : name of the joint
     angle : rad, about its z axis; zero at assembly
@@ -40,7 +40,7 @@ class RotorAngle:
 
 @dataclass(frozen=True)
 class Film:
-    """A time window of a run, and the rate and speed at which it is shown.
+    """Time window of a run, frame rate and speed of its animation.
 
     frames_per_second : at most 50; a GIF plays 100 / k of them, k whole
     speed : time of the run that one second of the animation shows, a time; default: 60 frames over the
@@ -50,7 +50,7 @@ class Film:
     at : RotorAngle
 
     Raises ModelError for more than 50 frames a second, a window that ends before it starts, or a speed
-    beside the angle of a rotor, which gives one frame a turn.
+    together with the angle of a rotor, which gives one frame per revolution.
     """
 
     frames_per_second: Positive = 12.0
@@ -62,28 +62,28 @@ class Film:
     def __post_init__(self) -> None:
         check_fields(self)
         if self.frames_per_second > 50.0:
-            raise ModelError(f"a film of {self.frames_per_second:g} frames per second: give at most 50")
+            raise ModelError(f"an animation of {self.frames_per_second:g} frames a second: give at most 50")
         if self.start is not None and self.end is not None and self.start >= self.end:
-            raise ModelError(f"a film from {self.start:g} to {self.end:g} is empty: give a later end")
+            raise ModelError(f"an animation from {self.start:g} to {self.end:g} is empty: give a later end")
         if self.speed is not None and self.at is not None:
             raise ModelError(
-                "a film has either a speed, or one frame per passage of a rotor angle: remove one of them"
+                "an animation has a speed, or one frame per passage of a rotor angle: remove one of them"
             )
 
 
 WHOLE_RUN = Film()
-"""Sixty frames from end to end."""
+"""Sixty frames over the whole run."""
 
 
 def film_rows(film: Film, times: Array, rate: float, angles: Array | None = None) -> IntArray:
-    """Numbers of the output times that the frames of a film show, a number again where it is shown again.
+    """Indices of the output times shown by the frames of an animation, repeated where shown again.
 
         t_i = start + i speed / rate,  each frame the output time nearest to it
 
     Parameters
     ----------
     times : (t,) of the run
-    rate : frames per second that are played
+    rate : frames per second of the file
     angles : (t,) rad, of the joint of `film.at`
 
     Raises
@@ -110,7 +110,7 @@ def film_rows(film: Film, times: Array, rate: float, angles: Array | None = None
 def _check_length(number: int) -> None:
     if number > MOST_FRAMES:
         raise ModelError(
-            f"a film of {number} frames is longer than {MOST_FRAMES}: give a higher speed or a shorter window"
+            f"an animation of {number} frames exceeds {MOST_FRAMES}: give a higher speed or a shorter window"
         )
 
 
@@ -122,17 +122,17 @@ def _window(film: Film, times: Array) -> tuple[int, int]:
     inside = np.flatnonzero((times >= start - slack) & (times <= end + slack))
     if not len(inside):
         raise ModelError(
-            f"a film from {start:g} to {end:g} shows no output time: the run goes from {times[0]:g} to "
+            f"an animation from {start:g} to {end:g} shows no output time: the run goes from {times[0]:g} to "
             f"{times[-1]:g}"
         )
     return int(inside[0]), int(inside[-1])
 
 
 def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
-    """The output times nearest to those at which a joint passes its angle, whole turns apart.
+    """The output times nearest to those at which a joint passes its angle, one per revolution.
 
-    angles : (t,) rad, counted beyond a turn
-    Raises ModelError where it does not pass it, or output times are more than 5 deg from it.
+    angles : (t,) rad, counted beyond a revolution
+    Raises ModelError if it does not pass the angle, or output times are more than 5 deg from it.
     """
     turns = (angles - at.angle) / (2 * np.pi)
     whole = np.round(turns)
@@ -144,7 +144,7 @@ def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
     rows = np.unique(np.concatenate([np.where(nearer, before, before + 1), np.flatnonzero(turns == whole)]))
     if not len(rows):
         raise ModelError(
-            f"joint '{at.joint}' does not pass {at.angle:g} rad in the film: it turns from "
+            f"joint '{at.joint}' does not pass {at.angle:g} rad in the animation: it rotates from "
             f"{angles.min():.4g} to {angles.max():.4g} rad"
         )
     off = off_angle(angles[rows], at)
@@ -157,13 +157,13 @@ def standing_rows(angles: Array, at: RotorAngle) -> IntArray:
 
 
 def off_angle(angles: Array, at: RotorAngle) -> float:
-    """How far angles (t,) are from the one at which a rotor seems to stand, rad."""
+    """Deviation of angles (t,) from that of a rotor shown at rest, rad."""
     off = angles - at.angle
     return float(np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi))).max())
 
 
 def speed_words(times: Array, rate: float, units: UnitSystem) -> str:
-    """How fast frames at times (t,) pass, such as "0.05 x real time"; "" of a single frame."""
+    """Speed of frames at times (t,), such as "0.05 x real time"; "" for a single frame."""
     if len(times) < 2 or times[-1] <= times[0]:
         return ""
     speed = float(times[-1] - times[0]) / (len(times) - 1) * rate

@@ -1,4 +1,4 @@
-"""The energies that an explicit march keeps, as a quantity."""
+"""The energies of an explicit run as a quantity."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ __all__ = ["MarchEnergySensor"]
 
 @dataclass(frozen=True)
 class MarchEnergySensor:
-    """Where the energy of an explicit march is: kinetic, internal, plastic, ...; see `Energies`."""
+    """Energies of an explicit run: kinetic, internal, plastic, ...; see `Energies`."""
 
     name: str
 
     def channels(self, _system: System) -> Sequence[Channel]:
-        """One for each of `Energies`."""
+        """One channel for each of `Energies`."""
         return [Channel(each, QuantityKind.ENERGY, "") for each in Energies._fields]
 
     def values(self, _system: System, solution: Solution) -> NDArray[np.float64]:

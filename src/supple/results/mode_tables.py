@@ -1,4 +1,4 @@
-"""Modes, and their frequencies over speed, as tables of words."""
+"""Tables of modes, and of their frequencies over speed."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from supple.units import UnitSystem, headed, plain_number
 __all__ = ["SENSES", "mode_table", "speed_tables"]
 
 SENSES = {1: "forward", -1: "backward", 0: ""}
-"""Of whirl."""
+"""Names of the senses of whirl."""
 
 
 def speed_tables(diagram: CampbellDiagram, units: UnitSystem) -> Iterator[TextTable]:
-    """Frequencies over speed, those of whirls in space, and critical speeds, as far as there are any."""
+    """Frequencies over speed, whirl frequencies in space, and critical speeds, where there are any."""
     unit, factor = units.frequency_shown
     shown, by_rate = units.rotation_shown
     speeds = [plain_number(by_rate * rate, 5) for rate in diagram.rates]
@@ -47,7 +47,7 @@ def _frequency(value: float) -> str:
 
 
 def mode_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Modes with their motion, frequency, error and damping; numbers as of `supple modes`."""
+    """Modes with their motion, frequency, error and damping; numbers from `supple modes`."""
     unit = numbers["units"].get("frequency", "")
     turns = numbers["axes"] != STANDING
     whirls = any(mode["frequency in space"] is not None for mode in numbers["modes"])
@@ -71,20 +71,20 @@ def mode_table(numbers: Mapping[str, Any]) -> TextTable:
         )
     whirl = ["whirl", headed("in space", unit)][: 1 + turns] if whirls else []
     heads = ["mode", "motion", headed("frequency", unit), *whirl, "error, %", "damping, %"]
-    floquet = " (Floquet's modes, of equations that change as it turns)" if numbers["periodic"] else ""
+    floquet = " (Floquet modes of periodic equations)" if numbers["periodic"] else ""
     title = f"Modes of the machine, in axes {numbers['axes']}{floquet}"
     return TextTable(title, [*heads, "moves most", "stability"], rows)
 
 
 def _error(mode: dict[str, Any]) -> str:
-    """Of a frequency, in percent."""
+    """Error of a frequency, in percent."""
     if mode["none of the machine's"]:
         return "no such mode"
     return "unknown" if mode["error"] is None else _percent(mode["error"])
 
 
 def _largest_error(errors: np.ndarray) -> str:
-    """Of the frequencies at one speed, in percent, and of which mode."""
+    """Largest error of the frequencies at one speed, in percent, and its mode."""
     if np.isnan(errors).all():
         return "unknown"
     worst = int(np.nanargmax(errors))

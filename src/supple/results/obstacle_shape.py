@@ -1,4 +1,4 @@
-"""Rigid obstacles as triangles to be drawn: a patch of a plane, a piece of a cylinder, a ball."""
+"""Rigid obstacles as triangles for drawing: a patch of a plane, a piece of a cylinder, a ball."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _AROUND, _UP = 32, 16
 
 
 def obstacle_offsets(system: System, solution: Solution) -> FloatArray:
-    """How far an explicit march has moved each rigid obstacle, (t, o, 3)."""
+    """Displacements (t, o, 3) of the rigid obstacles in an explicit run."""
     if not system.rigid_contacts:
         return np.zeros((len(solution.times), 0, 3))
     return solution.series[OBSTACLES].reshape(len(solution.times), -1, 6)[:, :, :3]
 
 
 def obstacle_shape(obstacle: Obstacle, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
-    """Points (n, 3) and triangles (m, 3) of an obstacle where it stood at first.
+    """Points (n, 3) and triangles (m, 3) of an obstacle at its initial position.
 
-    seen : (k, 3) of what moves beside it, which a plane and a cylinder are drawn as large as
+    seen : (k, 3) points of the moving bodies, which set the size of a plane or cylinder
     """
     if isinstance(obstacle, RigidPlane):
         return _patch(obstacle, seen)
@@ -38,13 +38,13 @@ def obstacle_shape(obstacle: Obstacle, seen: FloatArray) -> tuple[FloatArray, ND
 
 
 def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit directions across a unit one."""
+    """Two unit directions normal to a unit vector."""
     _, _, rows = np.linalg.svd(axis[None])
     return rows[1], rows[2]
 
 
 def _patch(plane: RigidPlane, seen: FloatArray) -> tuple[FloatArray, NDArray[np.int64]]:
-    """A square about the shadow on the plane of what moves before it, twice as wide."""
+    """A square around the projection of the moving points on the plane, twice as wide."""
     normal, point = np.array(plane.normal), np.array(plane.point)
     first, second = _across(normal)
     shadow = np.column_stack([(seen - point) @ first, (seen - point) @ second])
@@ -80,7 +80,7 @@ def _ball(sphere: RigidSphere) -> tuple[FloatArray, NDArray[np.int64]]:
 
 
 def _grid(rows: int, columns: int) -> NDArray[np.int64]:
-    """Two triangles in each mesh of a grid of rows x columns points."""
+    """Two triangles in each cell of a grid of rows x columns points."""
     number = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = (
         part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1])

@@ -1,4 +1,4 @@
-"""An equilibrium, which is one state, and its error as tables of words."""
+"""Tables of an equilibrium and of its basis error."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["rest_error_table", "rest_tables"]
 
 
 def rest_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Bodies, joint forces, places and deflections, an axis a row; numbers as of `summarize`."""
+    """Bodies, joint forces, places and deflections, one axis per row; numbers from `summarize`."""
     tables = [_joint_table(numbers), *_place_tables(numbers)]
     return [body_table(numbers), *(table for table in tables if table.rows)]
 
@@ -36,9 +36,9 @@ def _joint_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """Where tracked places are, along global axes, and how far those of elastic bodies are deflected.
+    """Positions of tracked places in global axes, and deflections of those on elastic bodies.
 
-    The error by the bases has a column where it is known of any place.
+    The basis error has a column if it is known for any place.
     """
     length, places = numbers["units"].get("length", ""), numbers["tracked"]
     everywhere = [place["last position"] for place in places.values()]
@@ -66,7 +66,7 @@ def _place_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
 
 
 def _error_words(error: Sequence[float] | None, like: Sequence[Any]) -> list[str]:
-    """The error along x, y and z, beside the positions of all places."""
+    """The error along x, y and z, with rounding relative to the positions of all places."""
     return ["unknown"] * 3 if error is None else [f"{each:.2g}" for each in without_noise(error, like=like)]
 
 
@@ -83,7 +83,7 @@ def _by_axis(head: Sequence[str], *values: Any) -> list[list[str]]:
 
 
 def rest_error_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Error by the basis of each reduced body at rest; `numbers["errors"]` as of `RestError.plain`."""
+    """Basis error of each reduced body at rest; `numbers["errors"]` from `RestError.plain`."""
     length = numbers["units"].get("length", "")
     rows = [
         [

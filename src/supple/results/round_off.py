@@ -1,4 +1,4 @@
-"""Round-off: numbers so much smaller than their like that they would be zero without it."""
+"""Round-off: values so small relative to their quantity that they should be zero."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["without_noise"]
 
-# Motions and forces are exact to some 1e-12 of their size; what is shown has five digits.
+# Motions and forces are accurate to some 1e-12 of their size; tables have five digits.
 ROUND_OFF = 1e-9
 
 
 def without_noise(values: ArrayLike, like: ArrayLike | None = None) -> NDArray[np.float64]:
-    """Values to be shown, with zero for all that are below 1e-9 of the largest of their like.
+    """Values for display, with zero for all below 1e-9 of the largest of the same quantity.
 
     like : other values of the same quantity, such as those in all directions
     """

@@ -1,4 +1,4 @@
-"""What a run's start has to do with its numbers: velocities taken from drives, and the swing from gravity."""
+"""Effects of the start on the results of a run: velocities from drives, and vibration due to gravity."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from supple.machine import System
 __all__ = ["first_swing", "start_lines", "start_numbers"]
 
 FALLEN = 0.7
-"""Of its largest size so far: a deformation that is smaller has begun to swing back."""
+"""Relative to its largest size so far: a smaller deformation has begun to swing back."""
 NOTED = 0.5
-"""Of the largest deformation of the run: from this part in the first swing on it is reported."""
+"""Relative to the largest deformation of the run: a first swing of at least this part is reported."""
 
 
 def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
-    """Bodies that were given no velocity and start with one; those that gravity sets swinging."""
-    if not all(placed.body.has_frame for placed in system.bodies):  # and start as they are placed
+    """Bodies without a given velocity that start with one; bodies that gravity sets vibrating."""
+    if not all(placed.body.has_frame for placed in system.bodies):  # explicit parts start as they are placed
         return {"velocities taken": [], "swings from gravity": {}}
     motions = [solution.motion(placed.body.name, FramedMotion) for placed in system.bodies]
     moving = np.array([[*motion.velocity[0], *motion.angular_velocity[0]] for motion in motions])
@@ -41,9 +41,9 @@ def start_numbers(system: System, solution: Solution) -> dict[str, Any]:
 
 
 def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
-    """The largest of sizes (t,) before they first fall back, over the largest of all, and its number.
+    """The maximum of sizes (t,) before their first decrease, relative to the overall maximum, and its index.
 
-    None where they never fall back, or where the first swing is less than half of the largest.
+    None where they never decrease, or where the first swing is less than half of the maximum.
     """
     largest = np.maximum.accumulate(sizes)
     back = np.flatnonzero(sizes < FALLEN * largest)
@@ -55,7 +55,7 @@ def first_swing(sizes: np.ndarray) -> tuple[float, int] | None:
 
 
 def start_lines(numbers: Mapping[str, Any]) -> Iterator[str]:
-    """The same in words; numbers as of `summarize`."""
+    """The same as text; numbers from `summarize`."""
     start, units = numbers["start"], numbers["units"]
     time = units.get("time", "")
     taken = ", ".join(

@@ -1,4 +1,4 @@
-"""The numbers of a finished run, under the names that scripts read in its JSON report."""
+"""The results of a finished run, under the names of its JSON report."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ __all__ = ["body_numbers", "stress_numbers", "summarize", "unit_names"]
 
 N_FREQUENCIES = 5
 N_DRAWN_MODES = 6
-"""Of a body: frequencies in tables, modes in pictures."""
+"""Number, per body, of frequencies in tables and modes in pictures."""
 _QUANTITIES = ("length", "mass", "time", "force", "moment", "stress", "energy")
 
 
@@ -40,11 +40,11 @@ def summarize(
     fulls: Mapping[str, FullBody] = MappingProxyType({}),
     units: UnitSystem = UNNAMED,
 ) -> dict[str, Any]:
-    """Numbers of a finished run: bodies, tracked places, joint forces, cost, and what they are in.
+    """Results of a finished run: bodies, tracked places, joint forces, cost, and units.
 
     tracked : motions of places, by their names
-    fulls : the bodies with all their coordinates, which reduced ones were made of: frequencies are theirs
-    units : of the model; frequencies are in Hz, all else as it was computed
+    fulls : the full bodies of reduced ones, for their frequencies
+    units : of the model; frequencies are in Hz, all else as computed
     """
     meanings = joint_meanings(system)
     return {
@@ -72,9 +72,9 @@ def stress_numbers(
     *,
     units: UnitSystem = UNNAMED,
 ) -> dict[str, Any]:
-    """By body: its largest von Mises stress over all nodes and output times, and at which of them.
+    """By body: its largest von Mises stress over all nodes and output times, with its time and node.
 
-    elements : of the bodies, by name; one whose sections do not state where their stress acts is left out
+    elements : of the bodies, by name; bodies whose sections have no recovery points are left out
     """
     found = {}
     for placed in system.bodies:
@@ -100,7 +100,7 @@ def stress_numbers(
 
 
 def _part_stress(body: Any, solution: Solution, units: UnitSystem) -> dict[str, Any]:
-    """The same of explicit elements, at a cell."""
+    """The same for explicit elements, at a cell."""
     largest = largest_part_stress(body, solution.times, solution.bodies[body.name])
     return {
         "largest von Mises stress": largest.value,
@@ -112,7 +112,7 @@ def _part_stress(body: Any, solution: Solution, units: UnitSystem) -> dict[str, 
 
 
 def unit_names(units: UnitSystem) -> dict[str, str]:
-    """Of each quantity of a report the name of its unit; quantities without a name are left out."""
+    """Name of the unit of each quantity of a report; quantities without a name are left out."""
     named = {what: getattr(units, what) for what in _QUANTITIES} | {"frequency": units.frequency_shown.unit}
     return {what: unit for what, unit in named.items() if unit}
 
@@ -123,10 +123,10 @@ def body_numbers(
     full: FullBody | None = None,
     motion: Motion | None = None,
 ) -> dict[str, Any]:
-    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is stated) of a body.
+    """Kind, size, mass and frequencies (Hz, or one over the time where no unit is given) of a body.
 
-    full : what a reduced body was made of: the frequencies are its own, not those of the basis
-    motion : of a part of an explicit march
+    full : full body of a reduced one: the frequencies are its own, not those of the basis
+    motion : of a part of an explicit run
     """
     if motion is not None and body.kind in ("modal", "explicit"):
         return {"kind": body.kind, **part_numbers(body, motion)}
@@ -172,7 +172,7 @@ def _numbers_of_reduced(body: ReducedBody, units: UnitSystem, full: FullBody | N
 
 
 def _lowest(full: FullBody, constraint: Any) -> np.ndarray:
-    """Frequencies of the whole body, rad/s; fewer where it has no more."""
+    """Frequencies of the full body, rad/s; fewer if it has fewer."""
     return full.body.lowest_frequencies(min(N_FREQUENCIES, full.body.n - constraint.shape[0]), constraint)
 
 
@@ -205,7 +205,7 @@ _NUMBERS_OF: Mapping[str, Callable[..., dict[str, Any]]] = MappingProxyType(
         "reduced": _numbers_of_reduced,
     }
 )
-"""Numbers of forms that have more than a mass."""
+"""Functions for the body forms with more data than a mass."""
 
 
 def _shown(omega: np.ndarray, units: UnitSystem) -> np.ndarray:
@@ -238,7 +238,7 @@ def _joint_numbers(loads: Mapping[str, np.ndarray], times: np.ndarray) -> dict[s
 
 
 def cost_numbers(cost: Statistics) -> dict[str, float]:
-    """The cost of a run under the names that scripts read."""
+    """The cost of a run under the names of the JSON report."""
     return {
         "steps": cost.steps,
         "iterations": cost.iterations,
@@ -252,7 +252,7 @@ def cost_numbers(cost: Statistics) -> dict[str, float]:
 
 
 def _tangent_numbers(cost: Statistics) -> dict[str, float]:
-    """Of an engine that keeps a factored tangent; none of the others."""
+    """Data of an engine with a frozen tangent; empty for the others."""
     if not cost.factorizations or cost.contraction is None:
         return {}
     return {"factorizations": cost.factorizations, "residual left by an iteration": cost.contraction}

@@ -1,4 +1,4 @@
-"""The numbers of a run as tables of words: bodies, tracked motion, joints, rounds of self-correction."""
+"""Tables of the results of a run: bodies, tracked motion, joints, rounds of self-correction."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from supple.units import UNNAMED, UnitSystem, headed
 
 
 class TextTable(NamedTuple):
-    """A table ready to be printed; no word holds markup."""
+    """A table of plain text, without markup."""
 
     title: str
     heads: Sequence[str]
@@ -22,7 +22,7 @@ class TextTable(NamedTuple):
 
 
 def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
-    """What there is of bodies, joints, tracked places and their deflections; numbers as of `summarize`."""
+    """Tables of bodies, joints, tracked places and their deflections, if any; numbers from `summarize`."""
     tables = [body_table(numbers), joint_table(numbers)]
     if numbers["tracked"]:
         tables += [motion_table(numbers), place_table(numbers)]
@@ -36,7 +36,7 @@ def motion_tables(numbers: Mapping[str, Any]) -> list[TextTable]:
 
 
 def stress_table(numbers: Mapping[str, Any]) -> TextTable:
-    """The largest stress of each body; numbers as of `stress_numbers`."""
+    """The largest stress of each body; numbers from `stress_numbers`."""
     stress, length, time = (numbers["units"].get(what, "") for what in ("stress", "length", "time"))
     rows = [
         [
@@ -61,7 +61,7 @@ def _without(beams: int) -> str:
 
 
 def part_table(numbers: Mapping[str, Any]) -> TextTable:
-    """What the parts of an explicit march step by, and what yielded and broke; numbers as of `summarize`."""
+    """Step limits, plastic strain and deleted elements of explicit parts; numbers from `summarize`."""
     rows = []
     for name, part in ((name, part) for name, part in numbers["bodies"].items() if "step limit" in part):
         lost = f", {part['deleted']} deleted" if part.get("deleted") else ""
@@ -73,7 +73,7 @@ def part_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def energy_table(numbers: Mapping[str, Any]) -> TextTable:
-    """The energies of an explicit march, and how far their balance is open; numbers as of `summarize`."""
+    """The energies of an explicit run, and their balance error; numbers from `summarize`."""
     energy, time = (numbers["units"].get(what, "") for what in ("energy", "time"))
     rows = [
         [name, *(f"{held[key]:.5g}" for key in ("start", "largest", "time of largest", "end"))]
@@ -91,9 +91,9 @@ def energy_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
-    """What each channel of each sensor read, smallest, largest and last; numbers as of its `plain`.
+    """Smallest, largest and last value of each channel of each sensor; numbers from its `plain`.
 
-    Where a sensor reads at nodes, a last column names the one at which the magnitude was largest.
+    For sensors at nodes, a last column gives the node of the largest magnitude.
     """
     located = any("place" in reading for each in numbers["sensors"].values() for reading in each.values())
     rows = []
@@ -113,7 +113,7 @@ def sensor_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def _place_words(reading: Mapping[str, Any]) -> str:
-    """The node at which a channel has its largest magnitude, and of how many; numbers as of a reading."""
+    """The node at which a channel has its largest magnitude, and the number of nodes; from a reading."""
     extreme = "smallest" if abs(reading["smallest"]) > abs(reading["largest"]) else "largest"
     words = reading.get("place", "")
     if f"node of {extreme}" not in reading or "node " in words:
@@ -123,7 +123,7 @@ def _place_words(reading: Mapping[str, Any]) -> str:
 
 
 def body_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Size and lowest frequencies, a row per body and place it is held at; numbers as of `summarize`."""
+    """Size and lowest frequencies, one row per body and support; numbers from `summarize`."""
     units = numbers["units"]
     hertz = units.get("frequency", "")
     heads = (
@@ -156,7 +156,7 @@ def _body_rows(name: str, body: Mapping[str, Any], hertz: str) -> Iterable[list[
 
 
 def motion_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Where each tracked place has been, one row per global axis; numbers as of `summarize`."""
+    """Range of each tracked place, one row per global axis; numbers from `summarize`."""
     rows = []
     for name, place in numbers["tracked"].items():
         ends = without_noise([place[f"{which} position"] for which in ("lowest", "highest", "last")])
@@ -173,7 +173,7 @@ def motion_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def place_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Deflection of each tracked place of an elastic body, one row per axis; numbers as of `summarize`."""
+    """Deflection of each tracked place of an elastic body, one row per axis; numbers from `summarize`."""
     rows = []
     for name, place in numbers["tracked"].items():
         moved = [place[f"{which} position"] for which in ("lowest", "highest")]
@@ -194,7 +194,7 @@ def place_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def joint_table(numbers: Mapping[str, Any]) -> TextTable:
-    """Force and moment on the second end of each joint; numbers as of `summarize`."""
+    """Force and moment on the second end of each joint; numbers from `summarize`."""
     rows, units = [], numbers["units"]
     scales = {
         what: [joint.get(f"largest {what}", 0.0) for joint in numbers["joints"].values()]
@@ -213,7 +213,7 @@ def joint_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = UNNAMED) -> TextTable:
-    """One row a round and body; numbers as of `correction_numbers`, lengths in those units."""
+    """One row per round and body; numbers from `correction_numbers`, lengths in the given units."""
     rows = []
     for each in numbers:
         errors = (_error(each[key]) for key in ("estimated_error", "allowed", "indicator"))
@@ -227,7 +227,7 @@ def correction_table(numbers: Sequence[Mapping[str, Any]], units: UnitSystem = U
 
 
 def error_table(numbers: Mapping[str, Any]) -> TextTable:
-    """The parts of the error and their sum, a row per quantity; numbers as of `summarize`."""
+    """The parts of the error and their sum, one row per quantity; numbers from `summarize`."""
     rows = []
     for name, stated in numbers["errors"].items():
         parts = [
@@ -243,7 +243,7 @@ def error_table(numbers: Mapping[str, Any]) -> TextTable:
 
 
 def error_lines(numbers: Mapping[str, Any]) -> list[str]:
-    """What each row of the error table is of, and what makes its largest part smaller."""
+    """Description of each row of the error table, and the remedy for its largest part."""
     return [
         f"{name}: {stated['of']}" + (f"; {stated['advice']}" if stated["advice"] else "")
         for name, stated in numbers["errors"].items()

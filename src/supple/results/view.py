@@ -1,4 +1,4 @@
-"""How a machine is looked at in pictures and animations alike."""
+"""Camera and enlargement of a machine in pictures and animations."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ __all__ = ["View", "enlarged_words"]
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """From where, and with what enlargement of the deformation.
+    """Camera, and enlargement of the deformation.
 
-    camera : gravity points down and the widest extent lies across when None
-    enlargement : of deflections, as they are seen from the first interface of a body; true to scale in
-        animations and as large as it takes to be seen in pictures of single bodies when None
+    camera : by default gravity points down and the widest extent is horizontal
+    enlargement : of deflections relative to the first interface of a body; by default true to scale in
+        animations, and visible in pictures of single bodies
 
     Raises ModelError for an enlargement that is not positive.
     """
@@ -33,7 +33,7 @@ class View:
 
 
 AS_IT_IS = View()
-"""The side that suits the machine, true to scale."""
+"""The default camera for the machine, true to scale."""
 
 
 def enlarged_words(factor: float) -> str:

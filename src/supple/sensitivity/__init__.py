@@ -1,4 +1,4 @@
-"""Derivatives of what a run gives for numbers of its machine, and numbers fitted to measured motion."""
+"""Derivatives of run results with respect to parameters of a machine, and fits to measured motion."""
 
 from supple.sensitivity.calibrate import *
 from supple.sensitivity.calibration import *

@@ -1,4 +1,4 @@
-"""Fit numbers of a machine to measured motion."""
+"""Fit of machine parameters to measured motion."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ __all__ = ["calibrate"]
 Array = NDArray[np.float64]
 
 _MOST = 100
-"""Runs of a fit."""
+"""Largest number of runs of a fit."""
 _KEPT = 1e-7
-"""Of the largest singular value of the Jacobian, scaled by the sizes of parameters."""
+"""Relative to the largest singular value of the Jacobian, scaled by the sizes of parameters."""
 _NEAR = 1e-3
-"""In parts of the sizes of parameters, and of the sum of squares."""
+"""Relative to the sizes of parameters, and to the sum of squares."""
 
 
 @checked_arguments
@@ -48,20 +48,20 @@ def calibrate(
     bounds: Mapping[str, tuple[float, float]] = MappingProxyType({}),
     sizes: Mapping[str, float] = MappingProxyType({}),
 ) -> Calibration:
-    """Parameters of a machine that fit measurements in the sense of least squares.
+    """Parameters of a machine fitted to measurements by least squares.
 
         minimise  sum_i ((computed_i(p) - measured_i) / deviation_i)^2
 
-    by a trust region with exact Jacobians (`sensitivities`). It finds the minimum next to the values that it
-    begins with; a motion that is out of step by half a period or more may lead to another one. Parameters
-    that the measurements do not determine stay where they begin.
+    by a trust region with exact Jacobians (`sensitivities`). It finds the minimum nearest to the initial
+    values; a motion that is out of phase by half a period or more may lead to another one. Parameters that
+    the measurements do not determine keep their initial values.
 
     Parameters
     ----------
     build, run, observables, sizes : as for `sensitivities`
-    parameters : values to begin with, by name
+    parameters : initial values, by name
     measurements : of channels of the observables
-    bounds : by name, lowest and highest value; none where left out
+    bounds : by name, lowest and highest value; by default none
 
     Returns
     -------
@@ -69,8 +69,8 @@ def calibrate(
 
     Raises
     ------
-    ModelError          as of `sensitivities`; fewer measured values than parameters, deviations of some
-        measurements alone, a start outside the bounds
+    ModelError          as for `sensitivities`; fewer measured values than parameters, deviations of some
+                        measurements alone, a start outside the bounds
     ConvergenceError    a fit that does not converge, or a run at its start that does not
 
     Warns
@@ -87,7 +87,7 @@ def calibrate(
     def jacobian(z: Array) -> Array:
         return without_blind(fit.jacobian(z * unit) * unit)
 
-    # So little that only what the data do not see is kept where it begins, instead of wandering off.
+    # Small enough to affect only parameters that the data do not determine, which keep their initial values.
     weight = _KEPT * np.linalg.norm(jacobian(begin), 2)
     found = least_squares(
         lambda z: np.concatenate([fit.residuals(z * unit), weight * (z - begin)]),
@@ -100,14 +100,14 @@ def calibrate(
     if not found.success or _could_go_on(jacobian(found.x)[:, ~held], fit.residuals(found.x * unit)):
         raise ConvergenceError(
             f"the fit does not converge in {fit.runs} runs (sum of squares {2 * found.cost:.3g})"
-            + (f"; some of them broke off: {fit.broken}" if fit.broken else "")
-            + ". Begin nearer to the solution, give bounds, or leave out parameters that act alike"
+            + (f"; some of them failed: {fit.broken}" if fit.broken else "")
+            + ". Start nearer to the solution, give bounds, or remove parameters with equal effects"
         )
     return fit.result(found.x * unit, held)
 
 
 def _could_go_on(jacobian: Array, residuals: Array) -> bool:
-    """Whether a step to the minimum of the linearised residuals would still gain by a notable change."""
+    """Whether a step to the minimum of the linearised residuals would still be a notable improvement."""
     step = np.linalg.lstsq(jacobian, residuals)[0]
     gained = jacobian @ step
     return bool(np.max(np.abs(step), initial=0.0) > _NEAR and gained @ gained > _NEAR * residuals @ residuals)
@@ -120,7 +120,7 @@ def _checked(measurements: Sequence[Measurement], n_parameters: int) -> tuple[Me
     without = [each.observable for each in measurements if each.deviation is None]
     if without and len(measurements) > 1:
         raise ModelError(
-            f"measurements of {', '.join(without)} have no deviation, by which several are weighed against "
+            f"measurements of {', '.join(without)} have no deviation, which weights several against "
             "each other: give all of them one"
         )
     return tuple(measurements)
@@ -132,8 +132,7 @@ def _bounds(start: Mapping[str, float], bounds: Mapping[str, tuple[float, float]
             raise ModelError(f"bounds: '{name}' is no parameter{did_you_mean(name, start)}")
         if not low < high or not low <= start[name] <= high:
             raise ModelError(
-                f"bounds of '{name}': {low:g} to {high:g} do not hold the value to begin with, "
-                f"{start[name]:g}"
+                f"bounds of '{name}': {low:g} to {high:g} do not contain the initial value, {start[name]:g}"
             )
     low, high = (
         np.array([bounds.get(name, (-np.inf, np.inf))[side] for name in start], dtype=float)
@@ -152,10 +151,10 @@ class _Fit:
     measurements: tuple[Measurement, ...]
     sizes: Mapping[str, float]
     given: frozenset[str]
-    """Names of parameters whose size was stated; those of others shrink with them"""
+    """Names of parameters with a given size; the sizes of others follow their values"""
     runs: int = field(default=0)
     broken: str = ""
-    """Why the last run that broke off did"""
+    """Cause of the last failed run"""
     _last: tuple[Array, tuple[Array, Array, Solution]] | None = None
 
     def _named(self, values: Array) -> dict[str, float]:
@@ -167,12 +166,12 @@ class _Fit:
         return np.concatenate([each.residuals(times, values, column) for each, column in pairs])
 
     def residuals(self, values: Array) -> Array:
-        """(n,); inf where a run breaks off, from which the fit steps back."""
+        """Residuals (n,); inf where a run fails, so that the fit steps back."""
         self.runs += 1
         system = self.build(self._named(values))
         columns = [each.column(system, self.observables) for each in self.measurements]
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", SuppleWarning)  # of values that are only tried
+            warnings.simplefilter("ignore", SuppleWarning)  # trial values only
             try:
                 solution = watched_run(system, self.run)
             except ConvergenceError as error:
@@ -181,13 +180,13 @@ class _Fit:
         return self._stacked(solution, read(self.observables, system, solution), columns)
 
     def jacobian(self, values: Array) -> Array:
-        """(n, p)."""
+        """Jacobian (n, p)."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuppleWarning)
             return self._jacobian(values)[0]
 
     def _jacobian(self, values: Array) -> tuple[Array, Array, Solution]:
-        """With the residuals (n,) and the run; those of the last values are kept."""
+        """Jacobian with the residuals (n,) and the run; the last result is cached."""
         if self._last is not None and np.array_equal(self._last[0], values):
             return self._last[1]
         self.runs += 1
@@ -214,7 +213,7 @@ class _Fit:
         return self._last[1]
 
     def result(self, values: Array, at_bounds: NDArray[np.bool_]) -> Calibration:
-        """What the fit came to; warns IdentifiabilityWarning."""
+        """The result of the fit; warns IdentifiabilityWarning."""
         jacobian, residuals, solution = self._jacobian(values)
         degrees = max(len(residuals) - len(values), 1)
         misfit = float(residuals @ residuals) / degrees
@@ -224,8 +223,8 @@ class _Fit:
             names = sorted({name for each in sure.undetermined for name in each})
             warnings.warn(
                 f"the measurements do not determine {', '.join(names)}: {len(sure.undetermined)} of their "
-                "combinations change nothing that was measured. Keep some at known values, or measure what "
-                "they act on",
+                "combinations change nothing that was measured. Fix some at known values, or measure what "
+                "they affect",
                 IdentifiabilityWarning,
                 stacklevel=5,
             )

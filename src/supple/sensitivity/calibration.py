@@ -1,4 +1,4 @@
-"""Numbers of a machine fitted to measurements: values, how sure they are, and what the data do not see."""
+"""Result of a fit to measurements: parameter values, uncertainty, and undetermined directions."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ __all__ = ["Calibration", "Uncertainty", "uncertainty"]
 Array = NDArray[np.float64]
 
 _BLIND = 1e-7
-"""Of the largest singular value of the scaled Jacobian: what smaller ones say is rounding."""
+"""Relative to the largest singular value of the scaled Jacobian: smaller ones are rounding."""
 _INVOLVED = 1e-3
-"""Component of a blind direction from which a parameter is part of it."""
+"""Component of an undetermined direction above which a parameter is part of it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """How sure fitted parameters are, in linear approximation about the fit.
+    """Uncertainty of fitted parameters, in linear approximation about the fit.
 
-    covariance : (p, p);    deviations, correlation : (p,) and (p, p) of it; inf and nan of parameters that
+    covariance : (p, p);    deviations, correlation : (p,) and (p, p) from it; inf and nan for parameters that
         the data do not determine
-    undetermined : directions in which parameters change without any change of the residuals, each by the
-        parameters in it: their changes in parts of their sizes
+    undetermined : directions in which parameters change without any change of the residuals, each as the
+        relative changes of its parameters
     """
 
     covariance: Array
@@ -47,7 +47,7 @@ class Uncertainty:
 
 
 def without_blind(jacobian: Array) -> Array:
-    """A scaled Jacobian (n, p) without what is rounding: the directions that the data do not see."""
+    """A scaled Jacobian (n, p) without the directions within rounding, which the data do not determine."""
     left, singular, right = np.linalg.svd(jacobian, full_matrices=False)
     return (left * np.where(_seen(singular), singular, 0.0)) @ right
 
@@ -87,15 +87,15 @@ class Calibration(Summarized):
     """Parameters of a machine fitted to measurements.
 
     parameters : fitted values by name
-    uncertainty : of them
-    residuals : by measurement, in the order in which they were given: computed less measured (k,), in the
-        units of what was measured
-    misfit : sum of squares of the residuals in deviations over their number less that of the parameters; 1 is
-        expected where the deviations are known, and where they are not it is the square of their estimate
-    jacobian : (n, p) of the residuals in deviations
+    uncertainty : of the parameters
+    residuals : by measurement, in their given order: computed minus measured (k,), in the units of the
+        measurement
+    misfit : weighted sum of squares of the residuals over their number minus that of the parameters; 1 is
+        expected where the deviations are known; otherwise it is the square of their estimate
+    jacobian : (n, p) of the weighted residuals
     solution : the run of the fitted machine
     runs : number of runs, with and without derivatives
-    at_bounds : names of parameters at a bound, for which deviations of a free fit do not hold
+    at_bounds : names of parameters at a bound, for which the deviations of an unbounded fit do not hold
     """
 
     parameters: Mapping[str, float]

@@ -1,9 +1,9 @@
-"""Derivatives of what is read off a run, from those of its motion and from the machine itself.
+"""Derivatives of observables of a run, from those of its motion and of the machine.
 
     d Q(machine(p), motion(p)) / dp = dQ/dmachine machine' + dQ/dmotion motion'
 
-Sensors are functions of NumPy arrays, evaluated at little cost: each part is a central difference of fourth
-order, along machines of other parameters with the motion kept, and along the motion's own derivative.
+Sensors are functions of NumPy arrays of little cost: each part is a central difference of fourth order, over
+machines of other parameters at fixed motion, and along the motion's own derivative.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = ["DerivativeReader", "read"]
 Array = NDArray[np.float64]
 
 _STEPS = (1.0, 1e-2, 1e-4)
-"""Along a motion, in parts of a small one: tried in turn until what is read follows smoothly."""
+"""Steps along a motion, relative to a small one: tried in turn until the observable is smooth."""
 
 
 def read(observables: Observables, system: System, solution: Solution) -> dict[str, Array]:
@@ -41,7 +41,7 @@ def read(observables: Observables, system: System, solution: Solution) -> dict[s
 
 @dataclass(frozen=True, eq=False)
 class DerivativeReader:
-    """Reads observables beside a run.
+    """Derivatives of observables of a run.
 
     states : at the output times (t, ..);   changes : their derivatives (t, p, ..)
     """
@@ -52,10 +52,10 @@ class DerivativeReader:
     observables: Observables
 
     def derivatives(self, parameter: str, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
-        """Of all observables for a parameter.
+        """Derivatives of all observables with respect to a parameter.
 
         values : by observable, of the run itself
-        Raises ModelError for an observable that does not follow the parameter smoothly.
+        Raises ModelError for an observable that is not a smooth function of the parameter.
         """
         own = self.machine.neighbours[number]
         self._check_elements(parameter, own.systems)
@@ -66,12 +66,12 @@ class DerivativeReader:
             if name not in by_machine or name not in by_motion:
                 raise ModelError(
                     f"'{name}' does not follow parameter '{parameter}' smoothly: it has a jump or a kink "
-                    "there, such as the extreme of two equal peaks; read something smooth"
+                    "there, such as the extreme of two equal peaks; use a smooth observable"
                 )
         return {name: by_machine[name] + by_motion[name] for name in values}
 
     def _check_elements(self, parameter: str, systems: Sequence[System]) -> None:
-        """ModelError for stress read with the elements of a body that another one stands for."""
+        """ModelError for stress by the elements of a body that the parameter replaces."""
         bodies = {id(placed.body) for placed in self.machine.system.bodies}
         others = (placed.body for system in systems for placed in system.bodies)
         if all(body.kind == "rigid" or id(body) in bodies for body in others):
@@ -79,12 +79,12 @@ class DerivativeReader:
         for name, each in observables_of(self.observables, self.machine.system).items():
             if reads_elements(each):
                 raise ModelError(
-                    f"'{name}' reads the elements of one body, and parameter '{parameter}' makes elastic "
-                    "bodies anew: keep the body while the parameter changes, or read a deflection or a force"
+                    f"'{name}' uses the elements of one body, and parameter '{parameter}' creates elastic "
+                    "bodies again: keep the body for all parameters, or use a deflection or a force"
                 )
 
     def _by_motion(self, number: int, values: Mapping[str, Array]) -> dict[str, Array]:
-        # Forces may follow a parameter that moves nothing, such as the mass of a pendulum.
+        # Forces may depend on a parameter that moves nothing, such as the mass of a pendulum.
         of_motion = small_step(self.machine.model, self.states, self.changes, number)
         largest = min(of_motion, self.machine.neighbours[number].step)
         found: dict[str, Array] = {}
@@ -107,7 +107,7 @@ class DerivativeReader:
     def _smooth(
         values: Mapping[str, Array], around: Sequence[Mapping[str, Array]], step: float
     ) -> dict[str, Array]:
-        """Derivatives of those that are smooth."""
+        """Derivatives of the observables that are smooth."""
         found = {name: [own[name] for own in around] for name in values}
         return {
             name: central_difference(own, step) for name, own in found.items() if is_smooth(values[name], own)

@@ -1,4 +1,4 @@
-"""Derivatives by central differences of fourth order, refused where what is differentiated is not smooth.
+"""Derivatives by central differences of fourth order, rejected for functions that are not smooth.
 
     f' = (8 (f_1 - f_-1) - (f_2 - f_-2)) / (12 h),        error h^4 f^(5) / 30
 
@@ -6,8 +6,8 @@ at f_-2, f_-1, f_1, f_2, steps h apart. The differences
 
     f_2 - 2 f_1 + 2 f_-1 - f_-2,        f_-2 - 4 f_-1 + 6 f_0 - 4 f_1 + f_2
 
-are of the sizes h^3 and h^4 of a smooth function; where there is a kink, of the size h, and where there is a
-jump, or a wave no longer than the steps, of that of the function.
+are of order h^3 and h^4 for a smooth function; at a kink of order h, and at a jump, or for a wave no longer
+than the steps, of the order of the function itself.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = ["OFFSETS", "central_difference", "is_smooth"]
 
 OFFSETS = (-2, -1, 1, 2)
-"""Where the function is evaluated besides its middle, in steps."""
+"""Evaluation points besides the middle, in steps."""
 _SMOOTH = 1e-3
-"""Largest of these differences, in parts of the change from the first value to the last: the derivative of a
-sine is then right to 1e-7."""
+"""Largest of these differences, relative to the change from the first value to the last: the derivative of a
+sine is then accurate to 1e-7."""
 _ROUNDING = 1e-8
-"""What they may be of the values themselves: positions at rest are known to that."""
+"""Largest difference relative to the values: the accuracy of positions at rest."""
 _NOTHING = 1e-6
-"""Values below are compared with this: rounding errors of what is zero follow nothing."""
+"""Least reference value: rounding errors of zero are not functions of a parameter."""
 
 
 def central_difference(values: Sequence[ArrayLike], step: float) -> NDArray[np.float64]:
@@ -39,7 +39,7 @@ def central_difference(values: Sequence[ArrayLike], step: float) -> NDArray[np.f
 def is_smooth(middle: ArrayLike, values: Sequence[ArrayLike], size: float = 0.0) -> bool:
     """Whether a derivative from these values is one of a smooth function.
 
-    size : which the values are compared with where they are smaller
+    size : least reference for the values
     """
     far_below, below, above, far_above = (np.asarray(own, dtype=float) for own in values)
     third = far_above - 2 * (above - below) - far_below
@@ -47,5 +47,5 @@ def is_smooth(middle: ArrayLike, values: Sequence[ArrayLike], size: float = 0.0)
     change = np.max(np.abs(far_above - far_below), initial=0.0)
     largest = np.max(np.abs(np.asarray(middle, dtype=float)), initial=max(size, _NOTHING))
     allowed = _SMOOTH * change + _ROUNDING * largest
-    # Asked this way round, what is not a number is not smooth.
+    # In this form NaN is not smooth.
     return all(bool(np.max(np.abs(own), initial=0.0) <= allowed) for own in (third, fourth))

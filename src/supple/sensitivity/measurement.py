@@ -1,4 +1,4 @@
-"""What was measured: times and values of what an observable reads."""
+"""A measurement: times and values of an observable."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class Measurement:
     """A measured history of one channel of a sensor.
 
     observable : name of the sensor or other observable with values (t, c)
-    times : (k,)            ascending, within the run; between output times a cubic spline is taken
-    values : (k,)           in the units of the model; nan where nothing was measured
-    channel : str | int     name of the channel, or number of the column; 0 where there is but one
-    deviation : float | (k,)    standard deviation of the noise; None of the only measurement of a fit, where
-        it is not known and follows from the residuals
+    times : (k,)            ascending, within the run; between output times a cubic spline is used
+    values : (k,)           in the units of the model; nan for missing values
+    channel : str | int     name of the channel, or number of the column; 0 for a single channel
+    deviation : float | (k,)    standard deviation of the noise; None for the only measurement of a fit, where
+        it follows from the residuals
     Raises ModelError for other shapes, times that do not ascend, a deviation that is not positive.
     """
 
@@ -54,16 +54,16 @@ class Measurement:
         if self.deviation is not None:
             deviation = np.asarray(self.deviation)
             if deviation.shape not in ((), times.shape) or not np.all(deviation > 0):
-                raise ModelError(f"{what}: a deviation is positive, one number or one for every time")
+                raise ModelError(f"{what}: give a positive deviation, one number or one for every time")
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """(k,) where something was measured."""
+        """(k,) True for existing values."""
         return np.isfinite(np.asarray(self.values))
 
     @property
     def weights(self) -> Array:
-        """One over the deviations of what was measured; ones where they are not known."""
+        """One over the deviations of existing values; ones if unknown."""
         deviation = 1.0 if self.deviation is None else np.asarray(self.deviation)
         return np.broadcast_to(1 / deviation, np.shape(self.times))[self.known]
 
@@ -85,7 +85,7 @@ class Measurement:
         return names.index(self.channel)
 
     def residuals(self, times: Array, values: Mapping[str, Array], column: int) -> Array:
-        """(k',) differences of what was computed to what was measured, in deviations.
+        """Weighted differences (k',) between computed and measured values.
 
         times : (t,) output times of the run;   values : by observable, (t, c)
         """
@@ -93,13 +93,13 @@ class Measurement:
         return self.weights * (computed - np.asarray(self.values)[self.known])
 
     def at_times(self, times: Array, values: Array, column: int) -> Array:
-        """A column of values (t, c) at the times at which something was measured, (k',)."""
+        """A column of values (t, c) at the times of existing measured values, (k',)."""
         own = np.asarray(self.times)[self.known]
         slack = 1e-9 * (times[-1] - times[0])
         if own.size and (own[0] < times[0] - slack or own[-1] > times[-1] + slack):
             raise ModelError(
                 f"measurement of '{self.observable}': its times from {own[0]:g} to {own[-1]:g} go beyond the "
-                f"run from {times[0]:g} to {times[-1]:g}: run for longer, or leave out the others"
+                f"run from {times[0]:g} to {times[-1]:g}: extend the run, or remove the other times"
             )
         if values.ndim != 2 or not 0 <= column < values.shape[1]:
             raise ModelError(

@@ -1,4 +1,4 @@
-"""Solutions beside a run, along the derivative of its motion for a parameter."""
+"""Solutions displaced from a run along the derivative of its motion with respect to a parameter."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from supple.methods.floating.compiled.state import State
 __all__ = ["moved", "small_step"]
 
 _SMALL = 1e-3
-"""rad, or part of the machine's length or of a body's deformation: a motion moved so far."""
+"""rad, or relative to the machine's length or a body's deformation: displacement of the motion."""
 _UNDEFORMED = 1e-8
-"""Of the machine's length: deformations below are none, and their changes large beside them."""
+"""Relative to the machine's length: smaller deformations are zero, and their changes large in comparison."""
 
 
 def moved(states: State, change: StateChange, parameter: int, step: float) -> State:
-    """States (t, ..) moved by a step of a parameter along derivatives (t, p, ..); rotations stay such."""
+    """States (t, ..) displaced by a step of a parameter along derivatives (t, p, ..); rotations stay such."""
     carried = change.carried
     of_configuration = carried.configuration
 
@@ -51,7 +51,7 @@ def _rotation_vectors(rotations: np.ndarray, changes: np.ndarray) -> np.ndarray:
 
 
 def small_step(model: Model, states: State, change: StateChange, parameter: int) -> float:
-    """A step of a parameter that moves the motion little; inf where it moves nothing."""
+    """A step of a parameter that changes the motion little; inf if it has no effect."""
     configuration, of = states.configuration, change.carried.configuration
     turn = _rotation_vectors(configuration.rotations, of.rotations[:, parameter])
     sizes = [np.abs(turn).max(), np.abs(of.origins[:, parameter]).max() / float(model.length)]

@@ -1,4 +1,4 @@
-"""What is read off a run and has derivatives: sensors, and statistics of them."""
+"""Observables of a run with derivatives: sensors, and statistics of them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 class Observable(Protocol):
-    """Numbers of a run under a name; every sensor is one."""
+    """Named numbers of a run; every sensor is one."""
 
     @property
     def name(self) -> str:
@@ -29,7 +29,7 @@ class Observable(Protocol):
         ...
 
     def values(self, system: System, solution: Solution, /) -> Array:
-        """Of any shape; of a sensor (t, c) at the output times."""
+        """Values of any shape; for a sensor (t, c) at the output times."""
         ...
 
 
@@ -38,9 +38,10 @@ class Statistic:
     """A statistic over time of every column of a sensor, (c,).
 
     sensor : Observable     with values (t, c)
-    of : callable           of a column (t,), such as `np.max`, `np.mean`, `np.std`
+    of : callable           on a column (t,), such as `np.max`, `np.mean`, `np.std`
 
-    Extremes are those among the output times; their derivative is that of the value at its instant.
+    Extremes are those among the output times; their derivative is that of the value at the time of the
+    extreme.
     """
 
     name: str
@@ -57,14 +58,14 @@ class Statistic:
 
 
 Observables = Sequence[Any] | Callable[[System], Sequence[Any]]
-"""`Observable` alike, or a function that makes them for a machine where they hold parts of it"""
+"""Observables, or a function of the machine that creates them, for those with references to its parts"""
 
 
 def observables_of(observables: Observables, system: System) -> dict[str, Any]:
-    """By name, for a machine.
+    """Observables by name, for a machine.
 
-    Raises ModelError for two of one name, and for a list whose observables hold parts of one machine, which
-    would not follow its parameters.
+    Raises ModelError for two with one name, and for a list with observables that refer to parts of one
+    machine, which would not depend on its parameters.
     """
     is_list = isinstance(observables, Sequence)
     found = observables if is_list else observables(system)
@@ -74,15 +75,15 @@ def observables_of(observables: Observables, system: System) -> dict[str, Any]:
     for each in found:
         if is_list and _holds(each, (ForceElement, Joint, Placed, System)):
             raise ModelError(
-                f"observable '{each.name}' holds an element or a joint of one machine, whose numbers would "
-                "stay as the parameters change: give a function, `lambda system: [..]`, that takes it from "
+                f"observable '{each.name}' refers to an element or joint of one machine, whose numbers would "
+                "not change with the parameters: give a function, `lambda system: [..]`, that takes it from "
                 "the system"
             )
     return {each.name: each for each in found}
 
 
 def reads_elements(observable: Any) -> bool:
-    """Whether it holds finite elements, whose material it reads stress with."""
+    """Whether it uses finite elements, whose material determines its stress."""
     return _holds(observable, (FiniteElementModel,))
 
 

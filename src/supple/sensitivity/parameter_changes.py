@@ -1,8 +1,8 @@
-"""How the numbers of a compiled machine, of its consistent start and of its stops follow some parameters.
+"""Derivatives of the numbers of a compiled machine, of its start and of its stops by parameters.
 
-They follow smoothly and cost little next to a run, so they are differentiated by central differences of
-fourth order: exact but for rounding where they are polynomials, as most are. The motion is differentiated
-exactly (`methods/floating/compiled/sensitivity_step`).
+They are smooth and cost little compared to a run, so they are differentiated by central differences of fourth
+order: exact up to rounding where they are polynomials, as most are. The motion is differentiated exactly
+(`methods/floating/compiled/sensitivity_step`).
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ from supple.sensitivity.differences import OFFSETS, central_difference, is_smoot
 __all__ = ["Build", "ParameterChanges", "parameter_changes"]
 
 Build = Callable[[Mapping[str, float]], System]
-"""The machine for values of its parameters by name"""
+"""The machine for parameter values by name"""
 
 _STEP = 3e-3
-"""Of the size of a parameter: truncation and rounding are both below 1e-11 of a derivative there."""
+"""Relative to a parameter's size: truncation and rounding errors are then below 1e-11 of a derivative."""
 _COMPILED = {"rigid", "reduced"}
 """Kinds of bodies of the compiled march."""
 
 
 class Neighbours(NamedTuple):
-    """Machines beside that of some parameters, one of which differs."""
+    """Machines at neighbouring values of one parameter."""
 
     systems: tuple[System, ...]
     """At `OFFSETS` times the step"""
@@ -50,20 +50,20 @@ class Neighbours(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ParameterChanges:
-    """A machine ready to march, and derivatives of its numbers for p parameters."""
+    """A machine prepared for the march, and derivatives of its numbers by p parameters."""
 
     system: System
     model: Model
     state: State
     stops: np.ndarray
     outputs: np.ndarray
-    """Which of the stops are output times, the initial one left out"""
+    """True for stops that are output times, without the initial one"""
     changes: Changes
     neighbours: tuple[Neighbours, ...]
 
 
 class _Numbers(NamedTuple):
-    """All that a march takes and that follows parameters."""
+    """All inputs of a march that depend on parameters."""
 
     model: Model
     start: StateChange
@@ -73,15 +73,15 @@ class _Numbers(NamedTuple):
 def parameter_changes(
     build: Build, parameters: Mapping[str, float], sizes: Mapping[str, float], run: Run
 ) -> ParameterChanges:
-    """The machine of some parameters, with derivatives of its numbers for each of them.
+    """The machine at some parameters, with derivatives of its numbers by each of them.
 
-    sizes : by parameter, what is a large change of it
+    sizes : by parameter, a large change of it
 
     Raises ModelError for a machine without derivatives, or a parameter that changes more than its numbers.
     """
     system = _built(build, parameters)
     _check_marches(system, run)
-    batch_start([system], run)  # which warns of the machine itself
+    batch_start([system], run)  # gives the warnings of the machine
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuppleWarning)
         neighbours = tuple(_neighbours(build, parameters, name, _STEP * sizes[name]) for name in parameters)
@@ -125,22 +125,20 @@ def _stops(system: System, run: Run) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_marches(system: System, run: Run) -> None:
-    """ModelError for machines and runs that the compiled march with derivatives does not take."""
+    """ModelError for machines and runs without support for derivatives."""
     kinds = {placed.body.kind for placed in system.bodies}
     if kinds - _COMPILED:
         raise ModelError(
             f"runs with {', '.join(sorted(kinds - _COMPILED))} bodies have no derivatives: reduce them, or "
-            "take differences of `simulate`"
+            "use differences of `simulate`"
         )
     if isinstance(run.method, Kinematic):
-        raise ModelError(
-            "a kinematic run has no derivatives: integrate it, or take differences of `simulate`"
-        )
+        raise ModelError("a kinematic run has no derivatives: integrate it, or use differences of `simulate`")
     _ = run.second_order_method
     for each in system.controllers:
         if isinstance(each, SampledController):
             raise ModelError(
-                f"controller '{each.name}' is sampled, plain Python that has no derivatives: trace it as a "
+                f"controller '{each.name}' is sampled, a Python function without derivatives: write it as a "
                 "Controller"
             )
 
@@ -153,7 +151,7 @@ def _check_same_program(name: str, middle: _Numbers, around: Sequence[_Numbers])
     if any(structure(own) != structure(middle) for own in around):
         raise ModelError(
             f"parameter '{name}' changes more than numbers of the machine: bodies, joints, kinds of loads, "
-            "sizes of tables and bases, redundant joint equations and functions of one's own must stay"
+            "sizes of tables and bases, redundant joint equations and user-defined functions must not change"
         )
 
 
@@ -161,14 +159,14 @@ def _check_same_stops(name: str, middle: Any, around: Sequence[Any]) -> None:
     if any(len(own[0]) != len(middle[0]) or np.any(own[1] != middle[1]) for own in around):
         raise ModelError(
             f"parameter '{name}' moves an instant at which a law of time changes across an output time, or "
-            "out of the run: take another output step, or another value"
+            "out of the run: use another output step, or another value"
         )
 
 
 def _magnitudes(numbers: _Numbers, run: Run) -> list[float]:
-    """By leaf, what rounding and an equilibrium's tolerance are small against, besides the leaf itself.
+    """Reference for rounding and for an equilibrium's tolerance, by leaf, besides the leaf itself.
 
-    Accelerations and multipliers follow from the others; near zero at rest, they are what these leave.
+    Accelerations and multipliers follow from the other quantities; near zero at rest they are their rounding.
     """
     model, carried = numbers.model, numbers.start.carried
     length, scale = float(model.length), float(np.max(position_scale(model), initial=1.0))
@@ -189,7 +187,7 @@ def _magnitudes(numbers: _Numbers, run: Run) -> list[float]:
 def _derivatives(
     name: str, middle: _Numbers, around: Sequence[_Numbers], step: float, magnitudes: Sequence[float]
 ) -> list[np.ndarray | None]:
-    """By leaf; None where it does not change."""
+    """Derivatives by leaf; None for a constant leaf."""
     found: list[np.ndarray | None] = []
     leaves = jax.tree_util.tree_leaves_with_path(middle)
     rows = zip(leaves, magnitudes, *map(jax.tree.leaves, around), strict=True)
@@ -200,16 +198,16 @@ def _derivatives(
             continue
         if not np.issubdtype(values[0].dtype, np.floating) or not is_smooth(leaf, values, magnitude):
             raise ModelError(
-                f"the machine does not follow parameter '{name}' smoothly: with changes of {step:.3g} there "
+                f"the machine is not smooth in parameter '{name}': with changes of {step:.3g} there "
                 f"is a jump or a kink in {jax.tree_util.keystr(path)}. Reduce bodies outside the function, "
-                "so that their bases stay, or state a smaller change in `sizes`"
+                "so that their bases are constant, or give a smaller change in `sizes`"
             )
         found.append(central_difference(values, step))
     return found
 
 
 def _together(middle: _Numbers, columns: Sequence[Sequence[np.ndarray | None]]) -> Changes:
-    """Derivatives for all parameters, leaf by leaf."""
+    """Derivatives by all parameters, leaf by leaf."""
 
     def stacked(leaf: Any, own: Sequence[np.ndarray | None]) -> np.ndarray:
         return np.stack([np.zeros(np.shape(leaf)) if each is None else each for each in own])

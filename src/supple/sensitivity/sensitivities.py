@@ -1,4 +1,4 @@
-"""Derivatives of what a run gives for numbers of its machine."""
+"""Derivatives of run results with respect to parameters of the machine."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensitivities(Summarized):
-    """What a run gives, and how that follows the parameters of its machine.
+    """Results of a run, and their derivatives with respect to parameters of the machine.
 
     parameters : values by name
     solution : the run itself
-    values : by observable, as it reads them
+    values : by observable, in its shape
     derivatives : by observable, then by parameter, of the same shape as the values
     """
 
@@ -50,7 +50,7 @@ class Sensitivities(Summarized):
     derivatives: Mapping[str, Mapping[str, Array]]
 
     def summary(self) -> Summary:
-        """By observable: its largest change, in parts of its largest value, per part of each parameter."""
+        """By observable: its largest relative change per relative change of each parameter."""
         rows = []
         for name, values in self.values.items():
             largest = np.max(np.abs(values), initial=0.0) or 1.0
@@ -72,23 +72,23 @@ def sensitivities(
     *,
     sizes: Mapping[str, float] = MappingProxyType({}),
 ) -> Sensitivities:
-    """Derivatives of sensors and statistics of a run for parameters of its machine.
+    """Derivatives of sensors and statistics of a run with respect to parameters of its machine.
 
-    Those of the discrete motion: its steps stay in number, their lengths follow instants at which laws
-    change. They are exact to about 1e-9 and the tolerance of the run, whatever the motion does; start values,
-    an equilibrium or an assembly within `build` included. Forward mode: the cost grows with the parameters,
-    not with the observables.
+    They are those of the discrete motion: the number of steps is constant, their lengths follow instants at
+    which laws change. They are accurate to about 1e-9 and the tolerance of the run, for any motion, and
+    include initial values, an equilibrium or an assembly within `build`. Forward mode: the cost grows with
+    the parameters, not with the observables.
 
     Parameters
     ----------
-    build : callable        the System for a mapping of values by name; it is called four times a parameter
-        besides, at 0.3 and 0.6 % of its size to either side
+    build : callable        the System for a mapping of values by name; it is called four further times per
+        parameter, at 0.3 and 0.6 % of its size to either side
     parameters : values by name
     run : Run               as for `simulate`, with fixed or adaptive steps
-    observables : sensors, `Statistic` of them, or anything with a name and `values(system, solution)`; those
-        that hold parts of the machine, as a `SpringForceSensor` does, by a function of the System
-    sizes : by parameter, what is a large change of it; where left out its magnitude, so that a parameter of
-        value 0 needs one
+    observables : sensors, `Statistic` of them, or any object with a name and `values(system, solution)`;
+        those that refer to parts of the machine, such as a `SpringForceSensor`, by a function of the System
+    sizes : by parameter, a large change of it; by default its magnitude, so that a parameter with value 0
+        needs one
 
     Returns
     -------
@@ -97,7 +97,8 @@ def sensitivities(
     Raises
     ------
     ModelError          full, intrinsic or explicit bodies, a sampled controller, a kinematic run; a parameter
-        that changes more than numbers, or numbers by a jump or a kink; an observable that is not smooth
+                        that changes more than numbers, or with a jump or a kink; an observable that is not
+                        smooth
     ConvergenceError    a step, or a derivative, that does not converge
     """
     before_compiled_code()
@@ -117,20 +118,20 @@ def sensitivities(
 
 
 def sizes_of(parameters: Mapping[str, float], sizes: Mapping[str, float]) -> dict[str, float]:
-    """What is a large change of each parameter."""
+    """A large change of each parameter."""
     if not parameters:
-        raise ModelError("name at least one parameter, with its value")
+        raise ModelError("give at least one parameter, with its value")
     for name in sizes:
         if name not in parameters:
-            raise ModelError(f"sizes: '{name}' is no parameter{did_you_mean(name, parameters)}")
+            raise ModelError(f"sizes: '{name}' is not a parameter{did_you_mean(name, parameters)}")
     found = {}
     for name, value in parameters.items():
         check_number(f"parameter '{name}'", value)
         found[name] = float(sizes.get(name, abs(value)))
         if not (np.isfinite(value) and np.isfinite(found[name]) and found[name] > 0):
             raise ArgumentError(
-                f"parameter '{name}' is {value:g}: values are finite, and one of value 0 needs what is a "
-                f"large change of it, sizes={{'{name}': ..}}"
+                f"parameter '{name}' is {value:g}: give a finite value, and for a value of 0 a "
+                f"large change, sizes={{'{name}': ..}}"
             )
     return found
 

@@ -1,4 +1,4 @@
-"""From a machine to its motion: one case, many cases, runs that live on disk."""
+"""Simulation of a machine: one case, many cases, runs recorded in files."""
 
 from supple.simulation.batch import *
 from supple.simulation.batch_solution import *

@@ -1,9 +1,9 @@
 """Many load cases of one system in one compiled call.
 
 The cases are systems of the same bodies, joints and kinds of loads that differ in numbers: tables of loads,
-initial motion, gravity, even stiffness. Numbers that all cases share are kept once; the others get a leading
-axis, and the compiled march is mapped over it (`jax.vmap`), unless cases keep their tangents
-(`shares_of_cases`). All cores of a processor march, where that is worth it (`worker_processes`).
+initial motion, gravity, even stiffness. Numbers that all cases share are stored once; the others get a
+leading axis, and the compiled march is mapped over it (`jax.vmap`), unless cases freeze their tangents
+(`shares_of_cases`). All processor cores are used where that is worthwhile (`worker_processes`).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ __all__ = ["simulate_batch"]
 
 _CHUNK = 64
 _SMALL_CHUNK = 16
-"""As fast for a case, and more shares for the cores."""
+"""Chunk on a processor: equally fast per case, and more shares for the cores."""
 _RESULTS_AT_ONCE = 64
 
 
@@ -63,27 +63,27 @@ def simulate_batch(
     chunk: int | None = None,
     progress: Progress | None = None,
 ) -> BatchSolution:
-    """Simulate many load cases of one system, of bodies of any form but explicit parts.
+    """Simulate many load cases of one system, with bodies of any form except explicit parts.
 
-    Cases with full bodies, and with intrinsic ones that joints connect, run one after another, on all cores.
+    Cases with full bodies, or with intrinsic ones connected by joints, run one after another, on all cores.
 
     Parameters
     ----------
     cases : systems of the same bodies, joints and kinds of loads; their numbers may differ, those
         of their laws of time too. Functions, of time and of controllers, must be the same objects in all
     run : Run       as for `simulate`
-    chunk : number of cases mapped together; left out: 64, and 16 of reduced bodies on a processor
+    chunk : number of cases mapped together; by default 64, and 16 for reduced bodies on a processor
     progress : called with the finished fraction of the cases
 
     Returns
     -------
-    BatchSolution   a failing case does not stop the others; `.check()` raises where one failed
+    BatchSolution   a failed case does not stop the others; `.check()` raises if one failed
 
     Raises
     ------
     ModelError      no case, cases that differ in more than numbers, a SampledController in cases that march
-        together
-    MemoryShortageError     a chunk would not fit in the memory that is left
+                    together
+    MemoryShortageError     a chunk would not fit in the available memory
     """
     before_compiled_code()
     _check_cases(cases, run, chunk)
@@ -137,7 +137,7 @@ def simulate_batch(
 
 
 def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
-    """Raise for cases that are no batch; warn of loads that its steps do not see."""
+    """Raise for cases that do not form a batch; warn of loads that its steps do not resolve."""
     if not cases:
         raise ModelError("a batch needs at least one case")
     for number, system in enumerate(cases):
@@ -147,7 +147,7 @@ def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
     if sampled and not any(placed.body.kind == "full" for placed in cases[0].bodies):
         raise ModelError(
             f"controller '{sampled[0].name}' is called between the steps, which cases that march together "
-            "do not leave: simulate them one by one, or trace it as a Controller"
+            "cannot interrupt: simulate them one by one, or write it as a Controller"
         )
     if chunk is not None and chunk < 1:
         raise ValueError(f"chunk must be at least 1, got {chunk}")
@@ -157,7 +157,7 @@ def _check_cases(cases: Sequence[System], run: Run, chunk: int | None) -> None:
 
 
 def _briefest(cases: Sequence[System], run: Run) -> System:
-    """The case with the law that varies fastest: the others, which differ in numbers, are seen better."""
+    """The case with the law that varies fastest: steps resolve the other cases better."""
     begin, end = float(run.times[0]), float(run.times[-1])
 
     def shortest(system: System) -> float:
@@ -169,7 +169,7 @@ def _briefest(cases: Sequence[System], run: Run) -> System:
 def _marched(
     system: System, starts: BatchStart, number: int, last: State, history: State, seconds: float
 ) -> MarchedCase:
-    """A case from its start, its last state, and those at the output times it has reached."""
+    """A case with its start, its last state, and its states at the output times reached."""
     good = int(np.sum(~history.failed))
     states = jax.tree.map(
         lambda begun, leaf: np.concatenate([np.asarray(begun)[None], leaf[:good]]),
@@ -191,11 +191,11 @@ def _check_alike(models: Sequence[Model]) -> None:
 
 
 _TANGENTS = 12
-"""Matrices of the size of the tangent that a case has at one time."""
+"""Number of matrices of the size of the tangent that a case stores at one time."""
 
 
 def _require_memory(starts: BatchStart, axes: Axes, chunk: int, n_times: int) -> None:
-    """MemoryShortageError where a chunk would take more than is left."""
+    """MemoryShortageError where a chunk would exceed the available memory."""
     model, state = starts.models[0], starts.states[0]
     numbers = [
         np.size(leaf) * (1 if axis is None else chunk)
@@ -206,5 +206,5 @@ def _require_memory(starts: BatchStart, axes: Axes, chunk: int, n_times: int) ->
     require_memory(
         8 * (2 * sum(numbers) + chunk * (history + tangents)),
         f"a chunk of {chunk} cases with {n_times} output times",
-        "take fewer cases at a time (`chunk`) or fewer output times",
+        "use fewer cases at a time (`chunk`) or fewer output times",
     )

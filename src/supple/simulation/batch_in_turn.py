@@ -1,4 +1,4 @@
-"""Load cases that no program marches together, one after another."""
+"""Load cases that cannot march together in one program, run one after another."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ __all__ = ["batch_in_turn"]
 
 
 def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) -> BatchSolution:
-    """The solutions of `simulate`, case by case, on all cores where that is worth it.
+    """The solutions of `simulate`, case by case, on all cores where that is worthwhile.
 
-    Raises ModelError for cases of other bodies, joints or kinds of loads than the first.
+    Raises ModelError for cases with other bodies, joints or kinds of loads than the first.
     """
     for number, system in enumerate(cases):
         if _kinds(system) != _kinds(cases[0]):
@@ -28,7 +28,7 @@ def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) 
                 "same bodies, joints and kinds of loads"
             )
     began, found = clock.perf_counter(), {}
-    # What processes share of it is sent as it is: cases that cannot be, this one runs.
+    # The processes receive the cases pickled; cases that cannot be pickled run in this process.
     for done in shared_out(CaseWork(run), [partial(_arguments, system) for system in cases]):
         found[done.number] = done.result
         if progress is not None:
@@ -36,7 +36,7 @@ def batch_in_turn(cases: Sequence[System], run: Run, progress: Progress | None) 
     solutions = [found[number] for number in range(len(cases))]
     failures = {number: own.stopped for number, own in enumerate(solutions) if own.stopped is not None}
     passed = clock.perf_counter() - began
-    # Of cases side by side the sum is more than the time that passed.
+    # For parallel cases the sum exceeds the elapsed time.
     seconds = min(passed, sum(own.statistics.seconds for own in solutions))
     return BatchSolution(tuple(solutions), failures, seconds, passed - seconds)
 

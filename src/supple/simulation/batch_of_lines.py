@@ -1,6 +1,6 @@
 """Load cases of a machine of intrinsic bodies, marched together.
 
-Chunks of cases go round the processors that JAX has: one, unless it was told of more before it started
+Chunks of cases are distributed over the processors of JAX: one, unless more were set before its start
 (JAX_NUM_CPU_DEVICES=2 in the environment).
 """
 
@@ -35,8 +35,8 @@ __all__ = ["batch_of_lines"]
 def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Progress | None) -> BatchSolution:
     """The solutions of `simulate` for machines of intrinsic bodies.
 
-    Joined machines go one after another; those whose roots the ground alone holds march together. Runge and
-    Kutta's rule gains most, where cases differ in loads, motions and starts alone.
+    Machines with joints run one after another; those whose roots are connected to the ground alone march
+    together. The Runge-Kutta method gains most, where cases differ only in loads, motions and initial states.
     Raises ModelError for cases that differ in more than numbers.
     """
     if any(map(is_joined, cases)):
@@ -56,7 +56,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
     preparing = clock.perf_counter() - began
 
     def sent(own: range, device: Any) -> LineMarchState:
-        # A last chunk that is shorter repeats its last case, so that one program marches all.
+        # A shorter last chunk repeats its last case, so that one program serves all.
         numbers = [*own, *[own[-1]] * (chunk - len(own))]
         together = jax.tree.map(lambda *leaves: np.stack(leaves), *(starts[i] for i in numbers))
         leaves = stacked([systems[i] for i in numbers], axes)
@@ -70,7 +70,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
         began = clock.perf_counter()
         group = chunks[begin : begin + len(devices)]
         marching = [sent(own, device) for own, device in zip(group, devices, strict=False)]
-        # The first of a kind is compiled as it is sent; the march goes on by itself.
+        # The first of a kind is compiled when dispatched; the march is asynchronous.
         preparing += (sending := clock.perf_counter() - began)
         began += sending
         reached = jax.device_get(marching)
@@ -92,7 +92,7 @@ def batch_of_lines(cases: Sequence[System], run: Run, chunk: int, progress: Prog
 def _solution(
     engine: IntrinsicEngine, start: LineMarchState, reached: LineMarchState, times: np.ndarray, seconds: float
 ) -> Solution:
-    """The start, and what a case reached, as the engine gives it."""
+    """The start, and the solution of a case up to the time reached."""
     whole = jax.tree.map(lambda first, leaf: np.concatenate([np.asarray(first)[None], leaf]), start, reached)
     leg = engine.leg(start, whole, times, seconds)
     return replace(engine.solution(leg), stopped=leg.stopped)
@@ -117,7 +117,7 @@ def _shapes(system: LineSystem) -> list[tuple[int, ...]]:
 def _require_memory(
     axes: Sequence[int | None], system: LineSystem, start: LineMarchState, chunk: int, n_times: int
 ) -> None:
-    """MemoryShortageError where a chunk would take more than is left."""
+    """MemoryShortageError where a chunk would exceed the available memory."""
     numbers = sum(
         np.size(leaf) * (1 if axis is None else chunk)
         for leaf, axis in zip(jax.tree.leaves(system), axes, strict=True)
@@ -127,5 +127,5 @@ def _require_memory(
     require_memory(
         8 * (2 * numbers + chunk * (3 * n_times * state + 10 * stations)),
         f"a chunk of {chunk} cases with {n_times} output times",
-        "take fewer cases at a time (`chunk`) or fewer output times",
+        "use fewer cases at a time (`chunk`) or fewer output times",
     )

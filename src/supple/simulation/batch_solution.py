@@ -1,4 +1,4 @@
-"""What a batch of load cases came to."""
+"""The result of a batch of load cases."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ __all__ = ["BatchSolution"]
 
 @dataclass(frozen=True)
 class BatchSolution:
-    """What a batch came to: a solution per case, and why where a case failed."""
+    """The result of a batch: a solution per case, and the causes of failures."""
 
     solutions: tuple[Solution, ...]
-    """One per case, in order; a failed case's ends at the last output time it reached."""
+    """One per case, in order; for a failed case up to the last output time reached."""
     failures: Mapping[int, str]
     """Case number to message; empty when every case ran to the end."""
     seconds: float
@@ -24,7 +24,7 @@ class BatchSolution:
     compile_seconds: float
 
     def check(self) -> BatchSolution:
-        """The batch itself, or ConvergenceError naming the failed cases."""
+        """The batch itself; ConvergenceError, with the failed cases, if any failed."""
         if self.failures:
             first = next(iter(self.failures))
             raise ConvergenceError(

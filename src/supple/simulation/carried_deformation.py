@@ -1,12 +1,12 @@
-"""The deformation of a body, brought from one form or basis of it to another by its mass matrix.
+"""Transfer of a body's deformation from one form or basis to another by its mass matrix.
 
-A frame of another kind is placed first, so that its six conditions hold for the same shape in space. What the
-columns V of a reduced body keep of the coordinates x that remain is their projection,
+A frame of another kind is placed first, so that its six conditions hold for the same shape in space. In the
+columns V of a reduced body, the remaining coordinates x have the projection
 
     gamma = V^T M ( x - z(gamma) ),       V^T M V = 1,
 
-z what follows the coordinates outside the columns. Then the interfaces are put where they were, by the least
-motion in the mass norm, as far as the columns allow: joints stay closed, and pivots do not shift.
+with z the motion outside the columns that follows the coordinates. Then the interfaces are moved to their
+positions by the least motion in the mass norm, as far as the columns allow: joints stay closed.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ __all__ = ["CarriedDeformation", "Deformation", "PlacedFrame", "ProjectionLoss",
 Array = np.ndarray
 
 SAME_PLACE = 1e-6
-"""Of the size of a body: where its nodes may lie apart in two meshes that are the same."""
+"""Relative to the size of a body: allowed distance of nodes in two equal meshes."""
 MOST_ROUNDS, CONVERGED = 30, 1e-14
-"""Of searches for a frame and for coordinates with what follows them; relative change of the last."""
+"""Iterations for a frame, and for coordinates with their condensed motion; relative change at the end."""
 DEAR = 1e-3
-"""Of the largest motion of an interface by a unit of the columns: less is not worth the deformation."""
+"""Relative to the largest interface motion per unit of the columns: smaller motions are not corrected."""
 
 
 class Deformation(NamedTuple):
@@ -54,12 +54,13 @@ class PlacedFrame(NamedTuple):
 
 @dataclass(frozen=True)
 class ProjectionLoss:
-    """What the columns of a body lack of a deformation, in the norm of its mass.
+    """The part of a deformation outside the columns of a body, in the mass norm.
 
     rms : float         of the displacement, unit of length
     relative : float    the same over the whole deformation
-    rate : float        of the deformation's rates, relative likewise
-    gap : float         the farthest that an interface moved, unit of length: joints close it by rigid motion
+    rate : float        the same for the deformation's rates, relative
+    gap : float         largest displacement of an interface, unit of length, that joints close by rigid
+        motion
     """
 
     rms: float
@@ -69,7 +70,7 @@ class ProjectionLoss:
 
 
 class CarriedDeformation(NamedTuple):
-    """Where a body is in its new form."""
+    """State of a body in its new form."""
 
     frame: PlacedFrame
     coordinates: Array
@@ -78,7 +79,7 @@ class CarriedDeformation(NamedTuple):
 
 
 def deformation_of(body: BodyForm, coordinates: Array, rates: Array) -> Deformation:
-    """Of coordinates (r,) and rates (r,), with what follows them outside the columns."""
+    """Deformation at coordinates (r,) and rates (r,), with the condensed motion."""
     linear, beside = body.nodal_fields(coordinates[None])
     moving, _ = body.nodal_fields(rates[None])
     if beside is None:
@@ -93,10 +94,10 @@ def carried_deformation(
 
     Parameters
     ----------
-    then, now : ReducedBody | FullBody | ModalSubdomain     the form that moved, and the one that goes on
+    then, now : ReducedBody | FullBody | ModalSubdomain     the form of the motion, and the new one
     nodes : (N, 3)      of the former, in the units of the latter
 
-    Raises ModelError for bodies of other meshes, and for a reduced one whose full body is not known.
+    Raises ModelError for bodies with other meshes, and for a reduced one without a known full body.
     """
     _check_same_mesh(now, nodes)
     body = _flexible(now)
@@ -115,7 +116,7 @@ def carried_deformation(
     back, ends, wanted = _interfaces(now, body)
 
     def on_columns(whole: Array, beside: Callable[[Array], Array]) -> tuple[Array, Array]:
-        """Coordinates, and what they lack (n,)."""
+        """Coordinates, and the remainder (n,) outside the columns."""
         gamma, following = np.zeros(vectors.shape[1]), np.zeros_like(whole)
         for _ in range(MOST_ROUNDS):
             before, gamma = gamma, weighted @ (whole - following)
@@ -146,20 +147,20 @@ def carried_deformation(
 
 
 def _interfaces(now: BodyForm, body: FlexibleBody) -> tuple[Array, Array, Any]:
-    """The least coordinates (r, 6 p) that move interfaces by a unit; their motions (6 p, r) and (6 p, n)."""
+    """The least coordinates (r, 6 p) for unit motions of interfaces; their motions (6 p, r) and (6 p, n)."""
     ends = [each for each in body.interfaces if each.name in {own.name for own in now.interfaces}]
     if not ends:
         return np.zeros((now.n_coordinates, 0)), np.zeros((0, now.n_coordinates)), np.zeros((0, body.n))
     moved = np.vstack([now.interface(each.name).motion for each in ends])
     wanted = np.vstack([each.motion.toarray() for each in ends])
-    # Rotations in units of length, at the arm of the body's size.
+    # Rotations in units of length, with the body's size as the arm.
     scale = np.tile(np.repeat([1.0, float(np.ptp(body.nodes, axis=0).max())], 3), len(ends))
     back = np.linalg.pinv(scale[:, None] * moved, rcond=DEAR) * scale
     return back, moved, wanted
 
 
 def _following_rates(body: BodyForm, coordinates: Array, rates: Array) -> Array:
-    """Rates (n_nodal,) of what follows the coordinates: twice a symmetric form, by polarisation."""
+    """Rates (n_nodal,) of the condensed motion: twice a symmetric form, by polarisation."""
     size, speed = np.linalg.norm(coordinates), np.linalg.norm(rates)
     if not (size and speed):
         return np.zeros(len(body.nodes) * body.dofs_per_node)
@@ -177,12 +178,12 @@ def _seen_from(
     deformation: Deformation,
     coordinates_of: Callable[[Array], Array],
 ) -> tuple[PlacedFrame, Deformation]:
-    """The same shape and motion in space, from a frame of another kind: `D x = 0`, `D dx/dt = 0`."""
+    """The same shape and motion in space, relative to a frame of another kind: `D x = 0`, `D dx/dt = 0`."""
     conditions = frame.constraint(body)
     rigid = np.linalg.solve(conditions @ body.rigid_modes, conditions)
 
     def missed(nodal: Array) -> tuple[Array, Array]:
-        """Translation and rotation that bring a field onto the conditions, in the frame's axes."""
+        """Translation and rotation that make a field satisfy the conditions, in the frame's axes."""
         motion = rigid @ coordinates_of(nodal)
         return motion[:3], motion[3:]
 
@@ -209,7 +210,7 @@ def _seen_from(
 
 
 def _nodal(body: FlexibleBody, state: PlacedFrame, nodal: Array, position: Array, rotation: Array) -> Array:
-    """Nodal freedoms (n_nodal,) of the same shape in another frame."""
+    """Nodal freedoms (n_nodal,) of the same shape relative to another frame."""
     fields = nodal.reshape(-1, body.dofs_per_node)
     between = rotation.T @ state.rotation
     moved = (body.nodes + fields[:, :3]) @ between.T + rotation.T @ (state.position - position) - body.nodes
@@ -222,7 +223,7 @@ def _nodal(body: FlexibleBody, state: PlacedFrame, nodal: Array, position: Array
 def _nodal_rates(
     body: FlexibleBody, state: PlacedFrame, deformation: Deformation, found: PlacedFrame, nodal: Array
 ) -> Array:
-    """Rates (n_nodal,) of the same motion in another frame."""
+    """Rates (n_nodal,) of the same motion relative to another frame."""
     fields, rates = (each.reshape(-1, body.dofs_per_node) for each in deformation)
     between = found.rotation.T @ state.rotation
     own = np.cross(state.angular_velocity, body.nodes + fields[:, :3]) + rates[:, :3]
@@ -241,19 +242,19 @@ def _nodal_rates(
 def _check_same_mesh(now: BodyForm, nodes: Array) -> None:
     size = float(np.ptp(now.nodes, axis=0).max())
     if nodes.shape != now.nodes.shape:
-        why = f"{len(nodes)} nodes moved and it has {len(now.nodes)}"
+        why = f"{len(nodes)} nodes in the motion, {len(now.nodes)} in the body"
     elif (apart := float(np.linalg.norm(nodes - now.nodes, axis=1).max(initial=0.0))) > SAME_PLACE * size:
-        why = f"nodes that moved lie up to {apart:.3g} from its own"
+        why = f"nodes of the motion are up to {apart:.3g} from its own"
     else:
         return
     raise ModelError(
-        f"body '{now.name}' goes on from a motion of another mesh ({why}), and fields are brought from node "
-        "to node alone: give it the mesh that moved"
+        f"body '{now.name}' starts from a motion of another mesh ({why}); fields are transferred from node "
+        "to node only: give it the mesh of the motion"
     )
 
 
 def _frame(form: Any) -> Any:
-    """Of a body; parts of an explicit march have modes without rigid motion, as in mean axes."""
+    """The frame of a form; parts of an explicit run have modes without rigid motion, as in mean axes."""
     return getattr(form, "frame", MeanAxisFrame())
 
 
@@ -261,14 +262,14 @@ def _flexible(now: Any) -> FlexibleBody:
     if now.kind == "reduced":
         if now.full is None:
             raise ModelError(
-                f"body '{now.name}' was read as reduced, without the mass matrix by which another basis is "
-                "projected on its own: reduce it here, or go on with the reduced body that moved"
+                f"body '{now.name}' was read as reduced, without the mass matrix that projects another basis "
+                "on its own: reduce it here, or continue with the reduced body of the motion"
             )
         now = now.full
     if now.body.n_modal:
         raise ModelError(
-            f"body '{now.name}' was condensed elsewhere, and its nodes do not show its modal coordinates: go "
-            "on with the basis that moved"
+            f"body '{now.name}' is a condensed model, whose nodes do not show its modal coordinates: "
+            "continue with the basis of the motion"
         )
     return now.body
 

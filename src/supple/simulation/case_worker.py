@@ -1,4 +1,4 @@
-"""Load cases by a process that is fed with them; as a script it is that process (`worker_processes`)."""
+"""Worker process for load cases; this file is also its script (`worker_processes`)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["CaseWork"]
 
 
 class CaseWork:
-    """`Work` of runs, whose arguments are a machine each."""
+    """`Work` of runs; the argument of each is a machine."""
 
     script = __file__
 
@@ -27,23 +27,23 @@ class CaseWork:
         self._run = run
 
     def prepare(self, arguments: tuple[Any, ...]) -> None:
-        """Nothing: the first run compiles what all share."""
+        """No preparation: the first run compiles the common program."""
 
     def here(self, arguments: tuple[Any, ...]) -> Solution:
-        """The motion of a case."""
+        """The motion of a case, computed in this process."""
         return _marched(self.question(arguments), self._run)
 
     def greeting(self) -> Run:
-        """The run."""
+        """The run, sent first to the worker."""
         return self._run
 
     def question(self, arguments: tuple[Any, ...]) -> System:
-        """The machine."""
+        """The machine, sent for each case."""
         (system,) = arguments
         return system
 
     def result(self, answer: tuple[dict[str, Any], list[Any]]) -> Solution:
-        """The motion; what its run warned of is warned of here."""
+        """The motion; warnings of its run are repeated here."""
         parts, warned = answer
         for message in warned:
             warnings.warn(message, stacklevel=2)
@@ -57,7 +57,7 @@ def _marched(system: System, run: Run) -> Solution:
 
 
 def answer(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Run all that is asked."""
+    """Run all received cases."""
     run = pickle.load(questions)
     _say("ready", answers)
     while True:
@@ -74,7 +74,7 @@ def answer(questions: BinaryIO, answers: BinaryIO) -> None:
 
 
 def _plain(value: Any) -> Any:
-    """A mapping that can be sent."""
+    """A mapping that can be pickled."""
     return dict(value) if isinstance(value, Mapping) else value
 
 
@@ -84,7 +84,7 @@ def _say(answered: Any, answers: BinaryIO) -> None:
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the process that asks, which closes the input
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # handled by the parent process, which closes the input
     with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as own:
-        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever libraries say
+        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of libraries
         answer(sys.stdin.buffer, own)

@@ -1,4 +1,4 @@
-"""A machine and its run in a line, and all that its motion depends on, by name."""
+"""One-line description of a machine and its run, and named digests of all inputs of its motion."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def description(system: System, run: Run) -> str:
 
 
 def inputs_of(system: System, run: Run, case: str) -> Inputs:
-    """What a motion depends on: the run in words; digests of bodies, of all that acts on them, of gravity.
+    """The inputs of a motion: description of the run; digests of bodies, of loads and joints, of gravity.
 
-    Of modal bodies what their modes are made from; of reduced bodies only their form, where they stand and
-    how they move at first. For making modes again moves the last digits and signs of their numbers: result
-    files know these otherwise (`recorded_columns`).
+    For modal bodies, the inputs of their modes; for reduced bodies only their form, position and initial
+    motion: a repeated reduction changes the last digits and signs of modes, and result files identify these
+    otherwise (`recorded_columns`).
     """
     if is_explicit(system, run):
         run = replace(run, method=explicit_method(run))

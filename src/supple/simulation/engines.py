@@ -1,4 +1,4 @@
-"""The engine of a machine, chosen by the form of its bodies unless nothing is to be integrated."""
+"""The engine of a machine, chosen by the run's method or by the form of its bodies."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from supple.simulation.seen_machine import seen_machine
 __all__ = ["register_engine"]
 
 EngineFactory = Callable[[System, Run], Engine[Any]]
-"""Makes a machine ready for one method."""
+"""Prepares a machine for one method."""
 
 
 def _sparse_engine(system: System, run: Run) -> FullEngine:
-    """Of machines with full bodies, beside which intrinsic ones stand in floating frames."""
+    """The engine for machines with full bodies, with intrinsic bodies in floating frames."""
     return FullEngine(seen_machine(system), with_chosen_step(system, run))
 
 
 def _intrinsic_engine(system: System, run: Run) -> Engine[Any]:
-    """The march of lines; where it does not take the run or the other bodies, the sparse engine."""
+    """The march of lines; the sparse engine where it does not support the run or the other bodies."""
     if system.bodies_of(FullBody) or (is_joined(system) and isinstance(run.step_control, AdaptiveStep)):
         return _sparse_engine(system, run)
     return intrinsic_engine(system, run)
 
 
 _ENGINES: dict[str, EngineFactory] = {}
-"""By the kind of body that needs it; the first that applies to any body of the machine is taken."""
+"""By kind of body; the first that applies to any body of the machine is used."""
 
 
 def register_engine(kind: str, factory: EngineFactory) -> None:
     """Simulate machines with bodies of a kind (`BodyForm.kind`) by the engine that `factory` makes.
 
-    Bodies of other kinds in the same machine are that engine's business as well.
+    That engine must also handle bodies of other kinds in the same machine.
     """
     _ENGINES[kind] = factory
 
 
 def engine_for(system: System, run: Run) -> Engine[Any]:
-    """The machine made ready for the method that its run names, or else the form of its bodies chooses.
+    """The machine prepared for the run's method or, by default, for the form of its bodies.
 
-    Raises ModelError for controllers that the machine's engine does not take.
+    Raises ModelError for controllers that the machine's engine does not support.
     """
     kinds = {placed.body.kind for placed in system.bodies}
     if isinstance(run.method, Kinematic):
@@ -63,17 +63,17 @@ def engine_for(system: System, run: Run) -> Engine[Any]:
 
 
 def is_explicit(system: System, run: Run) -> bool:
-    """Whether a run is an explicit march: by its method, or by a body that has no other."""
+    """Whether a run is an explicit march: by its method, or by a body with no other method."""
     kinds = {placed.body.kind for placed in system.bodies}
     return isinstance(run.method, ExplicitRule) or any(_ENGINES.get(kind) is ExplicitEngine for kind in kinds)
 
 
 def refuse_explicit(system: System, run: Run, what: str) -> None:
-    """ModelError for an explicit march where another is meant; `what` as in "a batch"."""
+    """ModelError for an explicit march where it is not supported; `what` as in "a batch"."""
     if is_explicit(system, run):
         system.check_has_frames()
         raise ModelError(
-            f"{what} is not made of explicit marches: simulate the machine alone, or reduce its modal parts"
+            f"{what} does not support explicit marches: simulate the machine alone, or reduce its modal parts"
         )
 
 

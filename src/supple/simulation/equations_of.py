@@ -1,4 +1,4 @@
-"""The equations of a machine at rest: the form of its bodies chooses the method."""
+"""The equations of a machine at rest, by the method for the form of its bodies."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ __all__ = ["equations_of"]
 def equations_of(
     system: System, turning: SteadyTurning | None, time: float, known: tuple[int, ...] | None = None
 ) -> Equations:
-    """A machine as its bodies are placed, made ready for statics and modes.
+    """A machine with bodies as placed, prepared for statics and modes.
 
-    turning : of its bodies in their order; None at rest
-    known : equations of joints that are independent, where that is known: the joints are closed then
-    Raises ModelError for a spin of modal parts that stiffen by it, and whatever the start of a run would
-    find wrong with the joints.
+    turning : rotation of its bodies in their order; None at rest
+    known : independent joint equations, if known: the joints are then closed
+    Raises ModelError for rotation of modal parts with centrifugal stiffening, and for the errors of joints at
+    the start of a run.
     """
     if turning is not None and np.any(turning.angular_velocities):
         check_spun(system)

@@ -1,4 +1,4 @@
-"""Equilibrium of a machine: where it rests, or how it turns steadily, under its loads at one time."""
+"""Equilibrium of a machine, at rest or in steady rotation, under its loads at one time."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ from supple.summary import Summarized, Summary
 __all__ = ["Equilibrium", "equilibrium"]
 
 LARGEST_ERROR = 0.01
-"""Of a displacement: what is warned of."""
+"""Relative to the largest displacement: a larger error causes a warning."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Equilibrium(Summarized):
-    """A machine at rest, or turning steadily.
+    """A machine at rest, or in steady rotation.
 
-    system     : System     its bodies placed, moving and deformed as they are: `simulate` starts there
-    solution   : Solution   the same as a motion of one instant, for what reads motions
-    iterations : int        that the search took
-    errors : RestError      what its basis costs, by name of the reduced body whose full one is known
-    full : (System, Solution)   the same rest with all coordinates of the bodies whose full ones are known;
-                            None where none is, or no such rest was found
-    stable : bool | None    whether the tangent stiffness, in axes that turn along, is positive on the motions
-                            that the joints leave free; None where it does not decide: loads that follow the
-                            bodies, controllers, gyroscopic forces that may hold two directions of fall
+    system     : System     its bodies in their poses, velocities and deformation: `simulate` starts there
+    solution   : Solution   the same as a motion of one time, for functions of motions
+    iterations : int        number of iterations of the search
+    errors : RestError      basis error, by name of the reduced body with a known full body
+    full : (System, Solution)   the same equilibrium with all coordinates of the bodies with known full
+                bodies; None where there is none, or it was not found
+    stable : bool | None    whether the tangent stiffness, in co-rotating axes, is positive on the motions
+                that the joints leave free; None where this does not decide: loads that follow the bodies,
+                controllers, gyroscopic forces that may stabilise two unstable directions
     is_held : bool          whether the joints leave no rigid motion free
     """
 
@@ -55,13 +55,13 @@ class Equilibrium(Summarized):
     is_held: bool = False
 
     def summary(self) -> Summary:
-        """Stability, what the bases cost, and the size of the force of each joint."""
+        """Stability, basis errors, and the size of the force of each joint."""
         stable = {True: "stable", False: "not stable", None: "stability not decided"}[self.stable]
         rows = [("found", f"after {self.iterations} iterations; {stable}")]
         for name, error in self.errors.items():
             share = f"{100 * error.relative:.2g} % of the largest displacement"
             known = f"{error.worst:.2g} at the worst node, {share}"
-            unknown = "not known: no rest with all coordinates"
+            unknown = "not known: no equilibrium with all coordinates"
             rows.append((f"error of {name}", known if error.known else unknown))
         for name, force in self.joint_forces.items():
             size, moment = np.linalg.norm(force[:3]), np.linalg.norm(force[3:])
@@ -85,35 +85,36 @@ def equilibrium(
     fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None,
     progress: Callable[[int, float], None] = lambda *_: None,
 ) -> Equilibrium:
-    """Where a machine rests, or turns steadily, under gravity, its loads and its joints' laws at one time.
+    """Equilibrium of a machine, at rest or in steady rotation, under gravity, loads and laws at one time.
 
         I(q, w) + f(q) + G(q)^T lambda = Q(t, q),     g(q, t) = 0
 
-    with the inertia force `I` of the `spin`, zero without one. The search goes downhill from where the bodies
-    are placed, so that it ends in a stable equilibrium nearby. Velocities that the bodies were given do not
-    matter; those of the equilibrium are the spin's. Loads and gravity that do not turn along are taken as
-    they are at that instant.
+    with the inertia force `I` of the `spin`, zero without one. The search descends from the bodies'
+    placement, so that it ends in a stable equilibrium nearby. Initial velocities of the bodies are ignored;
+    those of the equilibrium are the spin's. Loads and gravity that do not rotate with the machine are
+    constant, as at that time.
 
     Parameters
     ----------
     time : of the loads and laws
-    spin : Spin       of the machine, or of the bodies that it names; the others stand
+    spin : Spin       of the machine, or of the bodies listed in it; the others are at rest
     search : StaticSearch       accuracy and step
-    fulls : FullBody            the bodies with all their coordinates, which reduced ones were made of: one
-        factorisation gives the error of the bases (`Equilibrium.errors`). None: those that the reduced bodies
-        know, all but those read from files; (): the factorisation is saved, and nothing is known of it
+    fulls : FullBody            the full bodies of reduced ones: one factorisation gives the error of the
+        bases (`Equilibrium.errors`). None: those known to the reduced bodies, all except those read from
+        files;
+        (): no factorisation and no estimate
     progress : called with each iteration and its largest relative residual
 
-    Controllers act as in a run, and their states rest with the machine: `f(0, q, z) = 0`, from which those of
-    the equilibrium's system begin.
+    Controllers act as in a run, and their states are in equilibrium too: `f(0, q, z) = 0`. The controllers of
+    the resulting system begin with these states.
 
     Raises
     ------
-    ModelError          whatever the start of a run would find wrong with the joints; a controller that is
-        sampled; a full body that is not the one that was reduced, or of a body that is not reduced; an
-        intrinsic body whose support holds it against the spin
-    ConvergenceError    no equilibrium was found, or a controller's state has none
-    Warns BasisWarning where a body lacks 1 % of its largest displacement or more.
+    ModelError          the errors of joints at the start of a run; a sampled controller; a full body that is
+                        not that of the reduced one, or of a body that is not reduced; an intrinsic body
+                        whose support prevents the spin
+    ConvergenceError    no equilibrium was found, also for a controller's state
+    Warns BasisWarning where the error of a body is 1 % of its largest displacement or more.
     Source: [KelleyKeyes1998] for the search.
     """
     search = search or StaticSearch()
@@ -135,7 +136,7 @@ def equilibrium(
 
 
 def warn_of_rest(errors: Mapping[str, RestError]) -> None:
-    """BasisWarning for each body whose basis lacks a part of the rest that matters."""
+    """BasisWarning for each body with a large basis error at equilibrium."""
     for name, error in errors.items():
         if not error.known:
             seen = "no equilibrium was found with all its coordinates"
@@ -158,5 +159,5 @@ REMEDY = (
 
 
 def _one_instant(found: RestingState, time: float) -> Solution:
-    """The equilibrium as a motion of one instant."""
+    """The equilibrium as a motion of one time."""
     return found.equations.solution(found.state, time, found.iterations)

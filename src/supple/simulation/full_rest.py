@@ -1,13 +1,13 @@
-"""What the bases of reduced bodies miss at an equilibrium: the machine balanced with all their coordinates.
+"""Basis errors of reduced bodies at an equilibrium: the machine in equilibrium with all their coordinates.
 
 At the equilibrium of a reduced machine, expanded to all coordinates, the full equations leave a residual r,
 
     [ K_T + M / k   G^T ] [ delta  ]       [ r ]
     [ G              0  ] [ lambda ]  =  - [ g ],       k long against all vibrations,
 
-G of joints and frames. The factor is kept for the sweeps that follow about the corrected place: what the
-second moves over the first shows whether first order is enough, and their sum is the whole error. Where a
-sweep is over a third of the one before, the full machine's equilibrium is searched from there instead.
+G of joints and frames. The factor is kept for repeated sweeps from the corrected state: the ratio of the
+second to the first shows whether first order suffices, and their sum is the whole error. If a sweep exceeds a
+third of the one before, the search for the full machine's equilibrium starts there instead.
 """
 
 from __future__ import annotations
@@ -39,29 +39,29 @@ from supple.simulation.seen_machine import seen_machine
 __all__ = ["FullRest", "RestError", "full_rest", "holds_all", "known_fulls", "rest_errors"]
 
 SLOWNESS = 1e3
-"""How many times slower than the lowest vibration the correction is taken to be."""
+"""Ratio of the lowest vibration's rate to that of the correction."""
 CONTRACTS = 1 / 3
-"""What a sweep may move over the one before."""
+"""Largest ratio of a sweep to the one before."""
 CONVERGED = 1e-4
-"""Of the first sweep: one that moves as little is the last."""
+"""Relative to the first sweep: a smaller sweep is the last."""
 NOTHING = 1e-8
-"""Of the size of the machine: a sweep that moves less is the last, whatever the first."""
+"""Relative to the size of the machine: a smaller sweep is the last, for any first one."""
 MOST_SWEEPS = 12
 NEAR_BY = 20
-"""Iterations of the search from the rest of the reduced machine, where sweeps do not contract."""
+"""Iterations of the search from the reduced equilibrium, where sweeps do not contract."""
 
 
 @dataclass(frozen=True, eq=False)
 class RestError:
-    """What the basis of a reduced body costs at an equilibrium.
+    """Error of the basis of a reduced body at an equilibrium.
 
-    displacement : (N, 3)   of the nodes, in space: places with all coordinates less those of the reduced
-                            body; of the deformation alone where the joints leave rigid motion free
-    deformation : (n,)      of the body's coordinates against its frame: the column that its basis lacks
-    size : float            largest displacement of a node, seen from the first interface
+    displacement : (N, 3)   of the nodes, in space: positions with all coordinates minus those of the reduced
+                body; only of the deformation where the joints leave rigid motion free
+    deformation : (n,)      of the body's coordinates relative to its frame: the column missing in its basis
+    size : float            largest displacement of a node, relative to the first interface
     strain : float          root of the strain energy of the missing deformation over that of the whole
-    second : float          what a second sweep moved over the first: above a third, first order is not enough
-    known : bool            False where no equilibrium was found with all coordinates: the errors are infinite
+    second : float          ratio of the second sweep to the first: above a third, first order is insufficient
+    known : bool            False where no equilibrium with all coordinates was found: the errors are infinite
     """
 
     displacement: np.ndarray
@@ -82,11 +82,11 @@ class RestError:
 
     @property
     def worst(self) -> float:
-        """Of the node that is farthest off, unit of length."""
+        """Error of the worst node, unit of length."""
         return float(np.linalg.norm(self.displacement, axis=1).max()) if self.known else np.inf
 
     def plain(self) -> dict[str, float | int | None]:
-        """Its numbers, for a report; None where they are not known."""
+        """The values for a report; None where unknown."""
         numbers = {
             "rms": self.rms,
             "worst": self.worst,
@@ -102,18 +102,18 @@ class RestError:
 
     @property
     def relative(self) -> float:
-        """The worst node's over the largest displacement; zero where nothing is displaced."""
+        """Error of the worst node over the largest displacement; zero without displacement."""
         return self.worst / self.size if self.size > 0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class FullRest:
-    """The equilibrium of a machine whose reduced bodies have all their coordinates.
+    """The equilibrium of a machine with all coordinates of its reduced bodies.
 
-    found : RestingState | None     None where there is none in reach
-    bases : ReductionBasis          of the bodies that were reduced, by name
-    began : (n,), by name           their coordinates at the rest of the reduced machine
-    second : float                  what the second sweep moved over the first
+    found : RestingState | None     None where the search found none
+    bases : ReductionBasis          of the reduced bodies, by name
+    began : (n,), by name           their coordinates at the equilibrium of the reduced machine
+    second : float                  ratio of the second sweep to the first
     """
 
     found: RestingState | None
@@ -125,9 +125,9 @@ class FullRest:
 def known_fulls(
     system: System, fulls: Mapping[str, FullBody] | Sequence[FullBody] | None = None
 ) -> dict[str, FullBody]:
-    """Full bodies by name: those given, or where that is left out (None) those that reduced ones know.
+    """Full bodies by name: those given, or by default (None) those known to the reduced bodies.
 
-    Raises ModelError for a full body of which the machine has no reduced one.
+    Raises ModelError for a full body whose reduced body is not in the machine.
     """
     if fulls is None:
         reduced = system.bodies_of(ReducedBody)
@@ -137,7 +137,7 @@ def known_fulls(
         body = system.placed(name, "fulls").body
         if body.kind not in ("reduced", "full"):
             raise ModelError(
-                f"fulls: body '{name}' is {body.kind}, and at rest the error is that of reduced bodies: "
+                f"fulls: body '{name}' is {body.kind}, and errors at rest are those of reduced bodies: "
                 "leave it out"
             )
     return given
@@ -146,10 +146,10 @@ def known_fulls(
 def full_rest(
     reduced: RestingState, fulls: Mapping[str, FullBody], time: float, search: StaticSearch
 ) -> FullRest | None:
-    """The equilibrium with all coordinates, from that of the reduced machine; None where no body is reduced.
+    """The equilibrium with all coordinates, from that of the reduced machine; None without reduced bodies.
 
-    fulls : the bodies that were reduced, by name; others stay as they are
-    Raises ModelError for a full body that is not the one that was reduced.
+    fulls : the full bodies of reduced ones, by name; other bodies are unchanged
+    Raises ModelError for a full body that is not that of the reduced one.
     """
     bases = kept_bases(reduced.system, fulls)
     if not bases:
@@ -164,7 +164,7 @@ def full_rest(
     machine = seen_machine(replace(reduced.system, bodies=bodies))
     turning = reduced.turning if np.any(reduced.turning.angular_velocities) else None
     statics = full_statics(machine, turning, time, reduced.equations.model.active)
-    # Frame conditions carry no force: the frame's own six equations balance all nodal forces together.
+    # Frame conditions transmit no force: the frame's own six equations balance the sum of the nodal forces.
     start = reduced.state._replace(
         configuration=reduced.configuration._replace(coordinates=np.concatenate(expanded)),
         frame_multipliers=statics.start().frame_multipliers,
@@ -179,7 +179,7 @@ def full_rest(
                 statics, start, time, replace(search, max_iterations=min(NEAR_BY, search.max_iterations))
             )
         except ConvergenceError:
-            # Far from the reduced rest: its shape is no better a start than the undeformed one.
+            # Far from the reduced equilibrium: its shape is no better a start than the undeformed one.
             statics = full_statics(machine, turning, time)
             try:
                 state, _ = search_equilibrium(statics, statics.start(), time, search)
@@ -190,7 +190,7 @@ def full_rest(
 
 
 def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: FullRest) -> dict[str, RestError]:
-    """What the basis of each body costs, by name."""
+    """The basis error of each body, by name."""
     held = holds_all(reduced.system, reduced.equations.model)
     before = placed_at_rest(reduced).bodies
     after = before if full.found is None else placed_at_rest(full.found).bodies
@@ -208,7 +208,7 @@ def rest_errors(reduced: RestingState, fulls: Mapping[str, FullBody], full: Full
         if held:
             displacement = new.positions() - old.positions()
         else:
-            missing = new.coordinates - began  # what condensed tensors let follow is no error
+            missing = new.coordinates - began  # condensed motion is not an error
             displacement = own.expand(frame_projector(own.body, MeanAxisFrame())(missing))
         errors[name] = RestError(
             displacement,
@@ -228,7 +228,7 @@ def holds_all(system: System, model: Model) -> bool:
 def _expanded(
     reduced: RestingState, bases: Mapping[str, ReductionBasis], fulls: Mapping[str, FullBody]
 ) -> list[np.ndarray]:
-    """All coordinates of each body at rest, those that condensed tensors let follow among them."""
+    """All coordinates of each body at equilibrium, with the condensed motion."""
     coordinates, first = [], 0
     for placed in reduced.system.bodies:
         body: Any = placed.body
@@ -246,7 +246,7 @@ def _expanded(
 def _swept(
     statics: FullStatics, state: StaticState, time: float, k: float
 ) -> tuple[StaticState | None, float]:
-    """The balanced state by sweeps with one factor, None where they do not contract; and their first rate."""
+    """The corrected state by sweeps with one factor, None if they do not contract; their first ratio."""
     scale, before, first, second = statics.position_scale, np.inf, 0.0, 0.0
     found = statics.unbalance(state, time)
     try:
@@ -271,7 +271,7 @@ def _swept(
 
 
 def _strain(full: FullBody, before: np.ndarray, after: np.ndarray) -> float:
-    """Root of the work of the missing forces on the missing deformation, over that of all on all."""
+    """Root of the work of the missing forces on the missing deformation, over the total work."""
     force = full.body.force.internal_force
     whole = abs(after @ force(after))
     missing = abs((after - before) @ (force(after) - force(before)))

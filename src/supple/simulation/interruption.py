@@ -1,4 +1,4 @@
-"""Runs that are ended from outside, by Ctrl-C (SIGINT) or by the system (SIGTERM), and what is kept."""
+"""Interruption of runs, by Ctrl-C (SIGINT) or by the system (SIGTERM), and the state of the result file."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ LOGGER = logging.getLogger("supple")
 
 
 class Terminated(SystemExit):
-    """The process was asked to end (SIGTERM); not caught, it ends with the exit code of that signal."""
+    """The process received SIGTERM; if not caught, it ends with the exit code of that signal."""
 
     def __init__(self) -> None:
         super().__init__(128 + signal.SIGTERM)
 
 
 INTERRUPTIONS = (KeyboardInterrupt, Terminated)
-"""What ends a run from outside."""
+"""Exceptions that end a run from outside."""
 _A_MOMENT = 0.05
 """s"""
 
 
 @contextmanager
 def raising_terminated() -> Iterator[bool]:
-    """Within the block SIGTERM raises Terminated, if the program has no way of its own; whether it does."""
+    """Within the block SIGTERM raises Terminated, unless the program has a handler; yields whether."""
     handles = (
         threading.current_thread() is threading.main_thread()
         and signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
@@ -52,9 +52,9 @@ def raising_terminated() -> Iterator[bool]:
 
 @contextmanager
 def _not_swallowed() -> Iterator[None]:
-    """Within the block an interruption that Python could not pass on is sent again a moment later.
+    """Within the block an interruption that Python could not raise is sent again shortly after.
 
-    A signal may arrive while an object is being cleared away, where Python prints what is raised and goes on.
+    A signal may arrive in a finaliser, where Python prints the exception and continues.
     """
     before, again = sys.unraisablehook, []
 
@@ -77,7 +77,7 @@ def _not_swallowed() -> Iterator[None]:
 
 @contextmanager
 def noted_interruption(file: ResultFile) -> Iterator[None]:
-    """An interruption within the block carries a note: up to which time the file keeps the run."""
+    """An interruption within the block carries a note with the last time stored in the file."""
     with raising_terminated() as is_ours:
         try:
             yield
@@ -85,16 +85,16 @@ def noted_interruption(file: ResultFile) -> Iterator[None]:
             note = _kept(file)
             error.add_note(note)
             if is_ours and isinstance(error, Terminated):
-                # Nobody prints an exit; a traceback prints the note of a Ctrl-C.
+                # An exit is not printed; a traceback prints the note of a Ctrl-C.
                 LOGGER.warning(note)
             raise
 
 
 def _kept(file: ResultFile) -> str:
     if file.last_time == -float("inf"):
-        return f"the run was stopped before its first output time; {file.path} holds nothing yet"
+        return f"the run was stopped before its first output time; {file.path} has no output"
     return (
-        f"the run up to t = {file.last_time:g} is kept in {file.path}; the same call goes on from there "
+        f"the run up to t = {file.last_time:g} is stored in {file.path}; the same call continues it "
         "(supple run: with --resume)"
     )
 

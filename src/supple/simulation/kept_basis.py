@@ -1,4 +1,4 @@
-"""The basis of a reduced body on the coordinates of the full one, from the nodal motion that it keeps."""
+"""The basis of a reduced body in the coordinates of the full one, from its stored nodal basis."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from supple.reduction import ReducedBody, ReductionBasis
 __all__ = ["kept_bases", "kept_basis"]
 
 DIFFERENT = 1e-8
-"""Of the nodal motion: what cannot be a motion of the full body."""
+"""Relative to the nodal motion: a larger remainder is not a motion of the full body."""
 LIKE = 1e-6
-"""Of the reduced stiffness: what that of the full body may differ by."""
+"""Relative to the reduced stiffness: allowed difference of the projected full stiffness."""
 
 
 def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
     """V with T V = nodal basis: least squares, exact for a body reduced from this one.
 
-    Raises ModelError for a body that was reduced from another, or has coordinates that no node shows.
+    Raises ModelError for the reduction of another body, or with coordinates invisible at the nodes.
     """
     if full.body.n_modal:
         raise ModelError(
-            f"body '{full.name}' was condensed elsewhere, and its nodes do not show its modal "
-            "coordinates, so nothing tells which a basis kept. Keep all: "
+            f"body '{full.name}' is a condensed model, whose nodes do not show its modal "
+            "coordinates, so the kept ones are unknown. Keep all: "
             'CompleteBasis(), or reduction = { basis = "complete" }'
         )
     T = full.body.expansion
@@ -47,6 +47,6 @@ def kept_basis(full: FullBody, reduced: ReducedBody) -> ReductionBasis:
 
 
 def kept_bases(system: System, fulls: Mapping[str, FullBody]) -> dict[str, ReductionBasis]:
-    """Those of the reduced bodies of a machine of which the full ones are known, by name."""
+    """Bases of a machine's reduced bodies with known full bodies, by name."""
     reduced = system.bodies_of(ReducedBody)
     return {name: kept_basis(fulls[name], body) for name, body in reduced.items() if name in fulls}

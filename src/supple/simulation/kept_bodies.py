@@ -1,4 +1,4 @@
-"""The reduced bodies of a run, kept beside its motion: the coordinates mean nothing without them."""
+"""The reduced bodies of a run, stored beside its motion, whose coordinates depend on them."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ __all__ = ["keep_bodies", "keep_body", "reduced_bodies", "with_kept_bodies"]
 
 
 def reduced_bodies(system: System, names: Collection[str]) -> list[ReducedBody]:
-    """The bodies of a system that are reduced, among those named."""
+    """The reduced bodies of a system, among the given names."""
     return [body for name, body in system.bodies_of(ReducedBody).items() if name in names]
 
 
 def keep_body(body: ReducedBody, folder: Path) -> Path:
-    """Write a reduced body where a run looks for it; the path of its file."""
+    """Write a reduced body to its file beside a run; returns the path."""
     return write_reduced_body(kept_path(folder, body.name), body)
 
 
 def keep_bodies(system: System, names: Collection[str], folder: Path) -> None:
-    """Write the reduced bodies of a system, among those named."""
+    """Write the reduced bodies of a system, among the given names."""
     for body in reduced_bodies(system, names):
         keep_body(body, folder)
 
 
 def with_kept_bodies(system: System, names: Collection[str], folder: Path) -> System:
-    """The system with the bodies that a run began with, to resume it; bodies that were not kept are now.
+    """The system with the stored bodies of a run, to resume it; bodies not yet stored are written.
 
-    Reduced again, their columns may have other signs.
+    A repeated reduction may change the signs of columns.
     """
     kept = {
         body.name: read_reduced_body(path)

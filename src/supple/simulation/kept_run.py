@@ -1,4 +1,4 @@
-"""A run whose result file and reduced bodies lie side by side: begun, or continued where it was cut off."""
+"""A run with its result file and reduced bodies in one folder, started or continued after an interruption."""
 
 from __future__ import annotations
 
@@ -31,31 +31,31 @@ def simulate_kept(
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> tuple[System, Solution]:
-    """Simulate a system and keep its motion with the reduced bodies it means, `NAME-reduced.h5` beside it.
+    """Simulate a system and store its motion with its reduced bodies, `NAME-reduced.h5` beside it.
 
     Parameters
     ----------
     system, run, path, case, metadata, inputs, overwrite, progress : as for `begin_recorded`
-    kept : names of the bodies to keep, as far as they are reduced; others have files of their own
-    resume : continue the run that was cut off, with the bodies that it began with
+    kept : names of the bodies to store, if they are reduced; others have files of their own
+    resume : continue an interrupted run, with the bodies that it began with
 
     Returns
     -------
-    the system as it was simulated, and the whole run
+    the system as simulated, and the whole run
 
     Raises
     ------
     ResultFileError     a file that cannot be written, or not be continued
-    errors of `simulate`; what was computed until then is kept in the file
+    errors of `simulate`; the results until then are in the file
     """
     if resume and read_header(path).n_times:
         system = with_kept_bodies(system, kept, path.parent)
         return system, continue_recorded(system, run, path, case=case, inputs=inputs, progress=progress)
     if resume:
-        # Nothing was computed yet. The bodies that lie there may be those of a run before.
+        # Nothing was computed yet. The stored bodies may be those of an earlier run.
         ResultFile.resume(path, case=case, inputs=inputs).close()
     metadata = {**metadata, **joint_ends(system), **columns_of(system)}
-    # The old motion goes before its bodies do: they are never seen with bodies that are not theirs.
+    # The old motion is deleted before its bodies: it is never beside bodies of another run.
     with ResultFile.create(path, case=case, metadata=metadata, inputs=inputs, overwrite=overwrite) as file:
         keep_bodies(system, kept, path.parent)
         return system, recorded(system, run, file, progress=progress)

@@ -1,4 +1,4 @@
-"""Machines put together: bodies moved until all joints fit."""
+"""Assembly of machines: bodies are moved until all joints are closed."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ __all__ = ["AssembledMachine", "assemble"]
 
 @dataclass(frozen=True, eq=False)
 class AssembledMachine:
-    """A machine whose joints fit.
+    """A machine with closed joints.
 
     system : System
-    moved : tuple of PositionCorrection   how far each body was moved (unit of length), and turned (rad)
+    moved : tuple of PositionCorrection   displacement (unit of length) and rotation (rad) of each body
     """
 
     system: System
@@ -36,11 +36,11 @@ class AssembledMachine:
 
 @checked_arguments
 def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
-    """The machine with its bodies moved rigidly until every joint fits: `g(q, t) = 0`.
+    """The machine with its bodies moved rigidly until every joint is closed: `g(q, t) = 0`.
 
-    Each step is the least one in the mass norm, so that what is light and near a gap moves first; of several
-    ways to put a machine together it finds the one near to where the bodies are placed. Points and axes of
-    joints stay those that they had on the bodies as placed, and so do velocities, which a run makes fit.
+    Each step is the least one in the mass norm, so that light bodies near a gap move first; of several
+    possible assemblies it finds the one nearest to the given placement. Points and axes of joints on the
+    bodies are unchanged, and so are velocities, which a run corrects.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def assemble(system: System, *, time: float = 0.0) -> AssembledMachine:
 
     Raises
     ------
-    ConvergenceError    joints that do not fit: the worst one, and by how much it stays open
+    ConvergenceError    joints that cannot be closed: the worst one, and its remaining gap
     Source: [Nikravesh1988] section 3.2 (Newton's method on the constraint equations).
     """
     sparse = system.bodies_of(FullBody) or system.bodies_of(IntrinsicBody)

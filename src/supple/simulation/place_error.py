@@ -1,4 +1,4 @@
-"""What the bases of reduced bodies cost at places of a machine at rest."""
+"""Errors due to the bases of reduced bodies at places of a machine at rest."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ __all__ = ["PlaceError", "place_errors"]
 
 @dataclass(frozen=True, eq=False)
 class PlaceError:
-    """Errors by the bases at one place at rest; what was found less its error is right.
+    """Basis errors at one place at rest; the computed value minus its error is exact.
 
     position : (3,) | None      in global axes; None where the joints leave rigid motion free
-    deflection : (3,) | None    seen from the body's first interface, in its axes; None of a rigid body
+    deflection : (3,) | None    relative to the body's first interface, in its axes; None for a rigid body
     """
 
     position: np.ndarray | None
@@ -34,10 +34,10 @@ def place_errors(
 ) -> dict[str, PlaceError]:
     """Errors of the positions and deflections of places at an equilibrium, by their names.
 
-        error = place by the bases - place with all coordinates
+        error = place with the bases - place with all coordinates
 
     places, bases : as of `tracked_places`
-    Left out are places whose error is not known; where no rest with all coordinates is, these are all.
+    Places with unknown error are left out; without an equilibrium with all coordinates, these are all.
     """
     if found.full is None:
         return {}
@@ -52,7 +52,7 @@ def place_errors(
 
 
 def _is_known(found: Equilibrium, body: str) -> bool:
-    """Whether the rest with all coordinates has the body in a form with the same places."""
+    """Whether the equilibrium with all coordinates has the body in a form with the same places."""
     if found.full is None:
         return False
     other = found.full[0].placed(body).body

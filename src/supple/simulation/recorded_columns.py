@@ -1,4 +1,4 @@
-"""Which bodies the motions in a result file are of, so that they are never taken for those of others."""
+"""Identification of the bodies of motions in a result file, so that they are not mistaken for others."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ _ARRAYS = (
     "damping_quartic",
 )
 _OF_COORDINATES = ("nodal_basis", "mass", "frame", "shapes", "velocities", "forces")
-"""Arrays that say what motion coordinates are of."""
+"""Arrays that define the motion of the coordinates."""
 
 
 def columns_of(system: System) -> Metadata:
-    """Metadata that distinguish elastic bodies."""
+    """Metadata that identify elastic bodies."""
     measured = measured_columns(system)
     return {KEY: json.dumps(measured)} if measured else {}
 
 
 def measured_columns(system: System) -> dict[str, dict[str, list[float]]]:
-    """By elastic body what distinguishes it: products of its arrays with random vectors."""
+    """Identification of each elastic body: products of its arrays with random vectors."""
     measured = {
         placed.body.name: {name: values.tolist() for name, values in _measures(placed)}
         for placed in system.bodies
@@ -49,32 +49,32 @@ def measured_columns(system: System) -> dict[str, dict[str, list[float]]]:
 
 
 def are_same_columns(then: Mapping[str, Any], placed: Placed) -> bool:
-    """Whether coordinates mean the same motion on a body and on that of which these measures were taken."""
+    """Whether coordinates have the same motion on a body as on the body of these measures."""
     now = dict(_measures(placed))
     of_columns = [name for name in _OF_COORDINATES if name in now]
     return all(name in then and same_measures(then[name], now[name]) for name in of_columns)
 
 
 def check_motions(system: System, solution: Solution) -> None:
-    """ModelError where a solution states the columns of its coordinates and a body has others."""
+    """ModelError where a solution has the columns of its coordinates and a body has others."""
     for placed in system.bodies:
         name = placed.body.name
         then = solution.columns.get(name)
         if then is not None and placed.body.n_coordinates and not are_same_columns(then, placed):
             raise ModelError(
-                f"the motion of body '{name}' is of other columns than the body given has: those of a body "
-                "that is reduced again may have other signs. Give the body that moved (read_reduced_body of "
+                f"the motion of body '{name}' has other columns than the given body: those of a body "
+                "that is reduced again may have other signs. Use the body of the run (read_reduced_body of "
                 "NAME-reduced.h5 beside the result)"
             )
 
 
 def check_columns(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError when a system's elastic bodies are others than those of a result file, or start so."""
+    """ResultFileError when a system's elastic bodies, or their start, differ from those of a result file."""
     _check(header, system, path, _measures)
 
 
 def check_bodies(header: ResultHeader, system: System, path: Path | str) -> None:
-    """ResultFileError when a system's elastic bodies are others, wherever they start."""
+    """ResultFileError when a system's elastic bodies differ, wherever they start."""
     _check(header, system, path, lambda placed: _of_body(placed.body))
 
 
@@ -98,22 +98,22 @@ def _other(path: Path | str, placed: Placed, name: str, size: int) -> str:
         return (
             f"{path} holds a motion of body '{body.name}' on {size} columns that are not those of "
             f"the body given, which has {body.n_coordinates}. Reducing again can change their signs: keep "
-            "the reduced body beside its motion (write_reduced_body) and continue with it, or start anew"
+            "the reduced body beside its motion (write_reduced_body) and continue with it, or start a new run"
         )
     if name == "shapes":
         return (
             f"{path} holds a motion of body '{body.name}' in {size} modes whose shapes are not those of the "
             f"body given, which has {body.n_coordinates}. On another computer, or with another number of "
-            "threads, modes of like frequency come out turned: go on there, or start anew"
+            "threads, modes of equal frequency can be mixed: continue there, or start a new run"
         )
     return (
         f"{path} holds a motion of body '{body.name}' with another {name.replace('_', ' ')} than that of the "
-        "body given: continue with the body it was begun with, or start anew"
+        "given body: continue with the original body, or start a new run"
     )
 
 
 def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
-    """What distinguishes an elastic body and its start from others, by name; nothing of a rigid one."""
+    """Measures that identify an elastic body and its start, by name; none for a rigid one."""
     body = placed.body
     of_body = list(_of_body(body))
     yield from of_body
@@ -122,7 +122,7 @@ def _measures(placed: Placed) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def _of_body(body: BodyForm) -> Iterator[tuple[str, np.ndarray]]:
-    """Name of an array of an elastic body and what distinguishes it from others."""
+    """Names of arrays of an elastic body, with their measures."""
     match body:
         case ReducedBody():
             for name in _ARRAYS:

@@ -1,4 +1,4 @@
-"""A simulation that lives on disk: begun, continued where it was cut off, read where it is complete."""
+"""A simulation recorded in a file: started, continued after an interruption, read when complete."""
 
 from __future__ import annotations
 
@@ -34,22 +34,21 @@ def begin_recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate a system from its start, keeping every finished part in a result file.
+    """Simulate a system from its start, writing every finished part to a result file.
 
     Parameters
     ----------
     system, run, progress, check : as for `simulate`
-    path : file to write; its folder is made
-    case, metadata : kept in the file, for the record; "units", `str` of a UnitSystem, name the units of its
-        arrays
-    inputs : what the motion depends on, kept in the file to continue it; by default what the system, the run
-        and the case give (`inputs_of`)
-    overwrite : replace what is there; otherwise only a run without any output is replaced
+    path : file to write; its folder is created
+    case, metadata : stored in the file; "units", `str` of a UnitSystem, gives the units of its arrays
+    inputs : inputs of the motion, stored in the file for continuation; by default from the system, the run
+        and the case (`inputs_of`)
+    overwrite : replace an existing result; otherwise only a run without any output is replaced
 
     Raises
     ------
-    ResultFileError     a result is there, or another run writes it; the file cannot be written (a full disk)
-    errors of `simulate`; what was computed until then is kept in the file
+    ResultFileError     a result exists, or another run writes it; the file cannot be written (a full disk)
+    errors of `simulate`; the results until then are in the file
     """
     file = ResultFile.create(
         path,
@@ -63,7 +62,7 @@ def begin_recorded(
 
 
 def joint_ends(system: System) -> Metadata:
-    """Metadata that state which end the forces of each joint act on."""
+    """Metadata with the end on which the forces of each joint act."""
     return {second_end_key(joint.name): str(joint.second) for joint in system.joints}
 
 
@@ -77,12 +76,12 @@ def continue_recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate the rest of a run that was cut off, from the last instant its result file holds.
+    """Simulate the rest of an interrupted run, from the last time in its result file.
 
     Parameters and errors as for `begin_recorded`; also
 
-    ResultFileError     no such file, or its run is complete, or something it depends on has changed (named);
-                        a body is not the one that it was begun with
+    ResultFileError     no such file, or its run is complete, or one of its inputs has changed (listed);
+                        a body is not the original one
     """
     inputs = inputs_of(system, run, case) if inputs is None else inputs
     header = read_header(path)
@@ -102,15 +101,15 @@ def simulate_recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate a system unless its result file holds the run: begin it, or continue what was cut off.
+    """Simulate a system unless its result file has the run: start it, or continue after an interruption.
 
     Parameters
     ----------
     system, run, progress, check : as for `simulate`
-    path : file to write; its folder is made
-    case : str      what is simulated, in words
+    path : file to write; its folder is created
+    case : str      description of the simulation
     inputs : as for `begin_recorded`; a file of another run is never overwritten nor continued
-    overwrite : begin anew, whatever is there
+    overwrite : start a new run in any case
 
     Returns
     -------
@@ -118,9 +117,9 @@ def simulate_recorded(
 
     Raises
     ------
-    ResultFileError     the file holds another run, or motions of bodies other than those given; another run
+    ResultFileError     the file has another run, or motions of bodies other than those given; another run
                         is writing it; it cannot be read or written (a full disk, say)
-    errors of `simulate`; what was computed until then is kept in the file
+    errors of `simulate`; the results until then are in the file
     """
     path = Path(path)
     inputs = inputs_of(system, run, case) if inputs is None else inputs
@@ -148,16 +147,16 @@ def recorded(
     progress: Progress | None = None,
     check: bool = True,
 ) -> Solution:
-    """Simulate what a result file does not hold yet, into it; the whole run, as it is read back."""
+    """Simulate the part of a run missing from a result file, into it; the whole run, read back."""
     start = file.last_instant() if file.header.n_times else None
     stopped, truncation = None, {}
-    # Cut off between its last output time and its end, a run has nothing left to do but to be complete.
+    # A run interrupted between its last output time and its end only has to be completed.
     if start is None or _is_something_left(run, start):
         with noted_interruption(file):
             done = watched_run(system, run, resume=start, record=file.append, progress=progress, check=check)
         stopped = done.stopped
-        truncation = done.truncation if start is None else {}  # otherwise of a part
-    # From the open file, under its lock: nobody else's motion is taken for this one.
+        truncation = done.truncation if start is None else {}  # otherwise of a part only
+    # From the open file, under its lock: the motion cannot be that of another run.
     whole = file.solution()
     if stopped is None:
         file.finish()
@@ -171,6 +170,6 @@ def _is_something_left(run: Run, reached: Solution) -> bool:
 def _check_same_run(header: ResultHeader, inputs: Inputs, case: str, path: Path) -> None:
     if changed := changes(header.inputs, inputs):
         raise ResultFileError(
-            f"{path} holds another run than the one asked for ({changed}); say overwrite=True to replace it, "
-            f"or choose another file. There: {header.case}. Here: {case}"
+            f"{path} contains another run than requested ({changed}); set overwrite=True to replace it, "
+            f"or choose another file. In the file: {header.case}. Requested: {case}"
         )

@@ -1,4 +1,4 @@
-"""Whether an equilibrium is stable: the signs of its tangent stiffness."""
+"""Stability of an equilibrium, from the signs of its tangent stiffness."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from supple.simulation.resting_state import RestingState
 __all__ = ["is_stable"]
 
 SKEW = 1e-6
-"""Of a stiffness: a larger unsymmetric part is no rounding, but of forces that do not have a potential."""
+"""Relative to the stiffness: a larger unsymmetric part is not rounding, but due to nonconservative forces."""
 DISCRETE = 1e-2
-"""The same of intrinsic bodies, between two vibrations: the velocities of places, on which joints and loads
+"""The same for intrinsic bodies, between two vibrations: the velocities of points, at which joints and loads
 act, and of modes differ by the square of a segment's length."""
 ROUNDING = 1e-12
-"""Of the largest eigenvalue."""
+"""Relative to the largest eigenvalue."""
 
 
 def is_stable(found: RestingState, time: float) -> bool | None:
@@ -29,8 +29,8 @@ def is_stable(found: RestingState, time: float) -> bool | None:
 
         p^T K p >= 0  for all  G p = 0
 
-    K in axes that turn along, with the centrifugal part. None where it does not decide: K is not symmetric,
-    a controller acts, or a spin may hold an even number of directions of fall by gyroscopic forces.
+    K in co-rotating axes, with the centrifugal part. None where it does not decide: K is not symmetric,
+    a controller acts, or a spin may stabilise an even number of unstable directions by gyroscopic forces.
     Source: Lagrange and Dirichlet; Kelvin and Tait for the spin.
     """
     if found.system.controllers:
@@ -64,7 +64,7 @@ def _falling_sparse(equations: SparseEquations) -> int | None:
     if _is_skew(stiffness):
         return None
     symmetric = (stiffness + stiffness.T) / 2
-    # A motion that nothing holds makes the stiffness singular: what falls slower than rounding is held.
+    # A motion without stiffness makes the matrix singular: negative values within rounding are set to zero.
     squares = abs(symmetric.diagonal()) / equations.mass.diagonal()
     for shift in (0.0, ROUNDING * float(squares[np.isfinite(squares)].max(initial=0.0))):
         with suppress(AccuracyError):

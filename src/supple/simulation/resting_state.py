@@ -1,4 +1,4 @@
-"""The search for an equilibrium, from a machine to the arrays of its state at rest."""
+"""The search for an equilibrium, with its state as arrays."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class RestingState(NamedTuple):
     """An equilibrium as arrays."""
 
     system: System
-    """As it was placed"""
+    """The machine as placed"""
     turning: SteadyTurning
     state: StaticState
     iterations: int
@@ -36,7 +36,7 @@ class RestingState(NamedTuple):
 
     @property
     def configuration(self) -> Configuration:
-        """Where the bodies are, in their order."""
+        """Poses of the bodies, in their order."""
         return self.equations.bodies_at(self.state.configuration)
 
 
@@ -62,7 +62,7 @@ def resting_state(
 
 
 def check_time(time: float) -> None:
-    """Raise ModelError for the time of an equilibrium that is no number."""
+    """Raise ModelError for a time of an equilibrium that is not finite."""
     if not np.isfinite(time):
         raise ModelError(f"the time of an equilibrium must be finite, got {time}")
 
@@ -71,20 +71,20 @@ def _refuse_sampled(system: System) -> None:
     for controller in system.controllers:
         if isinstance(controller, SampledController):
             raise ModelError(
-                f"controller '{controller.name}' is sampled: plain Python that is called between steps has "
-                "neither a rest nor eigenvalues. Write its law as a Controller, in jax.numpy, with what it "
-                "remembers as states, or leave it out, replace(system, controllers=()). A damped run finds "
-                "a rest with it, but no modes"
+                f"controller '{controller.name}' is sampled: a Python function called between steps has "
+                "neither an equilibrium nor eigenvalues. Write it as a Controller, in jax.numpy, with its "
+                "memory as states, or remove it, replace(system, controllers=()). A damped run finds "
+                "an equilibrium with it, but no modes"
             )
 
 
 def at_rest(placed: Placed) -> Placed:
-    """Without any velocity."""
+    """The placed body without velocity."""
     return replace(placed, velocity=None, angular_velocity=None, coordinate_rates=np.zeros(0))
 
 
 def placed_at_rest(found: RestingState) -> System:
-    """The system with its bodies as in the state, turning steadily."""
+    """The system with its bodies as in the state, in steady rotation."""
     bodies, first = [], 0
     system, (velocities, point), configuration = found.system, found.turning, found.configuration
     for index, placed in enumerate(system.bodies):
@@ -104,7 +104,7 @@ def placed_at_rest(found: RestingState) -> System:
 
 
 def _resting(system: System, found: RestingState) -> tuple[Controller | SampledController, ...]:
-    """The controllers, beginning with the states at rest."""
+    """The controllers, beginning with their states at equilibrium."""
     states = states_by_controller(found.equations.model, found.state.control)
     return tuple(
         replace(own, initial=state) if isinstance(own, Controller) else own

@@ -1,4 +1,4 @@
-"""What the cases of a batch did, from the states they went through: joint forces of many cases in one go."""
+"""Solutions of the cases of a batch from their states, with joint forces for many cases at once."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ __all__ = ["MarchedCase", "solutions_of"]
 
 @dataclass(frozen=True)
 class MarchedCase:
-    """A case that has marched as far as it gets."""
+    """A case as far as it was marched."""
 
     system: System
     model: Model
     states: State
-    """At the output times that it has reached, leading axis: time"""
+    """States at the output times reached, leading axis: time"""
     statistics: Statistics
 
 
 def solutions_of(cases: Sequence[MarchedCase]) -> list[Solution]:
-    """The solutions of cases; of those with the same bodies and joints the histories are one behind the other
-    while forces are found, which cost by the call more than by the instant."""
+    """The solutions of cases; those with the same bodies and joints are concatenated in time
+    for their joint forces, whose cost is per call more than per time."""
     alike: dict[Hashable, list[int]] = {}
     for number, case in enumerate(cases):
         alike.setdefault(_bodies_and_joints(case), []).append(number)
@@ -43,7 +43,7 @@ def solutions_of(cases: Sequence[MarchedCase]) -> list[Solution]:
 
 
 def _bodies_and_joints(case: MarchedCase) -> Hashable:
-    """By identity: cases that start alike share the arrays of their joints (`batch_start`)."""
+    """By identity: cases with equal starts share the arrays of their joints (`batch_start`)."""
     return (
         tuple(id(placed.body) for placed in case.system.bodies),
         tuple(joint.name for joint in case.system.joints),

@@ -1,4 +1,4 @@
-"""A machine in which bodies of every form stand beside each other, as the sparse engine takes it."""
+"""A machine with bodies of several forms, for the sparse engine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["full_system", "seen_machine"]
 def seen_machine(system: System) -> SeenMachine:
     """The machine with its intrinsic bodies in floating frames.
 
-    Raises ModelError for intrinsic bodies whose modes hold their root.
+    Raises ModelError for intrinsic bodies whose modes have a fixed root.
     """
     return lines_in_frames(system) if system.bodies_of(IntrinsicBody) else SeenMachine(system, system, ())
 

@@ -1,16 +1,16 @@
 """Cases of a batch in shares, each marched by one call of a compiled program.
 
-Cases are mapped together, as many as a chunk holds, but for the solution of Newton's equations, where they
-take turns and converged ones have none (`sequential_vmap`). A last share that is smaller repeats its last
-case, so that one program marches all.
+Cases are mapped together, up to a chunk, except for the solution of Newton's equations, which is sequential
+and skips converged cases (`sequential_vmap`). A smaller last share repeats its last case, so that one program
+serves all.
 
-Where a run keeps the tangent of its steps, cases that are mapped together would each make one at every
-iterate: which case needs a new one is a branch that a map does not have. Of a body with 25 coordinates that
-costs up to three times a case alone. So they stay alone, and share the program of a single case.
+With a frozen tangent, mapped cases would all compute one at every iterate: a map has no branch for the case
+that needs a new one. For a body with 25 coordinates that costs up to three times a single case. Such cases
+are therefore not mapped, and share the program of a single case.
 
-Arrays with the cases innermost, so that a vector holds a number of each, were tried for what costs most, the
-inverse of a tangent: 33 us a case of 31 unknowns, 8 or 16 in step, where one after the other takes 18. One
-matrix stays in the cache next to the processor, those of many cases do not.
+Arrays with the cases innermost, so that a vector holds a number of each, were measured for the most expensive
+part, the inverse of a tangent: 33 us per case of 31 unknowns, 8 or 16 in step, against 18 one after the
+other. One matrix stays in the cache next to the processor, those of many cases do not.
 """
 
 from __future__ import annotations
@@ -36,16 +36,16 @@ __all__ = ["SharesOfCases", "shares_of"]
 
 @dataclass(frozen=True)
 class SharesOfCases:
-    """Which cases are marched by one call, and what the program takes for them."""
+    """Cases marched by one call, and the arguments of the program."""
 
     program: KeptProgram
     cases: tuple[Sequence[int], ...]
     arguments: tuple[Task, ...]
     alone: bool
-    """Whether what the program gives is of one case, without an axis of cases"""
+    """Whether the result of the program is for one case, without an axis of cases"""
 
     def of_each(self, share: int, result: Any) -> Iterator[tuple[int, State, State]]:
-        """The cases of a share by their numbers: of each its last state, and those at the stops."""
+        """The cases of a share by their numbers, each with its last state, and those at the stops."""
         for place, number in enumerate(self.cases[share]):
             last, states = result if self.alone else jax.tree.map(lambda leaf, i=place: leaf[i], result)
             yield number, last, states
@@ -54,7 +54,7 @@ class SharesOfCases:
 def shares_of(
     starts: BatchStart, axes: Axes, settings: Controls, stops: np.ndarray, chunk: int
 ) -> SharesOfCases:
-    """Cases from their starts to the stops; `axes` are of what differs between their models."""
+    """Cases from their starts to the stops; `axes` mark the parts that differ between their models."""
     models, states = starts
     if states[0].kept is None:
         return _mapped(starts, axes, settings, stops, chunk)
@@ -94,7 +94,7 @@ def _mapped(
 def _march_of_cases(
     first: Model, differing: list[Any], settings: Controls, states: State, stops: Any
 ) -> tuple[State, State]:
-    """The march, mapped over cases: of the first one's model, but for its leaves that differ (else None)."""
+    """The march, mapped over cases: the first one's model, with leaves that differ replaced (else None)."""
     leaves, structure = jax.tree.flatten(first)
 
     def of_case(own: list[Any], state: State) -> tuple[State, State]:

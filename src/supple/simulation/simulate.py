@@ -1,4 +1,4 @@
-"""Simulate a machine, in memory or kept in a file."""
+"""Simulation of a machine, in memory or recorded in a file."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ def simulate(
     ----------
     system : System
     run : Run               span, output times, steps, tolerances
-    file : path             keep the motion in this result file as it is computed, and go on with what is
-                            there: a finished run is read, one that was cut off is continued
-    overwrite : bool        begin anew, whatever the file holds
-    resume : Solution       go on from the end of an earlier part of the same run
-    progress, record : called as the run goes on; `record` receives every completed leg
+    file : path             record the motion in this result file as it is computed; an existing complete run
+                            is read, an interrupted one is continued
+    overwrite : bool        start a new run, whatever the file contains
+    resume : Solution       continue from the end of an earlier part of the same run
+    progress, record : called during the run; `record` receives every completed leg
     check : bool            raise where the run ends early; otherwise `Solution.stopped` is the reason
 
     Returns
@@ -51,26 +51,26 @@ def simulate(
     Raises
     ------
     ModelError          a joint open at the start, a table that begins too late or ends too early
-    ConvergenceError    a step that fails at the smallest size: time, residual and remedy; what was computed
-                        until then has been handed to `record` and is kept in the file
-    ValidityError       what is warned of below under Validity, Start and Resolution, save output times, under
+    ConvergenceError    a step that fails at the smallest size: time, residual and remedy; the results until
+                        then were passed to `record` and are in the file
+    ValidityError       the warnings below under Validity, Start and Resolution, except output times, with
                         `Validity(strict=True)`
-    ResultFileError     the file holds another run, another run is writing it, or it cannot be read or written
-    KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note up to which time the file keeps the run
+    ResultFileError     the file has another run, another run is writing it, or it cannot be read or written
+    KeyboardInterrupt   (Ctrl-C; on SIGTERM `Terminated`) with a note with the last time in the file
 
     Warns
     -----
-    ValidityWarning             a motion beyond what the kinematics can describe
+    ValidityWarning             a motion beyond the range of the kinematics
     StartWarning                initial positions or velocities that the joints do not allow
     ResolutionWarning           steps, or output times, too far apart for loads and motions
     StepCutWarning, RedundantConstraintWarning
     """
     if file is None:
         if overwrite:
-            raise ValueError("overwrite: there is no file to overwrite; name it, file=PATH")
+            raise ValueError("overwrite: there is no file to overwrite; give it, file=PATH")
         return watched_run(system, run, resume=resume, progress=progress, record=record, check=check)
     if resume is not None or record is not None:
-        raise ValueError("a run that is kept in a file is resumed and recorded there: leave these out")
+        raise ValueError("a run with a file is resumed and recorded there: leave out resume and record")
     return simulate_recorded(
         system,
         run,

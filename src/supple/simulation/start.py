@@ -1,4 +1,4 @@
-"""A machine that goes on from an instant of an earlier motion, under other loads, steps or bases."""
+"""Continuation of a machine from a time of an earlier motion, with other loads, steps or bases."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ from supple.simulation.recorded_columns import are_same_columns, measured_column
 __all__ = ["Start", "StartedMachine"]
 
 SAME_TIME = 1e-6
-"""Of the distance of output times."""
+"""Relative to the distance of output times."""
 
 
 @dataclass(frozen=True, eq=False)
 class StartedMachine:
-    """A machine as it goes on.
+    """A machine ready to continue.
 
-    system : System             its bodies placed, moving and deformed as at the instant; run it with
-        `Run(.., start=time)`, for laws go on with their time
-    time : float                the instant
-    losses : ProjectionLoss     of the bodies that stand on another basis, by name
+    system : System             its bodies with the poses, velocities and deformation of that time; run it
+        with `Run(.., start=time)`, as the time of laws continues
+    time : float                the start time
+    losses : ProjectionLoss     of the bodies with another basis, by name
     """
 
     system: System
@@ -49,13 +49,13 @@ class StartedMachine:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """An instant of a motion, from which another machine of the same bodies goes on.
+    """A time of a motion from which another machine with the same bodies continues.
 
-    solution : Solution         also one that was read from a file
+    solution : Solution         computed, or read from a file
     time : float | None         one of its output times; the last where None
-    machine : System | None     that moved so: needed where a body goes on in another form or on another basis
-    length, duration : float    units of length and time of the motion in those of the machine that goes on;
-        the time is in the latter
+    machine : System | None     the machine of the motion: needed where a body changes its form or basis
+    length, duration : float    units of length and time of the motion in those of the new machine; the time
+        is in the latter
     Raises ModelError for a time that is not among the output times.
     """
 
@@ -71,7 +71,7 @@ class Start:
 
     @property
     def times(self) -> np.ndarray:
-        """Output times (t,) of the motion, in the unit of the machine that goes on."""
+        """Output times (t,) of the motion, in the unit of the new machine."""
         return self.duration * self.solution.times
 
     @property
@@ -80,7 +80,7 @@ class Start:
 
     @property
     def row(self) -> int:
-        """Number of the instant among the output times."""
+        """Index of the time among the output times."""
         times = self.times
         if self.time is None:
             return len(times) - 1
@@ -90,26 +90,27 @@ class Start:
         if not abs(times[row] - self.time) <= allowed:
             near = times[max(row - 1, 0) : row + 2]
             raise ModelError(
-                f"a machine goes on from an output time, where its whole state is kept, and {self.time:g} is "
-                f"none of {times[0]:g} to {times[-1]:g}: take one such as "
+                f"a machine starts from an output time, where its whole state is stored; {self.time:g} is "
+                f"none of {times[0]:g} to {times[-1]:g}: use one such as "
                 + " or ".join(f"{each:.12g}" for each in near)
             )
         return row
 
     def place(self, system: System) -> StartedMachine:
-        """The machine with its bodies as they were at the instant; bodies are matched by their names.
+        """The machine with its bodies as at that time; bodies are matched by their names.
 
-        On the columns that moved, positions, velocities and deformation are those of the instant. Points and
-        axes of joints and forces stay those of the machine as it is placed. A body in another form or basis
-        is projected in the mass norm, with its interfaces where they were (`carried_deformation`).
-        Accelerations and joint forces are made anew, consistent, as a run begins: after that a run differs
-        from one without a break by the order of its method.
+        With the same columns, positions, velocities and deformation are those of that time. Points and axes
+        of joints and forces remain those of the machine as placed. A body in another form or basis is
+        projected in the mass norm, with its interfaces at their positions (`carried_deformation`).
+        Accelerations and joint forces are computed anew, as at the start of a run: afterwards the run differs
+        from an uninterrupted one by the order of its method.
 
         Raises
         ------
-        ModelError      a body that did not move there, or with another mesh or form; explicit elements, whose
-            plastic strain at each point no motion holds
-        Warns BasisWarning of a body that loses 1 % or more, StartWarning of controllers that begin anew.
+        ModelError      a body without a motion, or with another mesh or form; explicit elements, whose
+        plastic
+                        strain is not stored
+        Warns BasisWarning of a body that loses 1 % or more, StartWarning of controllers that restart.
         """
         placed, losses = [], {}
         for each in system.bodies:
@@ -126,7 +127,7 @@ class Start:
         name, known = placed.body.name, self.solution.bodies
         if name not in known:
             raise ModelError(
-                f"body '{name}' has no motion to go on from{did_you_mean(name, known)}; there are: "
+                f"body '{name}' has no motion to start from{did_you_mean(name, known)}; there are: "
                 f"{', '.join(known)}. Bodies are matched by name"
             )
         motion, body = known[name], placed.body
@@ -134,14 +135,14 @@ class Start:
         if isinstance(motion, IntrinsicMotion) and body.kind == "intrinsic":
             if not same:
                 raise ModelError(
-                    f"body '{name}' goes on in the intrinsic modes that moved, and these are others: "
+                    f"body '{name}' must keep the intrinsic modes of the motion, and these are others: "
                     "condense it with the same modes, in the same units"
                 )
             return placed_as_moved(placed, motion, self.row), None
         if not isinstance(motion, FloatingMotion) or not body.has_frame or body.kind == "intrinsic":
             raise ModelError(
-                f"body '{name}' is {body.kind}, and its motion there is {motion.kind}: go on in the form "
-                "that moved; explicit elements, whose plastic strain at each point no motion holds, by "
+                f"body '{name}' is {body.kind}, and its motion is {motion.kind}: keep the form "
+                "of the motion; explicit elements, whose plastic strain is not stored, by "
                 "--resume"
             )
         state, q, dq = self._state(motion)
@@ -156,7 +157,7 @@ class Start:
         return replace(moved, coordinates=q, coordinate_rates=dq, **velocities), loss
 
     def _is_same(self, placed: Placed, motion: Motion) -> bool:
-        """Whether coordinates mean the same; ModelError where that is not known."""
+        """Whether coordinates have the same meaning; ModelError where that is not known."""
         name, here = placed.body.name, placed.body.n_coordinates
         there = motion.coordinates.shape[1] if isinstance(motion, FramedMotion) else -1
         if not here and not there:
@@ -164,7 +165,7 @@ class Start:
         known = self.solution.columns or (measured_columns(self.machine) if self.machine else {})
         if not known and there == here:
             raise ModelError(
-                f"nothing says of which basis the motion of body '{name}' is: name the machine that moved, "
+                f"the basis of the motion of body '{name}' is unknown: give the machine of the motion, "
                 "Start(solution, time, machine)"
             )
         return there == here and not self._is_scaled and are_same_columns(known.get(name, {}), placed)
@@ -181,7 +182,7 @@ class Start:
         return state, motion.coordinates[row], motion.coordinate_rates[row]
 
     def _scaled(self, deformation: Deformation, dofs_per_node: int) -> Deformation:
-        """In units of the machine: translations, and rotations, which have none."""
+        """The deformation in units of the machine: translations; rotations have none."""
         units = np.ones(dofs_per_node)
         units[:3] = self.length
         nodal, rates = (each.reshape(-1, dofs_per_node) * units for each in deformation)
@@ -192,30 +193,30 @@ class Start:
         if not (size and placed.body.n_coordinates):
             words = ("rigid", "elastic") if not size else ("elastic", "rigid")
             raise ModelError(
-                f"body '{name}' was {words[0]} and is {words[1]} now: its deformation has nothing to go on "
-                "from; keep its form"
+                f"body '{name}' was {words[0]} and is {words[1]} now: its deformation cannot be "
+                "transferred; keep its form"
             )
         if self.machine is None:
             raise ModelError(
-                f"body '{name}' moved on {size} columns that are not those that it has now "
-                f"({placed.body.n_coordinates}): name the machine that moved, Start(solution, time, "
+                f"body '{name}' moved in {size} columns other than its present ones "
+                f"({placed.body.n_coordinates}): give the machine of the motion, Start(solution, time, "
                 "machine), whose shapes are then projected on the new ones"
             )
         then = self.machine.placed(name, "start")
         if not then.body.has_frame or then.body.n_coordinates != size:
             raise ModelError(
-                f"the motion of body '{name}' has {size} coordinates, and the machine that is named for it "
-                f"{then.body.n_coordinates}: name the one that moved"
+                f"the motion of body '{name}' has {size} coordinates, and the machine given for it "
+                f"{then.body.n_coordinates}: give the machine of the motion"
             )
         if self.solution.columns and not are_same_columns(self.solution.columns.get(name, {}), then):
             raise ModelError(
-                f"the motion of body '{name}' is not of the columns that the machine named for it has: "
-                "name the one that moved; reduced again, columns may have other signs"
+                f"the motion of body '{name}' has other columns than the machine given for it: "
+                "give the machine of the motion; reduced again, columns may have other signs"
             )
         return then.body
 
     def _goes_on(self, number: int, controller: Any) -> Any:
-        """With the states of the motion's end, where it is gone on from there; else as it begins."""
+        """The controller with its states at the end of the motion, if it starts there; else as it begins."""
         known = self.solution.engine_state if self.row == len(self.solution.times) - 1 else {}
         states = known.get(f"control.states.{number}")
         is_traced = isinstance(controller, Controller)
@@ -223,8 +224,8 @@ class Start:
             return replace(controller, initial=np.asarray(states)[: len(controller.initial)])
         if not is_traced or len(controller.initial):
             warnings.warn(
-                f"controller '{controller.name}' begins anew: what it remembers is kept at the end of a run "
-                "alone, and of sampled ones for --resume alone",
+                f"controller '{controller.name}' restarts: its memory is stored at the end of a run "
+                "only, and for sampled ones only for --resume",
                 StartWarning,
                 stacklevel=4,
             )
@@ -235,9 +236,9 @@ def _warn(losses: Mapping[str, ProjectionLoss]) -> None:
     for name, loss in losses.items():
         if max(loss.relative, loss.rate) >= LARGEST_ERROR:
             warnings.warn(
-                f"body '{name}': its basis loses {100 * loss.relative:.2g} % of the deformation that it goes "
-                f"on from ({loss.rms:.2g} RMS) and {100 * loss.rate:.2g} % of its rates, in the mass norm: "
-                "keep more modes, or the basis that moved",
+                f"body '{name}': its basis loses {100 * loss.relative:.2g} % of the initial deformation "
+                f"({loss.rms:.2g} RMS) and {100 * loss.rate:.2g} % of its rates, in the mass norm: "
+                "keep more modes, or the basis of the motion",
                 BasisWarning,
                 stacklevel=4,
             )

@@ -1,4 +1,4 @@
-"""A run in memory, checked before it begins and watched while it goes on."""
+"""A run in memory, checked before and during its march."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def watched_run(
     record: Recorder | None = None,
     check: bool = True,
 ) -> Solution:
-    """March a machine by the engine that the form of its bodies chooses; parameters as for `simulate`."""
+    """March a machine by the engine for the form of its bodies; parameters as for `simulate`."""
     before_compiled_code()
     times = run.times
     check_laws_cover(system, times[0], times[-1])
@@ -43,7 +43,7 @@ def watched_run(
     peaks: list[Any] = [{} for _ in watches]
 
     def observed(leg: Solution) -> None:
-        check_redundant_joints(system, leg)  # what is wrong is not recorded
+        check_redundant_joints(system, leg)  # an erroneous leg is not recorded
         if record is not None:
             record(leg)
         peaks[:] = [own.observe(so_far, leg) for own, so_far in zip(watches, peaks, strict=True)]
@@ -60,15 +60,15 @@ def watched_run(
 
 
 def report_resolution(system: System, run: Run, solution: Solution) -> None:
-    """Warn ResolutionWarning of steps, and of output times, that were too far apart for the motion."""
+    """Warn (ResolutionWarning) of steps, and of output times, too far apart for the motion."""
     report_step_length(solution.statistics, run)
     report_output_rate(system, run, solution)
 
 
 def warn_of_unseen_laws(system: System, run: Run) -> None:
-    """Warn ResolutionWarning of prescribed motions that jump, and of loads that fixed steps do not see."""
+    """Warn (ResolutionWarning) of prescribed motions that jump, and of loads unresolved by fixed steps."""
     if run.step is None and is_explicit(system, run):
-        return  # steps as short as the elements ask for, whatever the output step
+        return  # explicit steps are short for any output step
     named = warn_of_rate_jumps(system, run)
     warn_of_missed_loads(system, run, besides=named)
 

@@ -1,4 +1,4 @@
-"""A body in motion, as an animation."""
+"""Animation of a body in motion."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ IntArray = NDArray[np.int64]
 
 
 class Traces(NamedTuple):
-    """Paths of points, each drawn as far as it has been gone.
+    """Paths of points, each drawn up to the time of the frame.
 
-    times : (s,), ascending     they may be more than the frames, so that paths are round
+    times : (s,), ascending     may be denser than the frames, for smooth paths
     points : (s, k, 3)
     """
 
@@ -64,26 +64,26 @@ def animate(
 ) -> Path:
     """Animate a body in space, a frame for each given time: a GIF, which repeats, or an MP4.
 
-    Time and speed (time shown per second of the film, as a share of real time) are written in it.
+    Time and speed (time shown per second of the animation, relative to real time) are written in it.
 
     Parameters
     ----------
     path : ends in .gif or .mp4; an MP4 needs ffmpeg (`pip install 'supple[film]'`)
     times : array (t,)
     positions : array (t, N, 3)     of the nodes, as `node_positions` recovers them
-    skin : Skin                     what is seen of the mesh; None with positions (t, 0, 3)
-    glyphs : Glyphs                 of what has no mesh, at the same times
-    values : array (t, N)           nodal scalar to colour by, in one scale throughout; NaN is plain
-    values_label : str              what they are, with their unit, under a colour bar; no bar without
+    skin : Skin                     visible surface of the mesh; None with positions (t, 0, 3)
+    glyphs : Glyphs                 of parts without a mesh, at the same times
+    values : array (t, N)           nodal scalar to colour by, with one scale for all frames; NaN is plain
+    values_label : str              label with unit under the colour bar; no bar without it
     traces : Traces                 of points whose paths are drawn
     camera : Camera                 a three-quarter view of the whole motion by default
-    undeformed : array (N, 3)       its outline is drawn pale, behind
+    undeformed : array (N, 3)       positions of a pale outline behind the body
     caption : str                   written in the upper left corner
-    shown : int array (f,)          numbers of the times that the frames show, if not each once
+    shown : int array (f,)          indices of the times shown by the frames; by default each once
     frames_per_second : float       up to 50; a GIF plays the nearest 100 / k, k whole
     n_columns : int                 pixels across
-    units : UnitSystem              what the length bar and the clock are in
-    progress : callable             called with the share of frames done, ending at 1
+    units : UnitSystem              units of the length bar and the clock
+    progress : callable             called with the share of finished frames, ending at 1
 
     Raises
     ------
@@ -116,7 +116,7 @@ def animate(
 
 
 def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: bool) -> PixelWindow:
-    """The page that shows all points; marks reach beyond their places."""
+    """The page for all points; marks extend beyond their points."""
     corners = np.concatenate([camera.project(each)[0].reshape(-1, 2) for each in points])
     return page_around(corners, n_columns, margin=0.08 if is_marked else 0.04, least_aspect=0.25)
 
@@ -124,7 +124,7 @@ def _page(camera: Camera, points: list[Array], n_columns: int, *, is_marked: boo
 def _drawn_once(
     stage: Stage, shown: IntArray, progress: Callable[[float], None] | None
 ) -> Callable[[int], Array8]:
-    """Frames by their number, one that is shown again taken from before; progress as they are drawn."""
+    """Frames by number, each drawn once and reused when shown again; reports progress."""
     last, done = (-1, np.zeros((0, 0, 3), dtype=np.uint8)), set()
 
     def frame(number: int) -> Array8:
@@ -140,12 +140,12 @@ def _drawn_once(
 
 
 def _clock_words(times: Array, speed: str, units: UnitSystem, number: int) -> str:
-    """The time of a frame and, below, the speed of the film."""
+    """The time of a frame and, below, the speed of the animation."""
     return measured(f"t = {times[number]:.{_digits(times)}f}", units.time) + (f"\n{speed}" if speed else "")
 
 
 def _digits(times: Array) -> int:
-    """Decimals by which one frame's time differs from the next one's, two at least."""
+    """Decimals that distinguish the times of successive frames, at least two."""
     step = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
     return max(2, int(np.ceil(-np.log10(step)))) if step > 0.0 else 2
 

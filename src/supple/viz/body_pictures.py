@@ -25,15 +25,15 @@ from supple.viz.mesh_plot import displacement_magnitude, plot_mesh
 from supple.viz.mode_shapes import mode_titles, plot_mode_shapes
 from supple.viz.style import as_written
 
-# A picture of the deformed body searches so many instants for the largest deflection.
+# Number of output times searched for the largest deflection.
 N_INSTANTS = 200
-# Deflections smaller than this share of the body's diagonal are drawn enlarged to it.
+# Deflections smaller than this share of the body's diagonal are enlarged to it.
 VISIBLE = 0.08
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """A body, its surface, and how it is looked at in its mesh axes."""
+    """A body, its surface, and its camera in its mesh axes."""
 
     body: BodyForm
     surface: BodySurface
@@ -47,7 +47,7 @@ class DrawnBody:
 
 
 def draw_mesh(path: Path, drawn: DrawnBody) -> Path:
-    """The body undeformed."""
+    """Picture of the undeformed body."""
     surface = drawn.surface
     return plot_mesh(
         path,
@@ -61,7 +61,7 @@ def draw_mesh(path: Path, drawn: DrawnBody) -> Path:
 
 
 def draw_modes(path: Path, drawn: DrawnBody, body: ReducedBody, modes: BodyModes | None) -> Path:
-    """Modes clamped at the first interface, or in the frame; of the basis where those are not known."""
+    """Modes clamped at the first interface, or in the frame; modes of the basis if those are unknown."""
     clamped_at = body.interfaces[0] if body.interfaces else None
     held = "fixed in its floating frame" if clamped_at is None else f"clamped at {clamped_at.name}"
     place = None if clamped_at is None else clamped_at.position
@@ -77,7 +77,7 @@ def draw_modes(path: Path, drawn: DrawnBody, body: ReducedBody, modes: BodyModes
 
 
 def draw_intrinsic_modes(path: Path, drawn: DrawnBody, body: IntrinsicBody) -> Path:
-    """Its lowest elastic modes on the support of its root."""
+    """Picture of its lowest elastic modes with the support of its root."""
     number, n_free = min(N_DRAWN_MODES, body.n_coordinates), body.support.free.shape[1]
     shapes, rotations = _linear_shapes(body, np.eye(body.n_coordinates)[:number])
     omega = body.modes.omega[body.modes.n_rigid :][:number]
@@ -87,7 +87,7 @@ def draw_intrinsic_modes(path: Path, drawn: DrawnBody, body: IntrinsicBody) -> P
 
 
 def _linear_shapes(body: BodyForm, amplitudes: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Displacements (m, N, 3) and rotations, where nodes have them, by coordinates (m, r)."""
+    """Displacements (m, N, 3) and rotations, where nodes have them, for coordinates (m, r)."""
     shapes = body.expand_rates(np.zeros_like(amplitudes), amplitudes)
     if body.dofs_per_node < 6:
         return shapes, None
@@ -95,7 +95,7 @@ def _linear_shapes(body: BodyForm, amplitudes: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _plot_modes(path: Path, drawn: DrawnBody, modes: BodyModes, held: str, place: np.ndarray | None) -> Path:
-    """The shapes of modes, and the place at which the body is held, if there is one."""
+    """Picture of mode shapes, with the position of the support, if there is one."""
     surface = drawn.surface
 
     def glyphs(places: np.ndarray) -> Glyphs | None:
@@ -118,9 +118,9 @@ def _plot_modes(path: Path, drawn: DrawnBody, modes: BodyModes, held: str, place
 
 
 def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
-    """Modes (m, N, 3), which have no sign, with their largest component positive.
+    """Modes (m, N, 3), whose sign is arbitrary, with their largest component positive.
 
-    Of several that are as large the first one counts, so that rounding does not turn a picture over.
+    Among equal components the first one counts, so that rounding does not change the sign.
     """
     components = shapes.reshape(len(shapes), -1)
     size = np.abs(components)
@@ -132,7 +132,7 @@ def _of_one_sign(shapes: np.ndarray) -> np.ndarray:
 def draw_deformed(
     path: Path, drawn: DrawnBody, system: System, solution: Solution, bases: Mapping[str, At]
 ) -> Path:
-    """The body when it is bent most, enlarged if that were too little to see."""
+    """Picture of the body at its largest deflection, enlarged if it is too small to see."""
     body, surface = drawn.body, drawn.surface
     instants, motion = _sampled(body, solution)
     displaced = deflections(body, motion, observer_of(system, solution, body.name, bases, instants))
@@ -156,7 +156,7 @@ def draw_deformed(
 
 
 def visible_enlargement(body: BodyForm, displaced: np.ndarray) -> float:
-    """The factor, one at least, that makes displacements (N, 3) large enough to see."""
+    """The factor, at least one, that makes displacements (N, 3) large enough to see."""
     size = float(np.linalg.norm(displaced, axis=1).max())
     diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
     return max(1.0, VISIBLE * diagonal / size) if size > 0 else 1.0
@@ -167,7 +167,7 @@ def _title(drawn: DrawnBody, time: float, scale: float) -> str:
 
 
 def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solution: Solution) -> Path:
-    """Contours of the von Mises stress at the instant where it is largest, on the body as it is bent then."""
+    """Contours of the von Mises stress at the time of its maximum, on the body deformed at that time."""
     body, surface = drawn.body, drawn.surface
     motion = solution.motion(body.name, FramedMotion)
     worst = largest_stress(body, model, motion.coordinates).instant
@@ -191,11 +191,11 @@ def draw_stress(path: Path, drawn: DrawnBody, model: FiniteElementModel, solutio
 
 
 def _sampled(body: BodyForm, solution: Solution) -> tuple[np.ndarray, Motion]:
-    """Instants to search for the largest value, and the motion of a body then."""
+    """Output times to search for the largest value, and the motion of a body at them."""
     instants = instants_of(solution.times, N_INSTANTS)
     return instants, solution.bodies[body.name].at(instants)
 
 
 def instants_of(times: np.ndarray, number: int) -> np.ndarray:
-    """Places of at most so many times, spread evenly over all."""
+    """Indices of at most this many times, evenly spread."""
     return np.unique(np.linspace(0, len(times) - 1, number).astype(int))

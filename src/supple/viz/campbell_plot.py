@@ -1,4 +1,4 @@
-"""Campbell diagram: frequencies over speed, and the lines of its multiples."""
+"""Plot of a Campbell diagram: frequencies over speed, and the lines of its multiples."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["plot_campbell"]
 Array = NDArray[np.float64]
 
 N_ORDERS = 4
-"""Multiples of the speed that are drawn."""
+"""Multiples of the speed to draw."""
 _LINE = 0.032
 """Height of a name, as a share of the diagram."""
 
@@ -34,7 +34,7 @@ class CriticalSpeed(Protocol):
 
 
 class FollowedModes(Protocol):
-    """Modes over speed, as a Campbell diagram has them."""
+    """Modes over speed, as in a Campbell diagram."""
 
     @property
     def rates(self) -> Array:
@@ -48,17 +48,17 @@ class FollowedModes(Protocol):
 
     @property
     def axes(self) -> str:
-        """In which they are seen, in words."""
+        """Description of their axes."""
         ...
 
     @property
     def names(self) -> Sequence[str]:
-        """Of the modes."""
+        """Names of the modes."""
         ...
 
     @property
     def critical_speeds(self) -> Sequence[CriticalSpeed]:
-        """At which unbalance excites a whirl."""
+        """Speeds at which unbalance excites a whirl."""
         ...
 
 
@@ -94,7 +94,7 @@ def _draw_orders(axes: Axes, speeds: Array, orders: Array, top: float) -> None:
     """Multiples of the speed, with their names."""
     for order in range(1, N_ORDERS + 1):
         axes.plot(speeds, order * orders, color="0.7", linewidth=0.7)
-        # One beside the other, amid the diagram: its right edge belongs to the names of the modes.
+        # One beside the other, in the middle of the diagram: its right edge has the names of the modes.
         place = min(0.15 * (order + 1), 0.9 * top / max(order * orders[-1], 1e-300))
         x, y = ((1 - place) * each[0] + place * each[-1] for each in (speeds, order * orders))
         on_line = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
@@ -127,7 +127,7 @@ def _draw_modes(axes: Axes, speeds: Array, frequencies: Array, names: Sequence[s
 
 
 def _apart(heights: Array, top: float) -> Array:
-    """Heights (n,) of names, moved up, and down again from the top, until none covers another."""
+    """Heights (n,) of names, shifted up, and down again from the top, until none overlaps."""
     order = np.argsort(heights, kind="stable")
     least = np.arange(len(heights)) * _LINE * top
     placed = np.maximum.accumulate(heights[order] - least) + least

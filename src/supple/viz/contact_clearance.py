@@ -1,7 +1,7 @@
-"""Nodes in contact as an animation shows them: a hair before what they touch.
+"""Nodes in contact, drawn slightly in front of the surface that they touch.
 
-A penalty lets nodes enter a little, and faces that touch lie in each other: which of both is seen would
-change from frame to frame, and a nose would shine through the wall.
+A penalty contact has a small penetration, and faces in contact coincide: the visible one of the two would
+change from frame to frame, and a tip would show through the wall.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ __all__ = ["clear_of_contact"]
 FloatArray = NDArray[np.float64]
 
 CLEARANCE = 5e-4
-"""Of the largest extent of all that moves: about a third of a pixel of an animation."""
+"""Relative to the largest extent of the moving bodies: about a third of a pixel of an animation."""
 
 
 def clear_of_contact(
     system: System, positions: Mapping[str, FloatArray], offsets: FloatArray
 ) -> dict[str, FloatArray]:
-    """Positions (t, N, 3) by part, the nodes of contacts moved out of what they touch.
+    """Positions (t, N, 3) by part, with nodes in contact moved out of the other surface.
 
     offsets : (t, o, 3) of the obstacles of the rigid contacts
     """
@@ -54,7 +54,7 @@ def clear_of_contact(
 
 
 def _before(obstacle: Obstacle, points: FloatArray, offsets: FloatArray, clear: float) -> FloatArray:
-    """Points (t, n, 3) out of an obstacle that has moved by offsets (t, 1, 3)."""
+    """Points (t, n, 3) moved out of an obstacle with offsets (t, 1, 3)."""
     flat = (points - offsets).reshape(-1, 3)
     gap, normals = (np.asarray(each) for each in obstacle.gap(jnp.asarray(flat.T)))
     return points + (np.maximum(clear - gap, 0.0) * normals).T.reshape(points.shape)

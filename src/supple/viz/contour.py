@@ -1,4 +1,4 @@
-"""Contours of a field on a body: bands of colour with a bar, and the place where the field is largest."""
+"""Contours of a field on a body: colour bands with a bar, and a mark at the largest value."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ def plot_contour(
     title: str = "",
     units: UnitSystem = UNNAMED,
 ) -> Path:
-    """Draw a field in bands of colour on a body, deformed or not, the largest value on its skin marked.
+    """Draw a field in colour bands on a body, deformed or not, with its largest value on the skin marked.
 
-    The bands end at round values; bar and mark refer to the nodes of the skin only, not to those inside. A
-    mark on the far side is labelled so.
+    The bands end at round values; bar and mark refer to the nodes of the skin, not to interior ones. A mark
+    on the far side is labelled as such.
 
     Parameters
     ----------
     nodes : array (N, 3)            positions to draw
     field : NodalField              such as stress_field(modes.von_mises(gamma))
-    n_bands : int                   at most so many bands, at least 2
-    node_ids : int array (N,)       what the nodes are called, such as mesh.node_ids; their numbers if omitted
+    n_bands : int                   largest number of bands, at least 2
+    node_ids : int array (N,)       node labels, such as mesh.node_ids; by default their numbers
     undeformed, glyphs, camera, title, units : as for plot_mesh
 
     Raises
@@ -99,7 +99,7 @@ def _is_seen(axes: Axes, camera: Camera, nodes: Array, skin: Skin, node: int) ->
 
 
 def _bands(low: float, high: float, n_bands: int) -> ScalarMappable:
-    # A uniform field still needs a band of some width to lie in.
+    # A uniform field still needs a band of finite width.
     width = high - low if high > low else max(abs(high), 1.0)
     edges = MaxNLocator(n_bands, steps=[1, 2, 2.5, 5, 10], min_n_ticks=2).tick_values(low, low + width)
     return ScalarMappable(BoundaryNorm(edges, colormaps[COLOUR_MAP].N), COLOUR_MAP)
@@ -117,7 +117,7 @@ def _mark(
 ) -> None:
     """A ring around the node, and its value beside it, towards the middle of the picture.
 
-    hidden : the node lies behind what is seen; the ring is dashed then, and the words say it
+    hidden : the node is on the far side; the ring is then dashed, and the label states it
     """
     x, y = camera.project(nodes[node])[0]
     line = "dashed" if hidden else "solid"

@@ -1,4 +1,4 @@
-"""Which triangle one sees at each pixel: the depth buffer."""
+"""The visible triangle at each pixel: the depth buffer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 IntArray = NDArray[np.int64]
 Array = NDArray[np.float64]
 
-# Pixels worked on at a time, which bounds the memory to some 50 MiB.
+# Pixels processed at a time, which limits the memory to some 50 MiB.
 _BATCH = 2**20
 
 
@@ -19,7 +19,7 @@ class VisibleTriangles:
     """The nearest triangle at each covered pixel.
 
     pixel : (p,)       number of the pixel, row by row from the bottom
-    triangle : (p,)    the triangle seen there
+    triangle : (p,)    the visible triangle
     weights : (p, 3)   barycentric coordinates of the pixel in it
     """
 

@@ -1,4 +1,4 @@
-"""Frames as a file that plays: GIF, or MP4 where ffmpeg is installed."""
+"""Animation files: GIF, or MP4 where ffmpeg is installed."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Frames = Callable[[int], Array8]
 FASTEST = 50.0
 """Frames per second: browsers slow GIFs with shorter delays."""
 _WHITE = 255
-"""Place of white in the palette of a GIF."""
+"""Index of white in the palette of a GIF."""
 
 
 def check_film(path: Path | str, frames_per_second: float) -> None:
@@ -49,12 +49,12 @@ def played_rate(path: Path | str, frames_per_second: float) -> float:
 
 
 def write_film(path: Path, frames: Frames, number: int, rate: float) -> None:
-    """Write that many frames in the format of the path, at a rate as `played_rate` has it."""
+    """Write the given number of frames in the format of the path, at a rate from `played_rate`."""
     (_write_gif if path.suffix.lower() == ".gif" else _write_mp4)(path, frames, number, rate)
 
 
 def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
-    """H.264 in the pixel format of all players, which has frames of even sides."""
+    """H.264 in the pixel format of all players, which needs frames of even sides."""
     ffmpeg = optional_package("imageio_ffmpeg", "an MP4 film", "film").get_ffmpeg_exe()
     rows, columns, _ = _even(frames(0)).shape
     pixels = f"-f rawvideo -pix_fmt rgb24 -s {columns}x{rows} -r {rate:.9g} -i -"
@@ -74,7 +74,7 @@ def _write_mp4(path: Path, frames: Frames, number: int, rate: float) -> None:
 
 
 def _even(frame: Array8) -> Array8:
-    """With a white row or column more where their number is odd."""
+    """The frame with a further white row or column where their number is odd."""
     rows, columns, _ = frame.shape
     return np.pad(frame, ((0, rows % 2), (0, columns % 2), (0, 0)), constant_values=255)
 
@@ -95,7 +95,7 @@ def _write_gif(path: Path, frames: Frames, number: int, rate: float) -> None:
             append_images=indexed(),
             duration=round(1000.0 / rate),
             loop=0,
-            # A third smaller otherwise, for half of the time that all of the animation takes.
+            # Otherwise a third smaller, but at half of the total time of the animation.
             optimize=False,
         )
 

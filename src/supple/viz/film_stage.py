@@ -1,4 +1,4 @@
-"""The stage of an animation: what stands still is drawn once, what moves frame by frame."""
+"""The stage of an animation: static parts are drawn once, moving parts frame by frame."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ _LINE = 16
 
 @dataclass(frozen=True, eq=False)
 class Moving:
-    """What moves in front of the camera, at the times of the frames.
+    """Moving parts in front of the camera, at the times of the frames.
 
     positions : (t, N, 3), of the skin;  values : (t, N), NaN is plain
-    paths : (s, k, 3) points whose paths are drawn;  reached : (t,) how many of the s points
-    clock : of the number of a frame, what is written
+    paths : (s, k, 3) points whose paths are drawn;  reached : (t,) number of the s points reached
+    clock : text for the number of a frame
     """
 
     positions: Array
@@ -88,7 +88,7 @@ class Stage:
             axes.plot([], [], color=COLOURS[1], linewidth=0.9, zorder=1.5)[0]
             for _ in range(self._gone.shape[1])
         ]
-        # What does not move is drawn once.
+        # Static parts are drawn once.
         self._moving_axes = self._sheet.page, self._sheet.head
         for each in self._moving_axes:
             each.set_visible(False)
@@ -133,7 +133,7 @@ class _Pixels(Artist):
         """(rows, columns, 4), from the bottom row"""
 
     def draw(self, renderer: RendererBase) -> None:
-        """Lay it over what lies behind."""
+        """Draw it over the background."""
         if self.rows is None:
             return
         context = renderer.new_gc()
@@ -152,7 +152,7 @@ class _Sheet(NamedTuple):
     def below(
         self, page: PixelWindow, camera: Camera, scale: ScalarMappable, label: str, units: UnitSystem
     ) -> None:
-        """The axis cross, the length bar, and the bar of the colours where they have a label."""
+        """The axis cross, the length bar, and the colour bar if it has a label."""
         high = np.array([page.high[0], page.low[1]])
         strip = PixelWindow(page.low - np.array([0.0, _STRIP * page.pixel]), high, page.n_columns)
         carry(self.strip, strip)

@@ -1,4 +1,4 @@
-"""Glyphs: what has no mesh. Lines: rigid bodies, springs, ties. Marks: joints, masses, the ground."""
+"""Glyphs for parts without a mesh. Lines: rigid bodies, springs, ties. Marks: joints, masses, ground."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 class MarkStyle(NamedTuple):
-    """What a mark looks like: matplotlib's marker, its size in points squared, its colours, and its name."""
+    """Style of a mark: matplotlib's marker, its size in points squared, its colours, and its name."""
 
     name: str
     marker: str
@@ -57,7 +57,7 @@ _JOINT_STYLES = MappingProxyType(
 
 
 class Mark(NamedTuple):
-    """A mark at places (t, 3), or at several (t, k, 3)."""
+    """A mark at a point (t, 3), or at several (t, k, 3)."""
 
     style: MarkStyle
     places: Array
@@ -65,7 +65,7 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Glyphs:
-    """Lines (t, s, 2, 3) from one place to another, marks, and thin lines, at the times of a motion."""
+    """Lines (t, s, 2, 3) between points, marks, and thin lines, at the times of a motion."""
 
     lines: Array
     marks: tuple[Mark, ...]
@@ -79,7 +79,7 @@ class Glyphs:
 
     @property
     def points(self) -> Array:
-        """All places (t, k, 3)."""
+        """All points (t, k, 3)."""
         drawn = [self.lines, *(mark.places for mark in self.marks)]
         drawn += [] if self.thin_lines is None else [self.thin_lines]
         return np.concatenate([each.reshape(len(self.lines), -1, 3) for each in drawn], axis=1)
@@ -98,8 +98,8 @@ class Glyphs:
 def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64]) -> Glyphs:
     """Rigid bodies, joints and ground at some output times of a run.
 
-    A rigid body is its interfaces, each joined to its centre of mass; a joint stands at its second end,
-    and where it holds to the ground also at the place that does not move.
+    A rigid body is drawn by its interfaces, each connected to its centre of mass; a joint is drawn at its
+    second end, and if it is on the ground also at the fixed point.
     """
     lines: list[Array] = []
     marks: list[Mark] = []
@@ -117,7 +117,7 @@ def glyphs_of(system: System, solution: Solution, rows: slice | NDArray[np.int64
 
 
 def surface_glyphs(surface: BodySurface, nodes: Array) -> Glyphs | None:
-    """Links and masses of a body where its nodes are at (t, N, 3); None where there are none."""
+    """Links and masses of a body with nodes at (t, N, 3); None without."""
     if not (len(surface.links) or len(surface.masses)):
         return None
     marks = (Mark(MASS_STYLE, nodes[:, surface.masses]),) if len(surface.masses) else ()
@@ -142,7 +142,7 @@ def _place(system: System, solution: Solution, end: At, rows: slice | NDArray[np
 
 
 class DrawnGlyphs:
-    """Glyphs on axes, to be moved from one time to the next."""
+    """Glyphs drawn on axes, which can be moved from one time to the next."""
 
     def __init__(self, axes: Axes, glyphs: Glyphs, camera: Camera) -> None:
         self._lines = camera.project(glyphs.lines)[0]
@@ -158,14 +158,14 @@ class DrawnGlyphs:
         self.show(0)
 
     def show(self, instant: int) -> None:
-        """Move all glyphs to where they are at one of their times."""
+        """Move all glyphs to their positions at one of their times."""
         self._drawn_lines.set_segments(list(self._lines[instant]))
         self._drawn_thin.set_segments(list(self._thin_lines[instant]))
         for drawn, places in zip(self._marks, self._places, strict=True):
             drawn.set_offsets(places[instant])
 
     def legend(self, figure: Figure) -> Legend | None:
-        """What each mark means, once a kind, at the foot of a figure; none without marks."""
+        """Legend with one entry per kind of mark, at the bottom of a figure; None without marks."""
         if not self._marks:
             return None
         first = {style.name: drawn for style, drawn in zip(self._styles, self._marks, strict=True)}

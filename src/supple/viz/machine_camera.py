@@ -1,4 +1,4 @@
-"""The side from which a machine is seen, in every picture and animation of one run."""
+"""The camera for all pictures and animations of one run."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ __all__ = ["machine_camera", "upright_camera"]
 Array = NDArray[np.float64]
 
 _INSTANTS, _NODES = 20, 500
-"""Of a run and of a body, which tell how far it reaches."""
+"""Numbers of output times and nodes that represent the extent of a motion."""
 _IN_FRONT = 0.1
 """Least cosine between the normal of a wall and the line to the viewer."""
 
 
 def machine_camera(system: System, solution: Solution, meshes: Mapping[str, Look | None]) -> Camera:
-    """Gravity points down, the widest extent of the whole motion lies across, and walls are seen from the
-    side on which bodies touch them, where one camera can do so."""
+    """Camera with gravity downwards and the widest extent of the motion horizontal; walls are viewed from
+    the side on which bodies touch them, if one camera can do so."""
     rows = np.unique(np.linspace(0, len(solution.times) - 1, _INSTANTS).astype(int))
     points = [glyphs_of(system, solution, rows).points]
     for body in (placed.body for placed in system.bodies):
@@ -44,7 +44,7 @@ def machine_camera(system: System, solution: Solution, meshes: Mapping[str, Look
 
 
 def upright_camera(points: Array, gravity: Array, walls: Array) -> Camera:
-    """The camera of points (n, 3); normals (w, 3) of walls point to where bodies are."""
+    """The camera for points (n, 3); normals (w, 3) of walls point towards the bodies."""
     if not len(points):
         points = np.eye(3)
     if gravity.any():
@@ -58,7 +58,7 @@ def upright_camera(points: Array, gravity: Array, walls: Array) -> Camera:
         thin, middle, long = np.argsort(np.ptp(points, axis=0), kind="stable")
         parts = tuple(towards[axis] * np.eye(3)[axis] for axis in (middle, long, thin))
         up = np.eye(3)[thin]
-    # From above, if walls allow that.
+    # From above, if the walls allow it.
     signs = sorted(product((1.0, -1.0), repeat=3), key=lambda each: -each[2])
     sights = [np.array(each) @ np.stack(parts) for each in signs]
     fitting = (each for each in sights if np.all(walls @ each > _IN_FRONT * np.linalg.norm(each)))

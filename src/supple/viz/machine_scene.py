@@ -1,4 +1,4 @@
-"""What is seen of a machine at some output times: bodies, obstacles, glyphs, in one scene."""
+"""A machine at some output times as one scene: bodies, obstacles, glyphs."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ __all__ = ["MachineScene", "drawn_bodies", "machine_scene"]
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 _EDGE_ON = 0.05
-"""Cosine below which a wall is seen from its edge, or from behind."""
+"""Cosine below which a wall is viewed edge-on, or from behind."""
 
 
 @dataclass(frozen=True, eq=False)
 class MachineScene:
-    """Bodies and obstacles over one skin, and what has no mesh, at t times.
+    """Bodies and obstacles as one skin, and glyphs of parts without a mesh, at t times.
 
     skin : None without bodies that have a surface;  positions : (t, P, 3);  values : (t, P), NaN is plain
-    label : of the values with their unit, "" where nothing is coloured
-    glyphs : which may be empty
+    label : of the values with their unit, "" without colours
+    glyphs : may be empty
     undeformed : (P, 3) at the first of the times
-    farthest : of each body that deforms, the node that is deflected most
+    farthest : for each deformable body, the node of largest deflection
     """
 
     skin: Skin | None
@@ -62,7 +62,7 @@ class MachineScene:
 class _Seen:
     """A body at the times of a scene.
 
-    nodes : (t, N, 3) where they are drawn;  observer : None without a frame
+    nodes : (t, N, 3) positions to draw;  observer : None without a frame
     """
 
     body: BodyForm
@@ -87,12 +87,12 @@ def machine_scene(
 ) -> MachineScene:
     """The scene of a machine at output times (t,).
 
-        x = r + e (x(t) - r),   r the undeformed place, as the body's first interface carries it
+        x = r + e (x(t) - r),   r the undeformed position, moved with the body's first interface
 
     enlargement : e;  colouring : None leaves bodies plain
-    rest : a state of rest, whose first instant is what counts as undeformed
+    rest : a state of rest, whose first time is the undeformed state
     Other parameters as for `draw_run`.
-    Raises ModelError for an enlargement of bodies that have no frame to deform against.
+    Raises ModelError for an enlargement of bodies without a frame.
     """
     seen = _seen(system, solution, meshes, rows, bases)
     offsets = obstacle_offsets(system, solution)[rows]
@@ -141,7 +141,7 @@ def machine_scene(
 def drawn_bodies(
     system: System, meshes: Mapping[str, Look | None]
 ) -> list[tuple[BodyForm, BodySurface | None]]:
-    """Elastic bodies and their surfaces; without one, those that are drawn by their points."""
+    """Elastic bodies and their surfaces; those without a surface are drawn by their points."""
     return [
         (body, None if (look := meshes[body.name]) is None else body_surface(look))
         for body in (placed.body for placed in system.bodies)
@@ -150,9 +150,9 @@ def drawn_bodies(
 
 
 def _undeformed(seen: _Seen, rest: Solution | None) -> Array:
-    """Places (P, 3) of a surface: in a state of rest, or else undeformed, as its first interface carries it.
+    """Positions (P, 3) of a surface: in a state of rest, or undeformed, moved with its first interface.
 
-    Of bodies without a frame: where they are.
+    For bodies without a frame, their present positions.
     """
     assert seen.surface is not None
     if rest is not None:
@@ -178,7 +178,7 @@ def _seen(
 
 
 def _carried(observer: Observer, rest: Array) -> Array:
-    """Undeformed places (P, 3) as an observer carries them, (t, P, 3)."""
+    """Undeformed positions (P, 3) moved with an interface, (t, P, 3)."""
     return observer.origin[:, None] + np.einsum("tij,pj->tpi", observer.axes, rest - observer.rest)
 
 
@@ -188,7 +188,7 @@ def _enlarged(places: Array, seen: _Seen, rest: Array, enlargement: float) -> Ar
     if seen.observer is None:
         raise ModelError(
             f"body '{seen.body.name}' is in explicit elements, whose motion and deformation are "
-            "not known apart: draw it true to scale (leave out the enlargement)"
+            "not separated: draw it true to scale (leave out the enlargement)"
         )
     carried = _carried(seen.observer, rest)
     return carried + enlargement * (places - carried)
@@ -202,8 +202,8 @@ def _points(nodes: Array) -> Glyphs:
 def _obstacles(
     system: System, offsets: Array, actors: list[Actor], camera: Camera
 ) -> tuple[list[Actor], list[Glyphs]]:
-    """Obstacles as surfaces, and walls that the viewer sees from behind as outlines: they would hide what
-    touches them."""
+    """Obstacles as surfaces, and walls viewed from behind as outlines, as they would hide the bodies that
+    touch them."""
     surfaces, outlines = [], []
     if not system.rigid_contacts:
         return surfaces, outlines

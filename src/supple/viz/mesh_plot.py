@@ -1,4 +1,4 @@
-"""Pictures of a body: its mesh, or a deformed shape coloured by what happens on it."""
+"""Pictures of a body: its mesh, or a deformed shape coloured by a field."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _ARROW = {
 
 @dataclass(frozen=True, eq=False)
 class NodalField:
-    """A scalar at the nodes (N,) to colour a surface by, NaN where there is none, and its name with unit."""
+    """A nodal scalar (N,) for colouring, NaN where there is none, and its name with unit."""
 
     label: str
     values: Array
@@ -82,16 +82,16 @@ def plot_mesh(
     Parameters
     ----------
     nodes : array (N, 3)            positions to draw, deformed or not
-    skin : Skin                     what is seen of the mesh; None with nodes (0, 3), of glyphs alone
+    skin : Skin                     visible surface of the mesh; None with nodes (0, 3), for glyphs alone
     colour_by : NodalField          colours and colour bar; one plain colour without
-    undeformed : array (N, 3)       its outline is drawn pale, behind
+    undeformed : array (N, 3)       positions of a pale outline behind the body
     glyphs : Glyphs                 rigid bodies, joints, springs, ties and masses, at one time
     camera : Camera                 a three-quarter view by default
-    units : UnitSystem              what the length bar is in
+    units : UnitSystem              unit of the length bar
 
     Raises
     ------
-    ModelError          nothing to draw, arrays of other shapes, values that are not finite, a skin beyond
+    ModelError          nothing to draw, arrays of wrong shapes, values that are not finite, a skin beyond
                         the nodes
     ResultFileError     the file cannot be written
     """
@@ -123,10 +123,10 @@ def draw_surface(
     units: UnitSystem,
     scale: ScalarMappable | None = None,
 ) -> tuple[Figure, Axes, Camera]:
-    """The picture of plot_mesh before it is saved, to be drawn inside textbook_style.
+    """Draw the picture of plot_mesh without saving it; to be used inside textbook_style.
 
-    skin : None with nodes (0, 3), where there are glyphs alone
-    scale : ScalarMappable      from values to colours; the whole range of the field when omitted
+    skin : None with nodes (0, 3), for glyphs alone
+    scale : ScalarMappable      from values to colours; by default for the whole range of the field
     """
     for each in (nodes, undeformed):
         if skin is not None and each is not None:
@@ -134,7 +134,7 @@ def draw_surface(
     rest = nodes if undeformed is None else undeformed
     seen = [nodes, rest] if glyphs is None else [nodes, rest, glyphs.points[0]]
     camera = camera or Camera.three_quarter(np.concatenate(seen[1:]))
-    margin = 0.04 if glyphs is None else 0.08  # marks reach beyond their places
+    margin = 0.04 if glyphs is None else 0.08  # marks extend beyond their points
     plane = camera.project(np.concatenate(seen))[0]
     page = _with_free_corners(page_around(plane, N_COLUMNS, margin=margin), plane)
     height = TEXT_WIDTH * page.n_rows / page.n_columns
@@ -168,7 +168,7 @@ def draw_surface(
 
 
 def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
-    """The page, with a strip below for axis cross and length bar where points (n, 2) lie in their corners."""
+    """The page, with a strip below for axis cross and length bar where points (n, 2) are in their corners."""
     width = page.high[0] - page.low[0]
     right, up = ((plane - page.low) / width).T
     if not np.any((up < _CORNER) & ((right < _CORNER) | (right > 1.0 - 2.0 * _CORNER))):
@@ -177,7 +177,7 @@ def _with_free_corners(page: PixelWindow, plane: Array) -> PixelWindow:
 
 
 def check_nodes(nodes: Array, skin: Skin) -> None:
-    """Raise ModelError where positions (N, 3) cannot carry the skin."""
+    """Raise ModelError where positions (N, 3) do not fit the skin."""
     if nodes.ndim != 2 or nodes.shape[1] != 3:
         raise ModelError(f"cannot draw positions of shape {nodes.shape}: give (N, 3)")
     if skin.triangles.min() < 0 or skin.triangles.max() >= len(nodes):
@@ -191,7 +191,7 @@ def check_nodes(nodes: Array, skin: Skin) -> None:
 
 
 def draw_outline(axes: Axes, nodes: Array, skin: Skin, camera: Camera) -> None:
-    """The rims and folds of a surface as pale lines, and where it turns out of sight, as round ones do."""
+    """Rims, folds and silhouette of a surface as pale lines."""
     plane, _ = camera.project(nodes)
     towards = camera.axes[2]
     edges = np.concatenate(
@@ -211,7 +211,7 @@ def draw_cross(axes: Axes, camera: Camera) -> None:
     cross.set_axis_off()
     tips, _ = camera.project(np.eye(3))
     for tip, name in zip(tips, "xyz", strict=True):
-        # An axis that points at the viewer is a dot; its name would cover the others'.
+        # An axis towards the viewer is a dot; its name would cover the others'.
         if np.hypot(*tip) > 0.15:
             cross.annotate("", tip, (0.0, 0.0), arrowprops=_ARROW)
             cross.text(1.35 * tip[0], 1.35 * tip[1], name, ha="center", va="center", fontsize=7.5)
@@ -249,7 +249,7 @@ def _round_length(length: float) -> float:
 
 
 def checked_values(field: NodalField, n_nodes: int) -> Array:
-    """The values of a field; ModelError where they are not finite ones of n_nodes nodes, or NaN of some."""
+    """The values of a field; ModelError unless there is one per node, finite or NaN."""
     values = np.asarray(field.values, dtype=float)
     if values.shape != (n_nodes,) or np.isinf(values).any() or np.isnan(values).all():
         raise ModelError(

@@ -1,4 +1,4 @@
-"""A table of mode shapes, or of other displacement fields, with their titles."""
+"""Pictures of mode shapes, or of other displacement fields, with titles, in a grid."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _PIXELS_PER_INCH = 200
 
 
 def mode_titles(frequencies: Array, units: UnitSystem = UNNAMED) -> list[str]:
-    """Such as "mode 1:  0.675 Hz", of frequencies (m,), one over the unit of time."""
+    """Titles such as "mode 1:  0.675 Hz", for frequencies (m,), one over the unit of time."""
     unit, factor = units.frequency_shown
     return [
         measured(f"mode {i}:  {plain_number(factor * frequency)}", unit)
@@ -50,16 +50,16 @@ def plot_mode_shapes(
 ) -> Path:
     """Draw modes in rows of n_columns, each coloured by its amplitude over the outline of the body at rest.
 
-    How large the amplitude is drawn is written above them.
+    The drawn amplitude is stated above them.
 
     Parameters
     ----------
     nodes : array (N, 3)            at rest
-    modes : array (m, N, 3)         displacements; their scale is free
+    modes : array (m, N, 3)         displacements of any scale
     titles : str, one per mode      such as those of `mode_titles`
-    title : str                     of all, such as how the body is held
+    title : str                     common title, such as the support of the body
     amplitude : float               largest displacement drawn, as a share of the body's diagonal
-    glyphs : callable               of positions (m, N, 3), drawn with each mode
+    glyphs : callable               glyphs for positions (m, N, 3), drawn with each mode
     camera : Camera                 a three-quarter view by default
 
     Raises
@@ -78,7 +78,7 @@ def plot_mode_shapes(
     n_columns = min(n_columns, len(modes))
     n_rows = -(-len(modes) // n_columns)
     cell = TEXT_WIDTH / n_columns
-    margin = 0.04 if beside is None else 0.08  # marks reach beyond their places
+    margin = 0.04 if beside is None else 0.08  # marks extend beyond their points
     everything = camera.project(np.concatenate([nodes[None], shapes]))[0]
     page = page_around(everything, round(cell * _PIXELS_PER_INCH), margin=margin, least_aspect=0.2)
     colours = ScalarMappable(Normalize(0.0, 1.0), COLOUR_MAP)
@@ -120,7 +120,7 @@ def plot_mode_shapes(
 
 
 def _checked_lengths(nodes: Array, modes: Array, titles: Sequence[str], n_columns: int) -> Array:
-    """The lengths (m, N) of the displacements of modes that can be drawn."""
+    """The displacement magnitudes (m, N) of modes; ModelError for modes that cannot be drawn."""
     if modes.ndim != 3 or not len(modes) or modes.shape[1:] != nodes.shape or len(titles) != len(modes):
         raise ModelError(
             f"cannot draw modes of shape {modes.shape} with {len(titles)} titles over nodes "

@@ -1,4 +1,4 @@
-"""The file of a picture, which a notebook shows."""
+"""Path of a picture file, with a notebook view."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _Path = Path if TYPE_CHECKING else type(Path())
 
 
 class Picture(_Path):
-    """Path of a picture: a notebook shows what is in the file, all else takes it as a path."""
+    """Path of a picture; a notebook shows the picture, everything else uses the path."""
 
     def _repr_html_(self) -> str | None:
         kind = _TYPES.get(self.suffix.lower())

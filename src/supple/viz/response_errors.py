@@ -23,7 +23,7 @@ _FEWEST_DECADES, _MOST_DECADES = 1.0, 12.0
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """One quantity (with its unit) over time: by the reference, and by the models at the same times."""
+    """One quantity (with its unit) over time, by the reference and by the models at the same times."""
 
     quantity: str
     reference: Series
@@ -42,7 +42,7 @@ def plot_response_errors(
     Parameters
     ----------
     responses : one row of panels each, all of the same models
-    until : time    marked, where comparing ends (chaos takes over)
+    until : time    marked end of the comparison (start of chaotic motion)
 
     Raises
     ------
@@ -84,7 +84,7 @@ def plot_response_errors(
 
 
 def _limit_decades(axes: Axes) -> None:
-    """Not so many decades below the largest error that an exact start would flatten the curves."""
+    """Limit the decades below the largest error, so that an exact start does not flatten the curves."""
     low, high = axes.get_ylim()
     axes.set_ylim(bottom=max(low, high * 10**-_MOST_DECADES))
     if high / low < 10**_FEWEST_DECADES:

@@ -1,4 +1,4 @@
-"""A machine at rest, and its modes about that: still, and in motion."""
+"""Pictures and animations of a machine at rest, and of its modes about rest."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ def draw_rest(
     view: View = AS_IT_IS,
     units: UnitSystem = UNNAMED,
 ) -> Path | None:
-    """Draw an equilibrium coloured by deflection, or by stress where there are `elements`, over the outlines
-    of the undeformed bodies; None where there is nothing to draw.
+    """Draw an equilibrium coloured by deflection, or by stress with `elements`, over the outlines of the
+    undeformed bodies; None where there is nothing to draw.
 
-    The deflection of a machine of one body is enlarged until it is visible, unless `view` sets
-    how far: of several it would tear their joints. Other parameters as for `draw_run`.
+    The deflection of a machine with one body is enlarged until visible, unless `view` sets the enlargement;
+    with several bodies it would open their joints. Other parameters as for `draw_run`.
     """
     enlargement = view.enlargement or _visible(system, solution, bases)
     return draw_machine(
@@ -61,7 +61,7 @@ def draw_rest(
 
 
 def _visible(system: System, solution: Solution, bases: Mapping[str, At]) -> float:
-    """The enlargement of the deflection of a machine of one body; 1 of others."""
+    """The enlargement of the deflection of a machine with one body; 1 for others."""
     (first, *others) = (placed.body for placed in system.bodies)
     if others or not (first.n_coordinates and first.has_frame):
         return 1.0
@@ -83,8 +83,8 @@ def draw_mode(
 ) -> Path | None:
     """Draw a mode at its first phase, coloured by its displacement, over the outline of the machine at rest.
 
-    motion, rest : as `mode_motion` and `LinearMachine.motion_near` have them
-    title : such as one of `mode_titles`; the largest displacement that is drawn is added
+    motion, rest : from `mode_motion` and `LinearMachine.motion_near`
+    title : such as one of `mode_titles`; the largest drawn displacement is added
     None where there is nothing to draw. Other parameters as for `draw_run`.
     """
     return draw_machine(
@@ -132,19 +132,19 @@ def _drawn_as(system: System, motion: Solution, rest: Solution, units: UnitSyste
 
 
 def _largest(system: System, motion: Solution, rest: Solution) -> float:
-    """The longest way of any node, or interface of a rigid body, from where it rests."""
+    """The largest displacement of any node, or interface of a rigid body, from rest."""
     bodies = (placed.body for placed in system.bodies)
     return max(float(_displacement(each, motion.bodies[each.name], rest).max(initial=0.0)) for each in bodies)
 
 
 def _displacement(body: BodyForm, motion: Motion, rest: Solution) -> Array:
-    """Lengths (t, N) of the way of all nodes from where they rest."""
+    """Displacement magnitudes (t, N) of all nodes from rest."""
     still = rest.bodies[body.name].at(np.array([0]))
     return np.linalg.norm(node_positions(body, motion) - node_positions(body, still), axis=2)
 
 
 def _share_of_largest(system: System, motion: Solution, rest: Solution) -> Colouring:
-    """By displacement, whose scale is free in a mode."""
+    """Colouring by displacement, relative to the largest, as the scale of a mode is arbitrary."""
     largest = _largest(system, motion, rest) or 1.0
     return Colouring(
         lambda body, own, _: _displacement(body, own, rest) / largest,

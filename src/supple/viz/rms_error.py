@@ -1,4 +1,4 @@
-"""Errors of reduced models: over time, and against a parameter of the load case."""
+"""Plots of errors of reduced models: over time, and over a parameter of the load case."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def plot_rms_error(
     Parameters
     ----------
     errors : {label: MotionError}
-    published : {label: value}      a bound named as an error takes its colour
+    published : {label: value}      a bound with the label of an error has its colour
 
     Raises
     ------
@@ -82,7 +82,7 @@ def plot_error_over_parameter(
     Raises
     ------
     ModelError          no errors, other lengths, or an error that is zero throughout
-    ResultFileError     the file cannot be written
+    ModelError          no errors, other lengths, or an error that is zero throughout
     """
     if not errors:
         raise ModelError(f"cannot draw {path}: give at least one error")
@@ -105,7 +105,7 @@ def plot_error_over_parameter(
 
 
 def drawable(values: NDArray[np.float64], label: str) -> NDArray[np.float64]:
-    """Values with gaps where a logarithmic axis has no place for them, as at an exact start."""
+    """Values with gaps where a logarithmic axis cannot show them, as at an exact start."""
     drawn = np.where(np.isfinite(values) & (np.asarray(values) > 0.0), values, np.nan)
     if np.isnan(drawn).all():
         raise ModelError(f"error '{label}' is nowhere positive and finite: a logarithmic axis cannot show it")

@@ -1,4 +1,4 @@
-"""A machine in motion, as an animation."""
+"""Animation of a machine in motion."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ def animate_run(
     Parameters as for `draw_run`; None when there is nothing to draw.
 
     path : ends in .gif or .mp4
-    colouring : by default the stress where there are `elements`, and else the deflection
-    film : which output times, and how fast
-    view : from where, and with what enlargement, which is written in the film
+    colouring : by default the stress with `elements`, and otherwise the deflection
+    film : output times and speed
+    view : camera and enlargement, which is written in the animation
     rest : a state whose outline is drawn
-    caption : written in the film as well
-    progress : receives the share that is drawn
+    caption : also written in the animation
+    progress : called with the finished share
 
-    Raises ModelError for a window without output times, a rotor that does not stand at its angle, an
+    Raises ModelError for a window without output times, a rotor that does not pass its angle, an
     enlargement of explicit elements.
     """
     check_film(path, film.frames_per_second)
@@ -79,7 +79,7 @@ def animate_run(
     )
     if scene.is_empty:
         return None
-    # A path belongs to what moves on it, true to scale and without gaps.
+    # A path belongs to the moving point, true to scale and without gaps.
     is_followed = enlargement == 1.0 and film.at is None
     captions = [caption] if caption else []
     captions += [enlarged_words(enlargement)] if enlargement != 1.0 else []
@@ -106,14 +106,14 @@ def animate_run(
 
 
 def _joint_angles(system: System, solution: Solution, joint: str) -> np.ndarray:
-    """(t,) rad, counted beyond a turn."""
+    """Joint angles (t,) rad, counted beyond a revolution."""
     return JointMotionSensor("film", joint).values(system, solution)[:, 0]
 
 
 def _traces(
     system: System, solution: Solution, farthest: Mapping[str, int], rows: np.ndarray
 ) -> Traces | None:
-    """The path, while the film lasts, of the node of each body that moves most against it: how it swings."""
+    """Path, within the animation, of the node of each body with the largest deflection."""
     if not farthest:
         return None
     between = np.arange(rows[0], rows[-1] + 1)

@@ -22,11 +22,11 @@ __all__ = ["draw_energies", "draw_joint_forces", "draw_tracked"]
 Array = NDArray[np.float64]
 
 _APART = 5.0
-"""Times the widest way of a place: places farther apart than this have axes of their own."""
+"""Factor on the largest range of a place: places farther apart have axes of their own."""
 
 
 def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:
-    """Every term of the balance that is not round-off."""
+    """Plot of every term of the energy balance that is not round-off."""
     energies = without_noise(solution.series[ENERGIES]).T
     shown = [
         Series(name, solution.times, values)
@@ -37,8 +37,8 @@ def draw_energies(path: Path, solution: Solution, units: UnitSystem) -> Path:
 
 
 def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array, units: UnitSystem) -> Path:
-    """Motion of every place in global axes, those far apart on axes of their own; beside it the deflection
-    of those of elastic bodies."""
+    """Motion of every place in global axes, those far apart on separate axes; beside it the deflection of
+    places on elastic bodies."""
     elastic = {
         name: without_noise(place.deflection, like=place.position)
         for name, place in tracked.items()
@@ -59,7 +59,7 @@ def draw_tracked(path: Path, tracked: Mapping[str, TrackedMotion], times: Array,
 
 
 def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
-    """Groups of places that one axis shows well: together they take not much more of it than the widest.
+    """Groups of places for one axis: together they need not much more range than the largest of them.
 
     ways : (t,) along the axis;  reach : the largest position along any axis
     """
@@ -70,7 +70,7 @@ def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
         together = [*group, name]
         widest = max(highs[each] - lows[each] for each in together)
         across = max(highs[each] for each in together) - lows[together[0]]
-        # Places that all stand still have no way that another one's distance could hide.
+        # Places that are all fixed have no range that another distance could hide.
         if group and widest > NOISE * reach and across > _APART * widest:
             yield sorted(group, key=order.index)
             together = [name]
@@ -81,7 +81,7 @@ def _near(ways: Mapping[str, Array], reach: float) -> Iterator[Sequence[str]]:
 def draw_joint_forces(path: Path, system: System, solution: Solution, units: UnitSystem) -> Path | None:
     """Signed components on the second ends: rows x, y, z of the joint axes, columns force and moment.
 
-    None where no joint transmits anything.
+    None where no joint transmits a load.
     """
     loads = joint_loads(system, solution)
     columns = [

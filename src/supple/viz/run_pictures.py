@@ -54,20 +54,20 @@ def draw_run(
     view: View = AS_IT_IS,
     units: UnitSystem = UNNAMED,
 ) -> list[Path]:
-    """Draw everything but the animation: mesh, modes and deformation of the bodies, what is tracked, joints.
+    """Draw all pictures except the animation: mesh, modes and deformation of bodies, tracked places, joints.
 
     Parameters
     ----------
-    folder : where the pictures go
-    meshes : of the elastic bodies to draw, by name; or their elements, which have the sections of beams; or
-        None of a body without either, whose nodes are drawn as points
+    folder : folder for the pictures
+    meshes : of the elastic bodies to draw, by name; or their elements, which contain the beam sections; or
+        None for a body without either, whose nodes are drawn as points
     tracked : motions of places, by their names
-    modes : of reduced bodies with all their coordinates, by name (`body_modes`); the lowest motions of their
-        bases, which may be no modes of the bodies and are titled so, are drawn without
+    modes : of reduced bodies with all their coordinates, by name (`body_modes`); by default the lowest
+        motions of their bases, which may differ from modes of the bodies and are titled accordingly
     elements : of these bodies, by name, to draw their von Mises stress too; see `von_mises_history`
-    bases : interfaces that deflections are seen from, by body, where it is not its own first one
-    view : from where, bodies as they are placed, and with what enlargement of their deflection
-    units : of the model; without names no unit is written
+    bases : reference interfaces of deflections, by body, if other than its own first one
+    view : camera for bodies as placed, and enlargement of their deflection
+    units : of the model; no unit is written for units without names
 
     Returns
     -------
@@ -121,10 +121,10 @@ def draw_machine(
     rest: Solution | None = None,
     units: UnitSystem = UNNAMED,
 ) -> Path | None:
-    """Draw the whole machine where it starts; None where there is nothing to draw.
+    """Draw the whole machine at its start; None where there is nothing to draw.
 
-    title : the instant unless given
-    colouring : the outlines of undeformed bodies are drawn besides; plain, without outlines, when omitted
+    title : by default the time
+    colouring : with it the outlines of undeformed bodies are drawn too; by default plain, without outlines
     rest : a state whose outline is drawn instead
     Other parameters as for `draw_run`.
     """
@@ -158,11 +158,11 @@ def draw_machine(
 
 
 def _is_machine(system: System, meshes: Mapping[str, Look | None]) -> bool:
-    """Whether there is more of it than bodies with surfaces, which have pictures of their own."""
+    """Whether the machine has more than bodies with surfaces, which have their own pictures."""
     rigid = any(not placed.body.n_coordinates and placed.body.has_frame for placed in system.bodies)
     return rigid or bool(system.joints) or any(surface is None for _, surface in drawn_bodies(system, meshes))
 
 
 def _as_placed(camera: Camera, system: System, body: str) -> Camera:
-    """The camera for a body in its mesh axes, which sees it from the side from which the machine is seen."""
+    """The camera for a body in its mesh axes, from the same side as for the machine."""
     return Camera(camera.axes @ system.placed(body).rotation)

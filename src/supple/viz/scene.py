@@ -1,4 +1,4 @@
-"""Several bodies in one picture: their skins and positions joined as if they were one body."""
+"""Several bodies in one picture: skins and positions joined as one body."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class Actor:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What `animate` needs of several bodies: one skin, positions (t, N, 3), values (t, N).
+    """Input of `animate` for several bodies: one skin, positions (t, N, 3), values (t, N).
 
-    A body without values has NaN, which animations show in the plain colour of a surface.
+    A body without values has NaN, drawn in the plain colour of a surface.
     """
 
     skin: Skin
@@ -40,7 +40,7 @@ class Scene:
 
 
 def scene_of(actors: Sequence[Actor]) -> Scene:
-    """Join bodies, in their order; ModelError without any, or with other numbers of times."""
+    """Join bodies, in their order; ModelError without bodies, or with different numbers of times."""
     lengths = {len(actor.positions) for actor in actors}
     if len(lengths) != 1:
         raise ModelError(f"a scene needs bodies at the same times; these have {sorted(lengths)} of them")
@@ -58,6 +58,6 @@ def scene_of(actors: Sequence[Actor]) -> Scene:
 
 
 def obstacle_actor(obstacle: Obstacle, offsets: Array, seen: Array) -> Actor:
-    """An obstacle moved by offsets (t, 3), as large as it takes beside what else is seen, points (n, 3)."""
+    """An obstacle moved by offsets (t, 3), as large as needed beside the other visible points (n, 3)."""
     points, triangles = obstacle_shape(obstacle, seen)
     return Actor(Skin(triangles, np.zeros(triangles.shape, dtype=bool)), points + offsets[:, None])

@@ -1,4 +1,4 @@
-"""The rounds of a self-correcting reduction: its error over the number of coordinates."""
+"""Plot of the rounds of a self-correcting reduction: error over the number of coordinates."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ class RoundErrors:
     """Errors of the k rounds of one body, in the unit of length.
 
     sizes : (k,)                numbers of coordinates
-    estimated : (k,)            errors; not finite where a round could not be measured
-    missing_motion : (k,)       sizes of the motion that the bases miss
-    allowed : (k,)              the error to reach
-    true : (k,)                 errors against a full run, where there is one; all unknown by default
+    estimated : (k,)            errors; not finite where a round has no estimate
+    missing_motion : (k,)       sizes of the motion missing from the bases
+    allowed : (k,)              the target error
+    true : (k,)                 errors relative to a full run, if there is one; unknown by default
     Raises ModelError when there is no round, or the lengths differ.
     """
 
@@ -59,7 +59,7 @@ class RoundErrors:
 def plot_self_correction(
     path: Path | str, bodies: Mapping[str, RoundErrors], *, units: UnitSystem = UNNAMED
 ) -> Path:
-    """Estimated error, missing motion and error allowed of every round, one panel a body.
+    """Estimated error, missing motion and allowed error of every round, one panel per body.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def plot_self_correction(
 def plot_rounds(
     path: Path | str, rounds: Sequence[Mapping[str, Any]], *, units: UnitSystem = UNNAMED
 ) -> Path:
-    """`plot_self_correction` of rounds in numbers, as `correction_numbers` gives them."""
+    """`plot_self_correction` for rounds as numbers, from `correction_numbers`."""
     keys = ("size", "estimated_error", "indicator", "allowed")
     names = dict.fromkeys(each["body"] for each in rounds)
     of_body = {name: [each for each in rounds if each["body"] == name] for name in names}
@@ -108,5 +108,5 @@ def _draw_rounds(axes: Axes, errors: RoundErrors) -> None:
 
 
 def _positive(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values with gaps where a logarithmic axis has no place for them."""
+    """Values with gaps where a logarithmic axis cannot show them."""
     return np.where(np.isfinite(values) & (values > 0), values, np.nan)

@@ -1,4 +1,4 @@
-"""What sensors read, over time."""
+"""Plots of sensor readings over time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["plot_readings"]
 
 @checked_arguments
 def plot_readings(path: Path | str, readings: Sequence[Reading], *, units: UnitSystem = UNNAMED) -> Path:
-    """Draw the channels of every sensor over time, a panel for each quantity of a sensor.
+    """Draw the channels of every sensor over time, one panel for each quantity of a sensor.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A surface of triangles as a lit picture with mesh lines."""
+"""A surface of triangles as a shaded picture with mesh lines."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ IntArray = NDArray[np.int64]
 Colouring = Callable[[Array], Array]
 """Nodal scalar (p,) to red, green, blue (p, 3) in [0, 1]."""
 
-# The light stands over the viewer's left shoulder: right, up, towards.
+# The light is over the viewer's left shoulder: right, up, towards.
 _LIGHT = np.array([-0.45, 0.65, 0.62]) / np.linalg.norm([-0.45, 0.65, 0.62])
 _AMBIENT = 0.58
-# Each pixel of the picture averages so many by so many.
+# Each pixel of the picture is the average of a square of this many pixels a side.
 _SUPERSAMPLING = 2
-# Mesh lines of triangles fewer pixels high would merge into a grey.
+# Mesh lines are omitted where triangles are fewer pixels high, as they would merge to grey.
 _FINEST_LINED_TRIANGLE = 3.5
 
 
 @dataclass(frozen=True, eq=False)
 class PixelWindow:
-    """A window on the camera's plane, cut into pixels.
+    """A window on the camera's plane, divided into pixels.
 
     low, high : (2,)    opposite corners, in the unit of length
     n_columns : int     pixels across; square ones
@@ -48,18 +48,18 @@ class PixelWindow:
 
     @property
     def n_rows(self) -> int:
-        """Pixels upwards."""
+        """Number of pixels upwards."""
         return max(1, round(float(self.high[1] - self.low[1]) / self.pixel))
 
 
 def page_around(
     points: Array, n_columns: int, *, margin: float = 0.04, least_aspect: float = 0.12
 ) -> PixelWindow:
-    """The page that shows all projected points (..., 2) with a margin, and no flatter than a given aspect."""
+    """The page for all projected points (..., 2), with a margin and a least aspect ratio."""
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     centre, half = 0.5 * (low + high), 0.5 * (high - low) + margin * (high - low).max()
-    if not half.any():  # a single place, in the middle of a page of one unit
+    if not half.any():  # a single point, in the middle of a page of one unit
         half = np.array([0.5, 0.5])
     half[1] = max(half[1], least_aspect * half[0])
     half[0] = max(half[0], 0.6 * half[1])
@@ -75,10 +75,10 @@ def render(
     values: Array | None = None,
     colouring: Colouring | None = None,
 ) -> Array:
-    """Picture (rows, columns, 4) of a surface, red green blue alpha from the bottom row, clear around it.
+    """Picture (rows, columns, 4) of a surface, red green blue alpha from the bottom row, else transparent.
 
-    Both sides are lit alike, for a shell shows either. With nodal values (N,) and a colouring, colours are
-    found pixel by pixel from the interpolated value.
+    Both sides are lit equally, as a shell shows either. With nodal values (N,) and a colouring, the colour of
+    each pixel follows from the interpolated value.
     """
     k, triangles = _SUPERSAMPLING, skin.triangles
     fine = PixelWindow(page.low, page.high, k * page.n_columns)
@@ -99,13 +99,13 @@ def render(
 
 
 def is_seen(nodes: Array, skin: Skin, camera: Camera, page: PixelWindow, node: int) -> bool:
-    """Whether the surface at a node is what one sees there, not hidden behind another part of it."""
+    """Whether the surface at a node is visible, not hidden behind another part of it."""
     plane, nearness = camera.project(nodes[skin.triangles])
     corners = (plane - page.low) / page.pixel
     seen = visible_triangles(corners, nearness, (page.n_rows, page.n_columns))
     x, y = (camera.project(nodes[node])[0] - page.low) / page.pixel
     row, column = np.divmod(seen.pixel, page.n_columns)
-    # A node on the rim of what is seen has half of its pixels beside the surface.
+    # A node on the rim of the visible surface has half of its pixels beside the surface.
     near = np.hypot(column + 0.5 - x, row + 0.5 - y) < 2.0
     return bool((skin.triangles[seen.triangle[near]] == node).any())
 
@@ -118,7 +118,7 @@ def show(axes: Axes, picture: Array, page: PixelWindow) -> None:
 
 
 def carry(axes: Axes, page: PixelWindow) -> None:
-    """Have axes carry the page's coordinates, in equal scale and without a frame."""
+    """Give axes the page's coordinates, in equal scale and without a frame."""
     axes.set_xlim(page.low[0], page.high[0])
     axes.set_ylim(page.low[1], page.high[1])
     axes.set_aspect("equal")
@@ -126,7 +126,7 @@ def carry(axes: Axes, page: PixelWindow) -> None:
 
 
 def _lighting(corners: Array) -> tuple[Array, Array]:
-    """Brightness of the colour and white gloss (T,) of triangles whose corners (T, 3, 3) the camera sees."""
+    """Brightness of the colour and white gloss (T,) of triangles with corners (T, 3, 3) in camera axes."""
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     normal *= np.where(normal[:, 2:] < 0.0, -1.0, 1.0) / np.where(length > 0.0, length, 1.0)
@@ -135,7 +135,7 @@ def _lighting(corners: Array) -> tuple[Array, Array]:
 
 
 def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, weights: Array) -> Array:
-    """1 at pixels closer to a mesh line than half its width, 0 elsewhere, and everywhere on a fine mesh."""
+    """1 at pixels closer to a mesh line than half its width, 0 elsewhere, and 1 everywhere on a fine mesh."""
     sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]
     twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
     heights = twice_area[:, None] / np.maximum(np.linalg.norm(sides, axis=2), 1e-300)
@@ -146,9 +146,9 @@ def _on_mesh_line(corners: Array, lined: NDArray[np.bool_], triangle: IntArray, 
 
 
 def _average(colours: Array, row: IntArray, column: IntArray, shape: tuple[int, int]) -> Array:
-    """Picture (rows, columns, 4) of the mean colours of the fine pixels (p, 3) that each pixel holds.
+    """Picture (rows, columns, 4) of the mean colours of the fine pixels (p, 3) within each pixel.
 
-    row, column : (p,)      of the pixel; it is as opaque as much of it they cover
+    row, column : (p,)      of the pixel; its opacity is the share that they cover
     """
     pixel, n_pixels = row * shape[1] + column, shape[0] * shape[1]
     number = np.bincount(pixel, minlength=n_pixels)

@@ -1,4 +1,4 @@
-"""One look for every picture: colours that colour-blind readers tell apart, type sizes, and saving."""
+"""One style for every picture: colours for colour-blind readers, type sizes, and saving."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ _RC: dict[Any, Any] = {
 
 @dataclass(frozen=True)
 class Stroke:
-    """How a curve is drawn; a colour of None takes the next of the palette."""
+    """Style of a curve; a colour of None takes the next of the palette."""
 
     colour: str | None = None
     dashes: tuple[float, ...] = ()
@@ -78,16 +78,16 @@ class Stroke:
 
 
 SOLID = Stroke()
-"""A result of ours."""
+"""A computed result."""
 REFERENCE = Stroke(colour="#000000", dashes=(4.0, 2.0), width=1.1)
-"""What ours is compared with: a fuller model, another method."""
+"""A reference for computed results: a fuller model, another method."""
 PUBLISHED = Stroke(colour="#000000", width=0.0, marker="o")
 """Published points."""
 
 
 @contextmanager
 def textbook_style() -> Iterator[None]:
-    """Draw inside this block in the library's style, leaving matplotlib's settings as they were."""
+    """Use the library's style within this block, then restore matplotlib's settings."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_RC)
@@ -95,17 +95,17 @@ def textbook_style() -> Iterator[None]:
 
 
 def new_figure(height: float, width: float = TEXT_WIDTH) -> Figure:
-    """A figure of its own, in inch; no window and no global state, whatever the backend."""
+    """A separate figure, in inches; no window and no global state, for any backend."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def as_written(name: str) -> str:
-    """A name to draw as it is: a dollar sign in it begins no formula."""
+    """A name for literal drawing: a dollar sign in it begins no formula."""
     return name.replace("$", r"\$")
 
 
 def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
-    """One curve, coloured by its rank unless the stroke has a colour; the first curves lie on top."""
+    """One curve, coloured by its rank unless the stroke has a colour; the first curves are on top."""
     (line,) = axes.plot(
         x,
         y,
@@ -121,13 +121,13 @@ def draw_curve(axes: Axes, x, y, stroke: Stroke, rank: int, label: str) -> None:
 
 
 def legend_above(axes: Axes, n_curves: int) -> None:
-    """A legend over the axes, where it covers no curve, in as many columns as there is room for."""
+    """A legend above the axes, where it covers no curve, with as many columns as fit."""
     labels = axes.get_legend_handles_labels()[1]
     longest = max((len(label) for label in labels), default=0)
-    # Inches: the line with its gaps, and a character of the legend's type.
+    # Inches: the line with its gaps, and a character of the legend's font.
     column_width = 0.5 + 0.075 * longest
     fitting = max(1, int((TEXT_WIDTH - 0.8) / column_width))
-    # The fewest columns that need no more rows leave the last row full.
+    # The fewest columns that need no further row fill the last row best.
     rows = -(-n_curves // min(fitting, n_curves))
     axes.legend(
         loc="lower left",
@@ -139,8 +139,8 @@ def legend_above(axes: Axes, n_curves: int) -> None:
 
 
 class _Numbers(Formatter):
-    """Numbers at ticks as plain text, which looks the same as the formulas that matplotlib makes of them and
-    takes a tenth of the time; the power of ten at the end of the axis remains one."""
+    """Numbers at ticks as plain text, which looks like the formulas of matplotlib and takes a tenth of the
+    time; the power of ten at the end of the axis remains a formula."""
 
     def __init__(self, formulas: ScalarFormatter) -> None:
         self._formulas = formulas
@@ -149,12 +149,12 @@ class _Numbers(Formatter):
         return self._formulas(x, pos).removeprefix(r"$\mathdefault{").removesuffix("}$")
 
     def set_axis(self, axis: Any) -> None:
-        """The axis whose numbers they are."""
+        """Set the axis of the numbers."""
         super().set_axis(axis)
         self._formulas.set_axis(axis)
 
     def set_locs(self, locs: list[float]) -> None:
-        """The places of all ticks, which tell the number of digits."""
+        """Set the positions of all ticks, which determine the number of digits."""
         self._formulas.set_locs(locs)
 
     def get_offset(self) -> str:
@@ -184,7 +184,7 @@ def save_figure(figure: Figure, path: Path | str) -> Picture:
             formatter = axis.get_major_formatter()
             if type(formatter) is ScalarFormatter:
                 axis.set_major_formatter(_Numbers(formatter))
-    # Laid out once, without a drawing: matplotlib would do it for a trial and again for the picture.
+    # Laid out once, without a drawing: matplotlib would lay it out for a trial and again for the picture.
     if layout := figure.get_layout_engine():
         layout.execute(figure)
         figure.set_layout_engine("none")

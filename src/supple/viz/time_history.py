@@ -1,4 +1,4 @@
-"""Curves over time, one panel under another: ours beside theirs."""
+"""Curves over time in panels, computed beside reference."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ __all__ = ["Panel", "Series", "plot_time_history"]
 _LARGE = 1e4
 """Values from here on are written with k, M, G."""
 NOISE = 1e-6
-"""Of the largest value of its like: what is smaller is drawn as zero."""
+"""Relative to the largest value of the quantity: smaller values are drawn as zero."""
 _LEAST_SPAN = 10 * NOISE
-"""Of an axis, so that noise on a constant does not fill it."""
+"""Relative to an axis: least range, so that noise on a constant does not fill it."""
 
 
 @dataclass(frozen=True)
 class Series:
-    """One curve: values (t,) at times (t,), with what the legend calls it. NaN leaves a gap.
+    """One curve: values (t,) at times (t,), with its label. NaN leaves a gap.
 
     Raises
     ------
-    ModelError  times and values of other shapes, or none that is finite
+    ModelError  times and values of different shapes, or no finite value
     """
 
     label: str
@@ -63,10 +63,10 @@ class Series:
 
 @dataclass(frozen=True)
 class Panel:
-    """One set of axes: what is measured (with its unit) and the curves.
+    """One set of axes: the label of the quantity (with its unit) and the curves.
 
-    like : the largest magnitude of the same quantity, in other panels too; of these curves when left out.
-        What is below 1e-6 of it is drawn as zero, and no noise on a constant fills the axes
+    like : the largest magnitude of the same quantity, in other panels too; by default of these curves. Values
+        below 1e-6 of it are drawn as zero, and noise on a constant does not fill the axes
     """
 
     quantity: str
@@ -75,7 +75,7 @@ class Panel:
 
     @property
     def largest(self) -> float:
-        """The magnitude that its values are held against."""
+        """The reference magnitude of its values."""
         if self.like is not None:
             return self.like
         return max(float(np.abs(each.values[np.isfinite(each.values)]).max()) for each in self.series)
@@ -86,8 +86,8 @@ def plot_time_history(
 ) -> Path:
     """Draw panels of curves over a common time axis, with one legend where all panels share their labels.
 
-    panels : row by row; None leaves a place empty
-    n_columns : panels beside each other, in rows; with several, a label has one colour in all of them
+    panels : row by row; None leaves a position empty
+    n_columns : panels side by side, in rows; with several, a label has one colour in all of them
 
     Raises
     ------
@@ -136,10 +136,10 @@ def _draw_panel(axes: Axes, panel: Panel, ranks: Sequence[int] | None) -> None:
         middle = 0.5 * (low + high)
         axes.set_ylim(middle - 0.5 * _LEAST_SPAN * largest, middle + 0.5 * _LEAST_SPAN * largest)
     if max(abs(limit) for limit in axes.get_ylim()) >= _LARGE:
-        # 0.4 M instead of a power of ten in the corner, where the legend stands.
+        # 0.4 M instead of a power of ten in the corner, where the legend is.
         axes.yaxis.set_major_formatter(EngFormatter())
     else:
-        # 0.006 instead of a power of ten in the corner, where the legend stands.
+        # 0.006 instead of a power of ten in the corner, where the legend is.
         axes.ticklabel_format(axis="y", scilimits=(-4, 4))
 
 
@@ -155,6 +155,6 @@ def _legend_of_all(figure: Figure, grid: Sequence[Axes], order: Sequence[str]) -
 
 
 def _palette_ranks(series: Sequence[Series]) -> list[int]:
-    """Place of each curve among those that take their colour from the palette."""
+    """Rank of each curve among those with colours from the palette."""
     takes = np.array([one.stroke.colour is None for one in series], dtype=int)
     return (np.cumsum(takes) - takes).tolist()

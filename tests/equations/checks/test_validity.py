@@ -52,7 +52,7 @@ def test_linear_body_that_spins_near_its_lowest_frequency(linear):
     lowest = linear.frequencies[0]
     (message,) = messages(linear, still(linear, spin=0.4 * lowest))
     assert message.startswith(
-        f"body 'blade' is linear and spins at {0.4 * lowest:.4g} rad per unit of time (t = 1), "
+        f"body 'blade' is linear and rotates at {0.4 * lowest:.4g} rad per unit of time (t = 1), "
         "0.40 times its lowest frequency"
     )
     assert messages(linear, still(linear, spin=0.2 * lowest)) == []
@@ -103,7 +103,8 @@ def test_rotation_beyond_the_kinematics(floating_blade):
     too_far = still(floating_blade, coordinates=coordinates_that_turn(floating_blade, 0.55))
     (message,) = messages(floating_blade, too_far)
     assert message.startswith(
-        "body 'blade' turns by 0.550 rad against its frame (t = 1); its kinematics hold to about 0.50 rad."
+        "body 'blade' rotates by 0.550 rad relative to its frame (t = 1); "
+        "its kinematics hold to about 0.50 rad."
     )
     assert "mean-axis frame" not in message, "it has one"
     assert message.endswith("Split the body (split = { parts = 2 } in a case file, split_body in Python)")
@@ -121,21 +122,21 @@ def test_body_without_known_rotations_is_not_judged_by_them(floating_blade):
 
 def test_strict_stops_at_once(linear):
     limits = watch(System((Placed(linear),)), Validity(strict=True))
-    with pytest.raises(ValidityError, match="body 'blade' is linear and spins at"):
+    with pytest.raises(ValidityError, match="body 'blade' is linear and rotates at"):
         limits.observe({}, still(linear, spin=linear.frequencies[0]))
 
 
 def test_otherwise_a_warning_at_the_end(linear):
     limits = watch(System((Placed(linear),)), Validity())
     peaks = limits.observe({}, still(linear, spin=linear.frequencies[0]))
-    with pytest.warns(ValidityWarning, match="body 'blade' is linear and spins at"):
+    with pytest.warns(ValidityWarning, match="body 'blade' is linear and rotates at"):
         limits.report(peaks)
 
 
 def test_a_run_watches_from_its_first_instant(linear):
     """The initial state alone breaks the limit; strict, so nothing is simulated."""
     fast = System((Placed(linear, angular_velocity=[0, 0, 50.0]),))
-    with pytest.raises(ValidityError, match=r"spins at 50 rad per unit of time \(t = 0\)"):
+    with pytest.raises(ValidityError, match=r"rotates at 50 rad per unit of time \(t = 0\)"):
         simulate(fast, Run(duration=1.0, output_step=0.1, validity=Validity(strict=True)))
 
 

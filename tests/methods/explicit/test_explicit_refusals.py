@@ -82,11 +82,11 @@ def test_what_is_not_asked_of_explicit_elements_is_refused_in_one_place(ask):
 
 def test_batches_and_error_estimates_are_not_of_explicit_marches():
     system = System([modal()])
-    with pytest.raises(ModelError, match="a batch is not made of explicit marches: simulate the machine"):
+    with pytest.raises(ModelError, match="a batch does not support explicit marches: simulate the machine"):
         simulate_batch([system], RUN)
-    with pytest.raises(ModelError, match="an error estimate is not made of explicit marches"):
+    with pytest.raises(ModelError, match="an error estimate does not support explicit marches"):
         state_errors(system, RUN, Solution(np.zeros(1), {}, {}, Statistics()))
-    with pytest.raises(ModelError, match="a batch is not made of explicit marches"):
+    with pytest.raises(ModelError, match="a batch does not support explicit marches"):
         simulate_batch([System([ball()])], Run(0.02, 0.01, method=Explicit()))
 
 

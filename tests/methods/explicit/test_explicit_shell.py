@@ -149,7 +149,7 @@ def test_a_cantilever_under_a_sudden_load_swings_as_the_full_model():
 def test_what_is_no_explicit_shell_is_refused():
     with pytest.raises(ModelError, match="beta = 0"):
         plate(damping=LinearRayleighDamping(0.0, 1e-3))
-    with pytest.raises(ModelError, match="explicit shell 'plate': its damping acts against the interface"):
+    with pytest.raises(ModelError, match="explicit shell 'plate': its damping is relative to the interface"):
         plate(damping=LinearRayleighDamping(1.0, 0.0, held="root"))
     with pytest.raises(ModelError, match="rotations of shells"):
         marched(System([plate()], supports=[Support(At("plate", "root"), (6,))]), 1.0)

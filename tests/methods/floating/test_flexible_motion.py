@@ -138,4 +138,4 @@ def test_nonlinear_body_stiffens_where_the_linear_one_diverges(clamped_blade):
     linear = replace(clamped_blade, cubic=None, quartic=None)
     with pytest.warns(ValidityWarning) as warned:
         assert sway(linear) > 10.0
-    assert "body 'blade' is linear and spins at 20" in str(warned[0].message)
+    assert "body 'blade' is linear and rotates at 20" in str(warned[0].message)

@@ -101,15 +101,15 @@ def test_columns_are_named_and_those_held_already_dropped(cantilever, mean_axis,
     fixed = reduce(
         cantilever.linearized(), root_frame, SteadyLoads(CraigBampton(n_modes=3)), derivatives=NoDerivatives()
     ).report
-    assert fixed.linear[3] == "static answer to acceleration x"
-    assert "static answer to spin about z" in fixed.linear + fixed.dropped
+    assert fixed.linear[3] == "static response to acceleration x"
+    assert "static response to rotation about z" in fixed.linear + fixed.dropped
     free = reduce(
         cantilever.linearized(), mean_axis, SteadyLoads(Rubin(n_modes=3)), derivatives=NoDerivatives()
     ).report
-    assert {f"static answer to acceleration {axis}" for axis in "xyz"} <= set(free.dropped)
+    assert {f"static response to acceleration {axis}" for axis in "xyz"} <= set(free.dropped)
 
 
 def test_a_free_body_answers_spins_alone(loose_body, mean_axis):
     raw = SteadyLoads(NormalModes(2)).build(loose_body, mean_axis)
     assert len(raw.labels) <= 2 + 6
-    assert all(label.startswith("static answer to spin") for label in raw.labels[2:])
+    assert all(label.startswith("static response to rotation") for label in raw.labels[2:])

@@ -94,5 +94,5 @@ def test_more_modes_than_there_are_cannot_be_kept(component):
 def test_body_without_interfaces_is_refused(loose_body, strip_body):
     with pytest.raises(ModelError, match="needs interfaces, but body 'strip' has none"):
         fixed_interface_component(loose_body, fixed_interface_modes(strip_body, 1))
-    with pytest.raises(ModelError, match="a vibration with held interfaces needs interfaces, but body"):
+    with pytest.raises(ModelError, match="a vibration with fixed interfaces needs interfaces, but body"):
         fixed_interface_modes(loose_body, 1)

@@ -71,7 +71,7 @@ def test_no_more_columns_than_the_derivatives_span(case):
     assert compressed.vectors.shape[1] == 1
     assert compressed.labels == ("compressed derivative 1",)
     (why,) = compressed.dropped
-    assert why.startswith("compressed derivatives 2 to 3 (all derivatives lie in 1 directions; what is left")
+    assert why.startswith("compressed derivatives 2 to 3 (all derivatives lie in 1 directions; the remainder")
     assert compress(body, basis, inside, 1, np.ones(3)).dropped == ()
 
 

@@ -1,1 +1,1 @@
-"""What a motion says about itself: energies, constraint residuals, validity, the spectrum of the loads."""
+"""Checks of a motion: energies, constraint residuals, validity, the spectrum of the loads."""

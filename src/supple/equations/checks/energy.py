@@ -25,12 +25,12 @@ from supple.reduction import ReducedBody
 
 __all__ = ["Balances", "balances"]
 
-# Numbers of a full body's nodal field held at a time (8 MiB), for a long run of a large body would not fit.
+# Numbers of a full body's nodal field in memory at a time (8 MiB): a long run of a large body would not fit.
 _FIELD_NUMBERS = 2**20
 
 
 class Balances(NamedTuple):
-    """What a free conservative system keeps, (t,) or (t, 3)."""
+    """Conserved quantities of a free conservative system, (t,) or (t, 3)."""
 
     kinetic: AnyArray
     strain: AnyArray
@@ -65,7 +65,7 @@ def body_balances(body: BodyForm, _motion: Motion, _gravity: np.ndarray) -> Bala
 
 @body_balances.register(RigidBody | ReducedBody)
 def _(body: Any, motion: Motion, gravity: np.ndarray) -> Balances:
-    """Of a rigid or reduced body: its Gram matrix and tensors."""
+    """Energies and momenta of a rigid or reduced body, from its Gram matrix and tensors."""
     if body not in _ARRAYS:
         (group,) = build_model(System((Placed(body),))).groups
         _ARRAYS[body] = jax.tree.map(lambda leaf: np.asarray(leaf)[0], _Arrays.of(group))
@@ -76,7 +76,7 @@ def _(body: Any, motion: Motion, gravity: np.ndarray) -> Balances:
 
 
 class _Arrays(NamedTuple):
-    """What a rigid or reduced body is made of."""
+    """Arrays of a rigid or reduced body."""
 
     gram: jax.Array
     stiffness: jax.Array
@@ -90,7 +90,7 @@ class _Arrays(NamedTuple):
 
 
 _ARRAYS: WeakKeyDictionary[Any, _Arrays] = WeakKeyDictionary()
-"""Of bodies that are in use: cases of a sweep share them, and read energies thousands of times."""
+"""Cache per body in use: cases of a sweep share bodies, and evaluate energies thousands of times."""
 
 
 class _Motion(NamedTuple):
@@ -105,7 +105,7 @@ class _Motion(NamedTuple):
 
 
 def _over_time(body: _Arrays, gravity: jax.Array, motion: _Motion) -> Balances:
-    """Of a rigid or reduced body."""
+    """Energies and momenta of a rigid or reduced body."""
 
     def at_one_time(now: _Motion) -> Balances:
         position, rotation, coordinates = now.position, now.rotation, now.coordinates
@@ -144,7 +144,7 @@ def _first_moment(gram: jax.Array, coordinates: jax.Array) -> jax.Array:
 
 @body_balances.register
 def _(full: FullBody, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
-    """Of a full body: node by node, `T = V^T M V / 2`, and the strain energy of its elements."""
+    """Energies and momenta of a full body: `T = V^T M V / 2` of its nodes, and the strain energy."""
     inertia = FullInertia(full.body)
     size = max(1, _FIELD_NUMBERS // full.body.n_nodal)
     parts = [
@@ -155,7 +155,7 @@ def _(full: FullBody, motion: FloatingMotion, gravity: np.ndarray) -> Balances:
 
 
 def _at_instants(inertia: FullInertia, gravity: np.ndarray, motion: FloatingMotion) -> Balances:
-    """Of a full body, at instants whose coordinates (n, t) fit in memory together."""
+    """Energies and momenta of a full body, at times whose coordinates (n, t) fit in memory together."""
     rotation = motion.rotation
     local = inertia.momenta(
         motion.coordinates.T,

@@ -1,4 +1,4 @@
-"""How far the joints of a system stand open over a run: what the integrator leaves of g = 0."""
+"""Constraint residuals of the joints of a system over a run, which the integrator leaves of g = 0."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def joint_residuals(system: System, solution: Solution) -> np.ndarray:
 
 
 class _Pose(NamedTuple):
-    """Of a station over time."""
+    """Pose of a station over time."""
 
     position: np.ndarray
     rotation: np.ndarray
@@ -57,7 +57,7 @@ class _Pose(NamedTuple):
 def _with_stations(
     system: System, bodies: Mapping[str, Motion]
 ) -> tuple[System, dict[str, FloatingMotion | _Pose]]:
-    """Ends on bodies that are in no floating frame as bodies of their own; loads do not matter."""
+    """Ends on bodies without a floating frame as separate bodies; loads are irrelevant."""
     floating = {name: motion for name, motion in bodies.items() if isinstance(motion, FloatingMotion)}
     motions: dict[str, FloatingMotion | _Pose] = dict(floating)
     placed = [each for each in system.bodies if each.body.name in floating]

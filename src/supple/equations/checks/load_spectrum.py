@@ -1,13 +1,13 @@
-"""Do the loads excite modes that a reduced body lacks? The band of the loads against the frequencies kept.
+"""Check for loads that excite modes missing from a reduced body: load band against the frequencies kept.
 
 A load f(t) over a run of length T is a straight line from its first value to its last, and a sine series
 
     f(t) = f_0 + (f_T - f_0) t / T + sum_k b_k sin(k pi t / T),
 
-whose mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. What is left
+whose mean square is that of the line plus, by Parseval, b_k^2 / 2 for every frequency k pi / T. The rest
 after the line vanishes at both ends, so that its coefficients fall as k^-3 where f is smooth: no window is
-needed, and the beginning of a run counts as much as its middle. The onset of a load at t = 0 is not seen, nor
-is gravity. A prescribed motion excites by its acceleration.
+needed, and the beginning of a run has the same weight as its middle. The onset of a load at t = 0 is not
+included, nor is gravity. A prescribed motion excites by its acceleration.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from supple.units import UNNAMED, UnitSystem, measured
 __all__ = ["BandCoverage", "LoadSpectrum", "band_coverage", "load_spectra", "warn_of_missing_modes"]
 
 SHARE = 0.999
-"""Part of a load's mean square that its band holds."""
+"""Share of a load's mean square within its band."""
 SAME = 1.05
-"""A frequency of the reduced body up to so many times one of the whole body belongs to the same mode."""
+"""Largest ratio of a frequency of the reduced body to one of the full body for the same mode."""
 MOST_MODES = 200
 MOST_SAMPLES = 20_000
 FEW, SAMPLES = 33, 257
-"""Output times too few to show a load, and those sampled instead."""
+"""Fewer output times do not resolve a load; then this many samples are used."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class LoadSpectrum:
 
     @property
     def band(self) -> float:
-        """Frequency below which SHARE of the mean square lies, rad/s; 0 of a load that hardly varies."""
+        """Frequency below which SHARE of the mean square lies, rad/s; 0 for a nearly constant load."""
         above = np.append(np.cumsum(self.mean_squares[::-1])[::-1], 0.0)
         within = int(np.argmax(above <= (1 - SHARE) * (above[0] + self.steady)))
         return float(self.frequencies[within - 1]) if within else 0.0
@@ -70,13 +70,13 @@ class LoadSpectrum:
 
 @dataclass(frozen=True)
 class BandCoverage:
-    """Which modes inside the band of the loads a reduced body has.
+    """Modes of a reduced body inside the band of the loads.
 
-    load : str              the load that reaches highest
+    load : str              the load with the highest band
     band : float            rad/s, below which SHARE of its mean square lies
-    kept : float            rad/s, up to which the reduced body has every mode of the body
-    missing : (k,) tuple    rad/s, modes of the body inside the band that it has not
-    n_modes : int           of the body inside the band: so many to ask for
+    kept : float            rad/s, up to which the reduced body has every mode of the full body
+    missing : (k,) tuple    rad/s, modes of the full body inside the band that the reduced body lacks
+    n_modes : int           modes of the full body inside the band: the number needed
     """
 
     load: str
@@ -89,8 +89,8 @@ class BandCoverage:
 def load_spectra(system: System, times: np.ndarray) -> tuple[LoadSpectrum, ...]:
     """Spectra of all loads and prescribed motions that vary over a run.
 
-    times : (t,)    s, evenly spaced, t >= 3; frequencies beyond half their rate are not seen
-    Raises ModelError for times that are not.
+    times : (t,)    s, evenly spaced, t >= 3; frequencies beyond half their rate are not resolved
+    Raises ModelError for other times.
     """
     steps = np.diff(times)
     if len(times) < 3 or not np.allclose(steps, steps[:1], rtol=1e-6, atol=0.0):
@@ -112,7 +112,7 @@ def _varies(law: TimeLaw | None) -> TypeGuard[TimeLaw]:
 
 
 def _spectrum(label: str, history: np.ndarray, times: np.ndarray) -> LoadSpectrum:
-    """Of a history (t, m)."""
+    """Spectrum of a history (t, m)."""
     n = len(times) - 1
     first, last = history[0], history[-1]
     line = first + np.linspace(0.0, 1.0, n + 1)[:, None] * (last - first)
@@ -131,13 +131,13 @@ def band_coverage(
     """Compare the band of the loads with the modes of a body and of its reduced form; None without loads.
 
     kept : (r,)         rad/s, ascending, of the reduced body in its frame
-    of_body : (m,)      rad/s, ascending, of the whole body in the same frame, up to the band or beyond
+    of_body : (m,)      rad/s, ascending, of the full body in the same frame, up to the band or beyond
     """
     if not spectra:
         return None
     widest = max(spectra, key=lambda spectrum: spectrum.band)
     missing, found = [], 0
-    # Rayleigh and Ritz: frequencies of the reduced body lie above those of its modes, in the same order.
+    # Rayleigh-Ritz: frequencies of the reduced body are above those of its modes, in the same order.
     for frequency in of_body:
         if found < len(kept) and kept[found] <= SAME * frequency:
             found += 1
@@ -160,12 +160,12 @@ def warn_of_missing_modes(
     reduced: ReducedBody,
     units: UnitSystem = UNNAMED,
 ) -> BandCoverage | None:
-    """Warn where the loads excite modes of a body that its reduced form lacks.
+    """Warn of loads that excite modes of a body missing from its reduced form.
 
     system : System     with its loads and prescribed motions
     times : (t,)        of the run, evenly spaced
-    units : UnitSystem  frequencies are named in Hz where the unit of time is
-    Warns LoadSpectrumWarning: the load, its band, the modes missing, and how many to ask for.
+    units : UnitSystem  frequencies are given in Hz where the unit of time is known
+    Warns LoadSpectrumWarning: the load, its band, the modes missing, and the number needed.
     """
     spectra = load_spectra(system, _thinned(times))
     if not any(spectrum.band > 0 for spectrum in spectra):
@@ -188,14 +188,14 @@ def warn_of_missing_modes(
 
 
 def _thinned(times: np.ndarray) -> np.ndarray:
-    """At most MOST_SAMPLES of evenly spaced times, over the same span; SAMPLES of a run of few outputs."""
+    """At most MOST_SAMPLES evenly spaced times over the same span; SAMPLES for a run with few outputs."""
     if FEW <= len(times) <= MOST_SAMPLES:
         return times
     return np.linspace(times[0], times[-1], SAMPLES if len(times) < FEW else MOST_SAMPLES)
 
 
 def _frequencies(body: FlexibleBody, frame: Frame, band: float, at_least: int) -> np.ndarray:
-    """Lowest frequencies of the whole body in its frame, beyond the band unless there are too many."""
+    """Lowest frequencies of the full body in its frame, beyond the band unless there are too many."""
     constraint = frame.constraint(body)
     most = min(body.n - len(constraint), MOST_MODES)
     n = min(at_least, most)

@@ -1,13 +1,13 @@
-"""Are the output times dense enough to show the motion? A vibration between them looks like a slower one.
+"""Check that output times resolve the motion: a faster vibration appears as a slower one (aliasing).
 
-Positions q alone cannot tell; but velocities v and accelerations a are stored beside them. With D the central
+Positions q alone cannot show it; but velocities v and accelerations a are stored too. With D the central
 difference over two output steps H, the signal
 
     u = v - D q,        du/dt = a - D v
 
-holds of a vibration of frequency w the part 1 - sin(w H) / (w H): nearly nothing where outputs are
-dense, nearly all of it beyond their limit, w H = pi. Its root mean squares give the frequency,
-|du/dt| / |u|, and the amplitude, |u| / (w - sin(w H) / H), of what the outputs do not show.
+contains a vibration of frequency w with the factor 1 - sin(w H) / (w H): nearly zero for dense outputs,
+nearly one beyond their limit, w H = pi. Its root mean squares give the frequency, |du/dt| / |u|, and the
+amplitude, |u| / (w - sin(w H) / H), of the unresolved vibration.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ from supple.machine import System
 __all__ = ["Hidden", "hidden_vibration", "report_output_rate"]
 
 SHARE = 0.1
-"""Of the motion: a vibration of less does not matter."""
+"""Relative to the motion: a smaller vibration is ignored."""
 NEGLIGIBLE = 1e-6
-"""Of the machine's size: motions below do not matter."""
+"""Relative to the machine's size: smaller motions are ignored."""
 WINDOWS = 8
 SHORTEST = 32
-"""Output times of a window at least: a vibration that decays is looked for where it is."""
+"""Fewest output times of a window: a decaying vibration is detected where it is present."""
 MOST_COLUMNS = 32
 PER_PERIOD = 10
 FEWEST = 10
-"""Output times: fewer are instants that somebody wants, and no curve."""
+"""Output times: fewer are single times of interest, not a curve."""
 
 
 @dataclass(frozen=True)
 class Hidden:
-    """A vibration that output times do not show: rad/s, and its part of the whole motion."""
+    """A vibration that output times do not resolve: rad/s, and its share of the whole motion."""
 
     frequency: float
     share: float
@@ -51,7 +51,7 @@ class Hidden:
 def hidden_vibration(
     positions: np.ndarray, velocities: np.ndarray, accelerations: np.ndarray, output_step: float
 ) -> Hidden:
-    """What output times (t,), evenly spaced, do not show of a motion (t, m); its window of most."""
+    """The unresolved vibration of a motion (t, m) at evenly spaced output times (t,); the worst window."""
     n = len(positions)
     found = Hidden(0.0, 0.0, 0.0)
     if n < FEWEST:
@@ -64,7 +64,7 @@ def hidden_vibration(
     size = _rms(positions - positions.mean(axis=0))
     number = min(WINDOWS, max(1, n // SHORTEST))
     for u, du in zip(np.array_split(hidden, number), np.array_split(its_rate, number), strict=True):
-        # Tapered, for a window holds no whole number of periods.
+        # Tapered, as a window does not contain a whole number of periods.
         taper = np.sqrt(np.hanning(len(u) + 2)[1:-1, None])
         own, its_own_rate = _rms(taper * u), _rms(taper * du)
         if own > 0 and size > 0:
@@ -82,9 +82,9 @@ def _rms(signal: np.ndarray) -> float:
 
 
 def report_output_rate(system: System, run: Run, solution: Solution) -> None:
-    """Warn ResolutionWarning of a body whose vibration, or spin, the output times do not show.
+    """Warn (ResolutionWarning) of a body whose vibration or rotation the output times do not resolve.
 
-    A warning even when the run is strict: the motion is right, what is drawn of it is not.
+    It stays a warning in a strict run: the motion is correct, only its curves and pictures are not.
     """
     if len(solution.times) < FEWEST:
         return
@@ -106,15 +106,15 @@ def report_output_rate(system: System, run: Run, solution: Solution) -> None:
     also = ", and a step no longer," if isinstance(control, FixedStep) and control.size > needed else ""
     message = (
         f"the output step of {step:.3g} is too long to show the motion of body '{name}': {what} "
-        f"{frequency / (2 * np.pi):.3g} times per unit of time, and outputs show {1 / (2 * step):.3g} at "
-        "most, so that curves and pictures show a slower one instead. An output step of "
-        f"{needed:.2g}{also} shows it"
+        f"{frequency / (2 * np.pi):.3g} times per unit of time; outputs resolve {1 / (2 * step):.3g}, "
+        "so that curves and pictures show a slower motion. Set an output step of "
+        f"{needed:.2g}{also} or less"
     )
     warnings.warn(message, ResolutionWarning, stacklevel=3)
 
 
 def _too_fast(motion: FloatingMotion, step: float, sizes: tuple[float, float]) -> Iterator[tuple[str, float]]:
-    """What is too fast for the outputs, in words, and its frequency in rad/s."""
+    """Motions too fast for the outputs, described for the message, with frequencies in rad/s."""
     frame = motion.position, motion.velocity, motion.acceleration
     deformation = motion.coordinates, motion.coordinate_rates, motion.coordinate_accelerations
     for what, (positions, velocities, accelerations), size in (
@@ -125,7 +125,7 @@ def _too_fast(motion: FloatingMotion, step: float, sizes: tuple[float, float]) -
         if not columns:
             continue
         mix = np.eye(columns)
-        if columns > MOST_COLUMNS:  # a few random combinations see what thousands of nodes do
+        if columns > MOST_COLUMNS:  # a few random combinations represent thousands of nodes
             mix = np.random.default_rng(0).standard_normal((columns, MOST_COLUMNS)) / np.sqrt(MOST_COLUMNS)
         found = hidden_vibration(positions @ mix, velocities @ mix, accelerations @ mix, step)
         if found.share > SHARE and found.amplitude > NEGLIGIBLE * size:
@@ -133,4 +133,4 @@ def _too_fast(motion: FloatingMotion, step: float, sizes: tuple[float, float]) -
     spins = np.linalg.norm(motion.angular_velocity, axis=1)
     spin = float(np.median(spins))
     if spin * step > np.pi:
-        yield "it turns", spin
+        yield "it rotates", spin

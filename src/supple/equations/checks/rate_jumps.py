@@ -1,4 +1,4 @@
-"""Prescribed motions whose speed or acceleration jumps: a blow, or joint forces that jump."""
+"""Check of prescribed motions for jumps of speed or acceleration: impacts, or jumping joint forces."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from supple.machine.laws.sampled_law import N_SAMPLES, Jumps, jumps, sampled
 __all__ = ["RateJump", "rate_jumps", "warn_of_rate_jumps"]
 
 SPEED, ACCELERATION = 1e-6, 1e-3
-"""Of the largest speed, or acceleration, of the run: what jumps by less is rounding."""
+"""Relative to the largest speed, or acceleration, of the run: smaller jumps are rounding."""
 BESIDE = 1e-7
-"""Of the shortest scale of a law: how near to an instant its sides are sampled."""
+"""Relative to the shortest scale of a law: distance from a time at which its two sides are sampled."""
 
 
 @dataclass(frozen=True)
 class RateJump:
-    """A jump of a prescribed motion at a time: of the motion itself, of its speed, of its acceleration."""
+    """A jump, at a time, of a prescribed motion, of its speed or of its acceleration."""
 
     time: float
     motion: float
@@ -33,7 +33,7 @@ class RateJump:
 
 
 def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], float, float]:
-    """Jumps of a law of numbers () between two times, and its largest speed and acceleration there."""
+    """Jumps of a scalar law between two times, and its largest speed and acceleration there."""
     times = np.linspace(begin, end, N_SAMPLES + 1)
 
     def of_times(at: np.ndarray) -> np.ndarray:
@@ -42,7 +42,7 @@ def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], 
     samples = of_times(times)
     _, fastest, hardest = np.abs(samples).max(axis=0)
     if not np.isfinite(samples).all():
-        return [], fastest, hardest  # the run says where it fails
+        return [], fastest, hardest  # the run reports where it fails
     if isinstance(law, KnownLaw):
         instants = instants_of(law, begin, end)
         beside = BESIDE * min(shortest_scale_of(law, begin, end), end - begin)
@@ -53,7 +53,7 @@ def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], 
     if not sides.before.size:
         return [], float(fastest), float(hardest)
     steps = np.abs(of_times(sides.after) - of_times(sides.before))
-    steps[:, 0] -= (sides.after - sides.before) * fastest  # what a smooth motion covers between the two
+    steps[:, 0] -= (sides.after - sides.before) * fastest  # the change of a smooth motion between the two
     size = np.ptp(samples[:, 0])
     sized = [
         RateJump(
@@ -68,7 +68,7 @@ def rate_jumps(law: TimeLaw, begin: float, end: float) -> tuple[list[RateJump], 
 
 
 def warn_of_rate_jumps(system: System, run: Run) -> set[str]:
-    """Warn ResolutionWarning of each joint whose prescribed motion jumps within the run; their names."""
+    """Warn (ResolutionWarning) of each joint whose prescribed motion jumps in the run; their names."""
     begin, end = float(run.times[0]), float(run.times[-1])
     named = set()
     for joint in system.joints:
@@ -97,7 +97,7 @@ def _message(joint: str, found: Sequence[RateJump]) -> str:
             more = f" (and at {len(own) - 1} other times)" if len(own) > 1 else ""
             return (
                 f"joint '{joint}': the {what}prescribed motion jumps by {getattr(worst, size):.3g} at "
-                f"t = {worst.time:.6g}{more}: {consequence}. Let it rise smoothly (Ramp, SpinUp, or a Spline "
+                f"t = {worst.time:.6g}{more}: {consequence}. Use a smooth law (Ramp, SpinUp, or a Spline "
                 "through rows)"
             )
     raise AssertionError("a jump of nothing")

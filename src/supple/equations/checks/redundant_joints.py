@@ -1,4 +1,4 @@
-"""Do the constraint equations that were left out as redundant still hold while the machine moves?"""
+"""Check that constraint equations left out as redundant still hold while the machine moves."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from supple.machine import System
 __all__ = ["check_redundant_joints"]
 
 OPEN = 1e-4
-"""Of the system's size, and rad: what is left out must follow from the others far more closely."""
+"""Relative to the system's size, and rad: omitted equations must follow from the others far more closely."""
 
 
 def check_redundant_joints(system: System, leg: Solution) -> None:
-    """Raise AccuracyError for a joint that stands open because its equations were left out.
+    """Raise AccuracyError for a joint that is violated because its equations were left out.
 
-    Such an equation depended on the others where the run began, and does not where the machine has come to.
+    Such an equation depended on the others where the run began, but no longer does.
     """
     n_equations = system.n_constraints
     kept = leg.engine_state.get("active")
@@ -33,5 +33,5 @@ def check_redundant_joints(system: System, leg: Solution) -> None:
         raise AccuracyError(
             f"{labels[worst]} was left out at the start as redundant, and is off by "
             f"{residuals[row, worst]:.3g} of the machine's size, or rad, at t = {leg.times[row]:.6g}: the "
-            "machine has left the position in which its joints repeat each other. Start beside that position"
+            "machine has left the position in which its joints are redundant. Start beside that position"
         )

@@ -1,4 +1,4 @@
-"""Say what the joints changed of an initial state."""
+"""Report of the corrections that the joints made to an initial state."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ROUNDING = 1e-9
 
 
 def report_start(change: StartChange, validity: Validity) -> None:
-    """Warn StartWarning of joints that did not meet, and of velocities they do not allow."""
+    """Warn (StartWarning) of joints that were open, and of velocities that the joints do not allow."""
     if change.open:
         worst = change.open[0]
         others = _others(change.open[1:])
@@ -37,7 +37,7 @@ def report_start(change: StartChange, validity: Validity) -> None:
         message = (
             f"the joints do not allow the initial velocities, which were changed: the kinetic energy is "
             f"{after:.4g} instead of {before:.4g}{percent}; {bodies}; "
-            f"against {_joints(change.against)}. Give velocities that the joints allow, or none to a body "
+            f"violated: {_joints(change.against)}. Give velocities that the joints allow, or none to a body "
             "that joints drive"
         )
         warn_or_raise(message, StartWarning, validity)

@@ -1,4 +1,4 @@
-"""Was a fixed step short enough? The largest local error and rotation of a run, with the remedy."""
+"""Check that a fixed step was short enough: largest local error and rotation of a run, with the remedy."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ __all__ = ["report_step_length"]
 LARGEST_ERROR = 1e-2
 """Local error of a step, as `AdaptiveStep` measures it."""
 LARGEST_TURN = 0.5
-"""rad: rotation of a body within a step."""
+"""rad, largest rotation of a body within a step."""
 
 
 def report_step_length(statistics: Statistics, run: Run) -> None:
-    """Warn ResolutionWarning of a fixed step with a large local error, or in which a body turns far."""
+    """Warn (ResolutionWarning) of a fixed step with a large local error, or a large rotation of a body."""
     step = run.step_control
     if not isinstance(step, FixedStep):
         return
@@ -24,7 +24,7 @@ def report_step_length(statistics: Statistics, run: Run) -> None:
         found.append(f"its local error reaches {statistics.largest_error:.2g} of the machine's size, or rad")
         shorter = (LARGEST_ERROR / statistics.largest_error) ** (1 / 3)  # the local error is of third order
     if statistics.largest_turn > LARGEST_TURN:
-        found.append(f"a body turns by {statistics.largest_turn:.2g} rad within it")
+        found.append(f"a body rotates by {statistics.largest_turn:.2g} rad within it")
         shorter = min(shorter, LARGEST_TURN / statistics.largest_turn)
     if found:
         message = (

@@ -1,9 +1,10 @@
-"""Do fixed steps see the loads and the prescribed motions? What happens within a step is checked first.
+"""Check that fixed steps resolve the loads and prescribed motions, before the run.
 
-A step knows a load at its two ends. What straight lines from step to step miss of it is found by evaluating
-it within the steps as well, at uneven times, and at the instants of the law, stated or found by sampling.
-A sine of n steps a period is missed by (2 pi / n)^2 / 8 of its amplitude, one of n < 2 by all of it. A load
-that jumps where a step ends is seen as well as a step can. A prescribed motion loads by its acceleration.
+A step evaluates a load at its two ends. The error of straight lines from step to step is found by evaluating
+the load within the steps as well, at uneven times, and at the instants of the law, given or found by
+sampling. A sine of n steps a period has an error of (2 pi / n)^2 / 8 of its amplitude, one of n < 2 of all of
+it. A load that jumps at the end of a step is resolved as well as possible. A prescribed motion loads by its
+acceleration.
 """
 
 from __future__ import annotations
@@ -26,27 +27,27 @@ from supple.machine.laws.sampled_law import MOST_NUMBERS, sampled
 __all__ = ["UnresolvedShare", "fixed_step", "jumps_in_steps", "missed_between_steps", "warn_of_missed_loads"]
 
 MISSED = 0.2
-"""Of the largest load: what may be missed within a step; five steps a period of a sine."""
+"""Allowed error within a step, relative to the largest load; five steps a period of a sine."""
 MOST_STEPS = 2**13
-"""Looked at, spread over the run."""
+"""Number of steps checked, spread over the run."""
 WITHIN = np.array([0.5, 0.07, 0.21, 0.37, 0.62, 0.78, 0.91])
-"""Places within a step: uneven, for a load could return after even ones."""
+"""Sampling points within a step: uneven, as a load could be periodic in even ones."""
 BESIDE, JUMPS = 0.1, 0.3
-"""A change by so much of the largest load, so many steps before to after an instant, is a jump to a step."""
+"""A change by this share of the largest load, within this many steps around an instant, counts as a jump."""
 NEAR = 1e-6
-"""Of a step: how near to an instant both its sides are sampled."""
+"""Relative to a step: distance from an instant at which both its sides are sampled."""
 
 
 @dataclass(frozen=True)
 class UnresolvedShare:
-    """The most that a step misses of a quantity over time, in parts of its largest size, and when."""
+    """The largest error of a quantity over time within a step, over its largest value, and its time."""
 
     share: float
     time: float
 
 
 def fixed_step(run: Run) -> float:
-    """The fixed step that is taken: a whole number of them spans each output interval."""
+    """The fixed step in use: each output interval is a whole number of steps."""
     interval = float(run.times[1] - run.times[0])
     return interval / np.ceil(interval / run.step_control.largest * (1 - 1e-9))
 
@@ -54,7 +55,7 @@ def fixed_step(run: Run) -> float:
 def jumps_in_steps(system: System, run: Run) -> bool:
     """Whether a load, or the acceleration of a prescribed motion, jumps within a fixed step or at its end.
 
-    The step takes it for a straight line, as if it were half a step earlier or later.
+    A step replaces the jump by a straight line, as if it were half a step earlier or later.
     """
     if not isinstance(run.step_control, FixedStep):
         return False
@@ -82,9 +83,9 @@ def _jumps_in(law: TimeLaw, begin: float, end: float, step: float, derivative: i
 def missed_between_steps(
     law: TimeLaw, begin: float, step: float, n_steps: int, instants: np.ndarray, *, derivative: int = 0
 ) -> UnresolvedShare:
-    """What `n_steps` equal steps miss of a quantity over time of any shape, or of its derivative.
+    """The error of `n_steps` equal steps for a time function of any shape, or for its derivative.
 
-    instants : (k,)     times at which it breaks or turns; steps that hold them are checked first
+    instants : (k,)     times of kinks or extremes; steps that contain them are checked first
     """
     shape = jax.eval_shape(lambda time: jnp.asarray(law(time)), jnp.zeros(())).shape
     numbers = max(1, int(np.prod(shape)))
@@ -94,7 +95,7 @@ def missed_between_steps(
     chosen = np.concatenate([spread, broken])
     start = begin + chosen * step
     inner = start[:, None] + WITHIN * step
-    # A step with an instant is sampled there: a pulse may be briefer than the places are apart.
+    # A step with an instant is sampled there: a pulse may be shorter than the sampling distance.
     nearby = instants[:most, None] + NEAR * step * np.array([0.0, -1.0, 1.0])
     if len(nearby):
         low, high = start[len(spread) :, None], start[len(spread) :, None] + step
@@ -105,7 +106,7 @@ def missed_between_steps(
     size = float(np.abs(values).max())
     first, within, last = values[:, :1], values[:, 1:-1], values[:, -1:]
     where = ((inner - start[:, None]) / step)[..., None]
-    # A jump where the step ends or begins leaves the quantity as it is at the other end.
+    # A jump at either end of the step leaves the quantity at its value at the other end.
     missed = np.minimum.reduce(
         [np.abs(within - guess).max(axis=(1, 2)) for guess in (first + where * (last - first), first, last)]
     )
@@ -115,9 +116,9 @@ def missed_between_steps(
 
 
 def warn_of_missed_loads(system: System, run: Run, *, besides: Collection[str] = ()) -> None:
-    """Warn ResolutionWarning of each load and prescribed motion that varies within fixed steps.
+    """Warn (ResolutionWarning) of each load and prescribed motion that varies within fixed steps.
 
-    besides : names of joints of which more has been said already
+    besides : names of joints for which another warning was given
     """
     if not isinstance(run.step_control, FixedStep):
         return
@@ -145,13 +146,13 @@ def _warn(what: str, law: Any, run: Run, *, of_motion: bool) -> None:
         message = (
             f"{what}: within a step of {step:.3g}, at t = {missed.time:.6g}, {quantity} is off a straight "
             f"line by {100 * missed.share:.0f} % of its largest value{briefest}: the steps miss or alias it. "
-            f"Take {needed}, or adaptive steps, which stop where it breaks"
+            f"Take {needed}, or adaptive steps, which stop at its kinks and jumps"
         )
         warn_or_raise(message, ResolutionWarning, run.validity)
 
 
 def _hardly_accelerated(law: Any, begin: float, end: float, step: float) -> bool:
-    """Whether a motion changes its speed within a step by rounding errors alone."""
+    """Whether a motion changes its speed within a step only by rounding."""
     times = np.linspace(begin, end, 257)
     _, fastest, hardest = (np.abs(each).max() for each in sampled(law, times, order=2))
     return bool(hardest * step <= 1e-9 * fastest)

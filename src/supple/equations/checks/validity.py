@@ -1,10 +1,11 @@
-"""Is the motion within what the kinematics can describe? Watched during every run, said with the number.
+"""Check, during every run, that the motion is within the limits of the kinematics.
 
-Two limits are watched. A body without nonlinear terms has no geometric stiffness: spun faster than a good
-part of its lowest frequency, it bends too far, and past it diverges. So does one whose condensed motion has
-no inertia, where the centrifugal stiffness that it lacks is a good part of the elastic one. And rotations
-beyond what the body's strains were derived for (about 0.3 rad where curvatures enter linearly, 0.1 rad where
-all displacements do) make the strains themselves wrong. Linear multibody codes pass both limits silently.
+Two limits are checked. A body without nonlinear terms has no geometric stiffness: at an angular velocity near
+its lowest frequency its deflection is too large, and beyond it diverges. The same holds for a body whose
+condensed motion has no inertia, where the missing centrifugal stiffness is a good part of the elastic one.
+Rotations beyond the range for which the body's strains were derived (about 0.3 rad where curvatures enter
+linearly, 0.1 rad where all displacements do) make the strains themselves wrong. Linear multibody codes do not
+report either limit.
 """
 
 from __future__ import annotations
@@ -27,27 +28,27 @@ from supple.machine.system import System
 __all__ = ["Excess", "Peaks", "Watch", "watch"]
 
 SOFTENED_LIMIT = 0.01
-"""Share of a deflection by which averaging interfaces may err, estimated, before it is said."""
+"""Estimated share of a deflection by which averaging interfaces may err without a warning."""
 
 LINEAR_ROTATION_LIMIT = 0.1
-"""rad: rotations theta beyond which linear strains lack a shortening by bending, theta^2 / 2, of 0.5 % of the
-length: a tenth of the deflection of a body that bends so far."""
+"""rad: rotation theta beyond which linear strains lack a shortening by bending, theta^2 / 2, of 0.5 % of the
+length: a tenth of the deflection of such a body."""
 
 _STIFFER = {"modal": "Give it stiffening=CentrifugalStiffness() (spin_stiffness = true in a case file)"}
-"""What makes a linear body bear its spin, by its kind; of others modal derivatives do."""
-_TURNS_LESS = {"modal": "March it in explicit elements, or as several modal parts tied to each other"}
-"""What makes a body turn less against its frame, by its kind; of others their frame says."""
+"""Remedy that gives a linear body geometric stiffness, by its kind; for others modal derivatives."""
+_TURNS_LESS = {"modal": "Use explicit elements, or several modal parts tied to each other"}
+"""Remedy that reduces a body's rotation relative to its frame, by its kind; others: by their frame."""
 
 
 class Peaks(NamedTuple):
-    """Largest spin (rad/s) and relative rotation (rad) of one body, with their times."""
+    """Largest angular velocity (rad/s) and relative rotation (rad) of one body, with their times."""
 
     spin: float = 0.0
     spin_time: float = 0.0
     rotation: float = 0.0
     rotation_time: float = 0.0
     softened: float = 0.0
-    """Largest error of a deflection by sections that average and yield, a share, with its time"""
+    """Largest relative error of a deflection due to averaging interfaces on soft sections, with its time"""
     softened_time: float = 0.0
 
     def merged(self, other: Peaks) -> Peaks:
@@ -59,7 +60,7 @@ class Peaks(NamedTuple):
 
 
 class Excess(NamedTuple):
-    """One limit passed: the message says body, number, limit, consequence and remedy."""
+    """One exceeded limit: the message has the body, number, limit, consequence and remedy."""
 
     body: str
     message: str
@@ -72,9 +73,9 @@ class _Limits:
     name: str
     spin: float
     flying_apart: float
-    """Spin at which the stiffness lacking is as large as the elastic one"""
+    """Angular velocity at which the missing stiffness equals the elastic one"""
     axes: np.ndarray
-    """(3,) what a spin about each axis of the body counts"""
+    """(3,) weights of the angular velocity about each axis of the body"""
     is_linear: bool
     kind: str
     rotation: float
@@ -89,13 +90,13 @@ class _Limits:
 
 @dataclass(frozen=True, eq=False)
 class Watch:
-    """The limits of a system's bodies, and how to hold them."""
+    """The limits of a system's bodies, and their observation."""
 
     validity: Validity
     limits: tuple[_Limits, ...]
 
     def peaks(self, chunk: Solution) -> dict[str, Peaks]:
-        """Largest spin and rotation of every flexible body in a part of a run."""
+        """Largest angular velocity and rotation of every flexible body in a part of a run."""
         return {
             own.name: _peaks(own, chunk.times, motion).merged(_softened(own, chunk.times, motion))
             for own in self.limits
@@ -112,7 +113,7 @@ class Watch:
         return merged
 
     def excesses(self, peaks: Mapping[str, Peaks]) -> list[Excess]:
-        """Every limit passed."""
+        """Every exceeded limit."""
         found = []
         for own in self.limits:
             peak = peaks.get(own.name, Peaks())
@@ -125,13 +126,13 @@ class Watch:
         return found
 
     def report(self, peaks: Mapping[str, Peaks]) -> None:
-        """Warn of every limit passed."""
+        """Warn of every exceeded limit."""
         for excess in self.excesses(peaks):
             warnings.warn(excess.message, ValidityWarning, stacklevel=3)
 
 
 def _too_fast(limits: _Limits, peak: Peaks) -> str:
-    spins = f"spins at {peak.spin:.4g} rad per unit of time (t = {peak.spin_time:.4g})"
+    spins = f"rotates at {peak.spin:.4g} rad per unit of time (t = {peak.spin_time:.4g})"
     if limits.is_linear:
         return (
             f"body '{limits.name}' is linear and {spins}, {peak.spin / limits.flying_apart:.2f} times its "
@@ -144,19 +145,19 @@ def _too_fast(limits: _Limits, peak: Peaks) -> str:
     missing = 100 * (peak.spin / limits.flying_apart) ** 2
     return (
         f"body '{limits.name}' {spins} and lacks up to {missing:.3g} % of its stiffness, that of centrifugal "
-        "force on motion which its columns leave out: its deflections are too large or diverge. Put "
-        "SteadyLoads(...) about its basis (steady = true in a case file), or add derivatives"
-        + ("" if isinstance(limits.frame, MeanAxisFrame) else ", or take MeanAxisFrame() with Rubin(...)")
+        "force on motion outside its columns: its deflections are too large or diverge. Wrap its basis in "
+        "SteadyLoads(...) (steady = true in a case file), or add derivatives"
+        + ("" if isinstance(limits.frame, MeanAxisFrame) else ", or use MeanAxisFrame() with Rubin(...)")
     )
 
 
 def _too_wide(limits: _Limits, peak: Peaks) -> str:
-    turns = f"turns by {peak.rotation:.3f} rad against its frame (t = {peak.rotation_time:.4g})"
+    turns = f"rotates by {peak.rotation:.3f} rad relative to its frame (t = {peak.rotation_time:.4g})"
     limit = f"its kinematics hold to about {limits.rotation:.2f} rad"
     remedy = _TURNS_LESS.get(limits.kind) or smaller_rotations(limits.frame)
     if limits.is_linear and limits.kind not in _TURNS_LESS:
         return (
-            f"body '{limits.name}' is linear and {turns}; {limit}, for they lack the shortening by bending, "
+            f"body '{limits.name}' is linear and {turns}; {limit}, as they lack the shortening by bending, "
             f"{peak.rotation**2 / 2:.2g} of its length. Reduce it from a model with quadratic strains, or "
             f"{remedy}"
         )
@@ -165,9 +166,9 @@ def _too_wide(limits: _Limits, peak: Peaks) -> str:
 
 def _out_of_shape(limits: _Limits, peak: Peaks) -> str:
     return (
-        f"body '{limits.name}': a section that yields has turned with its averaging interface against the "
+        f"body '{limits.name}': a soft section has rotated with its averaging interface relative to the "
         f"frame (t = {peak.softened_time:.4g}), and deflections are off by some {100 * peak.softened:.2g} %. "
-        "Take a rigid interface, put the frame on this one, or close the section by a bulkhead"
+        "Use a rigid interface, fix the frame to this one, or close the section by a bulkhead"
     )
 
 
@@ -182,7 +183,7 @@ def _peaks(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks:
 
 
 def _softened(limits: _Limits, times: np.ndarray, motion: FramedMotion) -> Peaks:
-    """The error of averaging interfaces alone: 6 phi^2 c / C of the worst at each time."""
+    """Estimated error due to averaging interfaces: 6 phi^2 c / C of the worst at each time."""
     if limits.averaging is None:
         return Peaks()
     turns = (motion.coordinates @ limits.averaging.T).reshape(len(times), -1, 3)
@@ -204,14 +205,14 @@ def _averaging(body: BodyForm, carrying: set[At]) -> tuple[Any, np.ndarray]:
 
 def watch(system: System, validity: Validity) -> Watch:
     """Prepare the limits of every flexible body of a system."""
-    # Finite elements without a frame turn as far as they like.
+    # Finite elements without a frame can rotate without limit.
     bodies = [placed.body for placed in system.bodies]
     deforming = [body for body in bodies if body.n_coordinates and body.has_frame]
     return Watch(validity, tuple(_limits(body, validity, _carrying_moments(system)) for body in deforming))
 
 
 def _carrying_moments(system: System) -> set[At]:
-    """Interfaces at which a joint holds a rotation, or a force element acts that is no spring on a line."""
+    """Interfaces where a joint fixes a rotation, or where a force element other than a line spring acts."""
     holding = [joint for joint in system.joints if not all(row.startswith("position") for row in joint.rows)]
     loads = [load for load in system.loads if isinstance(load, ForceElement) and not load.acts_along_line]
     return {end for element in (*holding, *loads) for end in (element.first, element.second)}

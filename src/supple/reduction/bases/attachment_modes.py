@@ -1,4 +1,4 @@
-"""Attachment modes: a basis that also holds the static response to every interface force."""
+"""Attachment modes: a basis that also contains the static response to every interface force."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ __all__ = ["AttachmentModes"]
 
 @dataclass(frozen=True)
 class AttachmentModes:
-    """The columns of a recipe and, beside them, the inertia-relief attachment modes of every interface.
+    """The columns of a recipe, and the inertia-relief attachment modes of every interface.
 
         K Psi + M R mu = B^T,   R^T M Psi = 0
 
-    Joints act on a body by forces at its interfaces. The modes left out respond nearly statically, and six
-    columns an interface hold that response: what is still missing of a mode falls with the fourth power of
-    its frequency, not the second. The forces are balanced by rigid inertia whatever the frame, so that the
-    body is the same in every frame; in a mean-axis frame, AttachmentModes(NormalModes(n)) is Rubin(n).
+    Joints load a body by forces at its interfaces. The truncated modes respond to them nearly statically, and
+    six columns per interface contain that response: the truncation error of a mode then falls with the fourth
+    power of its frequency instead of the second. Rigid-body inertia balances the forces in every frame, so
+    that the body is the same in every frame; in a mean-axis frame, AttachmentModes(NormalModes(n)) is
+    Rubin(n).
 
     recipe : modes of the free body, ErrorControlled(...) or NormalModes(n)
     Source: [Rubin1975]; [Wu2019] (33)-(38).
@@ -46,6 +47,6 @@ class AttachmentModes:
             labels=column_labels("attachment", body.interfaces) + basis.labels,
             static_solver=basis.static_solver,
             dropped=basis.dropped,
-            # More columns lower Ritz values, never below the true ones: what was proven stays so.
+            # More columns lower Ritz values, never below the exact ones: the certificate remains valid.
             certificate=basis.certificate,
         )

@@ -21,18 +21,18 @@ class CouplingMoment:
         Z(s) = K_b - s M_b - s^2 sum_j S_j (1 + s / kappa_j + ...),    s = omega^2
         S_j = p_j^T p_j / kappa_j,    p_j = phi_j^T M Psi
 
-    Keeping the largest S_j leaves the least of the lowest moment out: the moment-matching principle of the
-    CMS-chi method. How large a matrix is depends on units where translations and rotations mix; we measure
-    against the interface mass,
+    The modes of largest S_j are kept, so that the lowest moment of the truncated modes is smallest: the
+    moment-matching principle of the CMS-chi method. The norm of a matrix depends on units where translations
+    and rotations mix; here it is measured relative to the interface mass,
 
         chi_j = p_j M_b^-1 p_j^T / kappa_j
 
-    What is left out, sum chi_j = trace(M_b^-1 X), also bounds, times lambda, the first-order eigenvalue error
-    lambda xi^T X xi of [Han2020] (45) for interface motions with xi^T M_b xi <= 1.
+    The sum over the truncated modes, sum chi_j = trace(M_b^-1 X), times lambda also bounds the first-order
+    eigenvalue error lambda xi^T X xi of [Han2020] (45) for interface motions with xi^T M_b xi <= 1.
 
-    candidates : how many modes, the lowest, to choose among
+    candidates : number of lowest modes to choose from
     Source: [LiaoBaiGao2007] for the principle, from which the formula is derived here; [Givoli2004] for modes
-        ranked by what they add to the interface.
+        ranked by their contribution to the interface.
     """
 
     candidates: int
@@ -42,7 +42,7 @@ class CouplingMoment:
         return coupling_moments(component)
 
     def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
-        """The n_modes of largest moment; ModelError when there are fewer candidates."""
+        """The n_modes of largest coupling moment; ModelError when there are fewer candidates."""
         return ranked_modes(self, body, n_modes)
 
 

@@ -17,12 +17,12 @@ __all__ = ["CraigBampton"]
 
 @dataclass(frozen=True)
 class CraigBampton:
-    """Constraint modes and vibrations with every interface fixed, by default the lowest.
+    """Constraint modes and vibrations with every interface fixed, by default those of lowest frequency.
 
         K Phi + B^T mu = M Phi diag(omega^2),   B Phi = 0
 
     n_modes : number of fixed-interface modes, besides the constraint modes; or
-    n_columns : number of all columns
+    n_columns : total number of columns
     selection : LowestFrequency(), EffectiveInterfaceMass(candidates) or CouplingMoment(candidates)
     Raises ModelError when both or none are given, or a number is negative.
     Source: [CraigBampton1968]; [Han2020] (11)-(17); NFR-CB of [Wu2019].

@@ -22,12 +22,12 @@ __all__ = ["CraigBamptonFamily"]
 
 N_RIGID = 6
 
-# When modes run out, this many more at least: searches that add one at a time would ask again and again.
+# Fewest modes computed at a time: a search that adds one mode at a time then needs few eigensolutions.
 GROWTH = 1.1
 
 
 class CraigBamptonFamily:
-    """Craig-Bampton bodies with 0, 1, 2 ... modes; modes are computed as they are needed, and kept.
+    """Craig-Bampton bodies with 0, 1, 2 ... modes; modes are computed when needed, and stored.
 
     body : FlexibleBody      with interfaces; ModelError without
     """
@@ -44,12 +44,12 @@ class CraigBamptonFamily:
 
     @property
     def n_available(self) -> int:
-        """How many fixed-interface modes the body has."""
+        """Number of fixed-interface modes of the body."""
         return self.growing.available
 
     @property
     def n_vibrations(self) -> int:
-        """How many elastic vibrations the free body has."""
+        """Number of elastic vibrations of the free body."""
         return self.body.n - N_RIGID
 
     def vibrations(self, n_kept: int, n_vibrations: int) -> FreeVibrations:
@@ -71,13 +71,13 @@ class CraigBamptonFamily:
         return self.shapes @ vibrations.interfaces + self.modes.combine(amounts)
 
     def make_room(self) -> None:
-        """Give back memory: the factor's numbers, and the Krylov space but for the modes found in it."""
+        """Release memory: the numerical factor, and the Krylov space except for the modes found in it."""
         self.body.grounded_stiffness.factor.release()
         self.growing.keep_modes_only()
         self.modes = self.growing.found
 
     def _know(self, n_kept: int) -> None:
-        """Have n_kept modes and one more, which bounds those left out; and their residual, by deflation."""
+        """Compute n_kept modes, one more, which bounds the truncated ones, and the residual by deflation."""
         known, needed = self.modes.values.size, min(n_kept + 1, self.n_available)
         if needed <= known:
             return

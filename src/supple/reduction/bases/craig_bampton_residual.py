@@ -1,4 +1,4 @@
-"""Craig-Bampton with residual modes: the static response of the vibrations left out joins the basis."""
+"""Craig-Bampton with residual modes: the static response of the truncated vibrations joins the basis."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class CraigBamptonResidual:
 
         Y = F_rs A,   F_rs = K_s^-1 - Phi Lambda^-1 Phi^T,   A = M Psi     (K_s, Phi: interfaces fixed)
 
-    A unit acceleration of an interface loads the inside by A; Y is the part of the static response that the
-    truncated vibrations would give. [Han2020] (26) adds omega^2 Y to the constraint modes and [KimLee2015]
-    estimate the unknown omega^2; here the residual modes have coordinates of their own, six for each
-    interface: a larger space that holds theirs, and no estimate.
+    A unit acceleration of an interface loads the interior by A; Y is the part of the static response that the
+    truncated vibrations would contribute. [Han2020] (26) adds omega^2 Y to the constraint modes and
+    [KimLee2015] estimate the unknown omega^2; here the residual modes have coordinates of their own, six for
+    each interface: a larger space that contains theirs, without an estimate.
 
     n_modes : number of fixed-interface modes, besides the constraint and residual modes; or
-    n_columns : number of all columns
+    n_columns : total number of columns
     Raises ModelError when both or none are given, or a number is negative.
     """
 

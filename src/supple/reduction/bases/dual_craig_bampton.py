@@ -14,17 +14,17 @@ __all__ = ["DualCraigBampton"]
 
 @dataclass(frozen=True, eq=False)
 class DualCraigBampton:
-    """Matrices in the modes eta and the forces f with which the body presses on what holds its interfaces.
+    """Matrices in the modes eta and the forces f that the body exerts on the supports of its interfaces.
 
         u = Phi eta - G_r B^T f
 
         K = [ Lambda   (B Phi)^T ]     M = [ I  0 ]
             [ B Phi    -F        ]         [ 0  H ]
 
-    By the second row interfaces meet, B u = 0 or the neighbour's motion, but weighted by the residual
-    shapes: while modes are few a gap stays, of size H f''. K is indefinite, so that Rayleigh's principle says
-    nothing: each force makes one eigenvalue negative, which belongs to no vibration. Those left out, the
-    others are upper bounds all the same, and fall with every mode added. At s = omega^2 the forces see
+    The second row is the compatibility of the interfaces, B u = 0 or the neighbour's motion, weighted by the
+    residual shapes: with few modes a gap of size H f'' remains. K is indefinite, so that Rayleigh's principle
+    does not apply: each force makes one eigenvalue negative, which belongs to no vibration. The other
+    eigenvalues are upper bounds all the same, and fall with every mode added. At s = omega^2 the forces obey
 
         F^-1 - s F^-1 H F^-1  <=  (F + s H)^-1  <=  F^-1        in Rubin's, the dual and MacNeal's method,
 
@@ -32,7 +32,7 @@ class DualCraigBampton:
 
     ingredients : FreeInterfaceComponent
     Raises AccuracyError when the modes leave no residual flexibility.
-    Source: [Rixen2004]; the bounds are our own.
+    Source: [Rixen2004]; the bounds are derived here.
     """
 
     ingredients: FreeInterfaceComponent
@@ -41,7 +41,7 @@ class DualCraigBampton:
         require_residual(self.ingredients, "the dual Craig-Bampton method")
 
     def interfaces_free(self) -> ReducedMatrices:
-        """The free modes themselves: no forces."""
+        """The free modes alone, without forces."""
         values = self.ingredients.eigenvalues
         return ReducedMatrices(np.diag(values), np.eye(values.size))
 

@@ -1,4 +1,4 @@
-"""Effective interface mass: the share of each fixed-interface mode in what the interfaces accelerate."""
+"""Effective interface mass: the share of each fixed-interface mode in the inertia at the interfaces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from supple.reduction.components.fixed_interface_component import FixedInterface
 
 __all__ = ["EffectiveInterfaceMass", "effective_interface_masses", "interior_interface_mass"]
 
-# Directions of interface motion, in a unit-diagonal matrix, that carry less move no mass inside.
+# Relative: directions of interface motion with a smaller eigenvalue move no interior mass.
 SMALLEST_SHARE = 1e-10
 
 
@@ -24,12 +24,12 @@ class EffectiveInterfaceMass:
 
         e_j = p_j M_e^+ p_j^T / rank M_e,   p_j = phi_j^T M Psi,   M_e = sum of p_j^T p_j over all modes
 
-    p_j^T p_j is the effective mass of the clamped body at its support, made general: Psi may be any motion of
-    any interface. Measured against the total like this, it does not change with the units of translation and
-    rotation or with the axes of the interfaces. All e_j together make one.
+    p_j^T p_j is the effective mass of the clamped body at its support, generalised: Psi may be any motion of
+    any interface. Relative to the total, as here, it depends neither on the units of translation and rotation
+    nor on the axes of the interfaces. The sum of all e_j is one.
 
-    candidates : how many modes, the lowest, to choose among
-    Source: [KammerTriller1996]; the measure is our own.
+    candidates : number of lowest modes to choose from
+    Source: [KammerTriller1996]; the scaling is derived here.
     """
 
     candidates: int
@@ -57,8 +57,8 @@ def interior_interface_mass(body: FlexibleBody, component: FixedInterfaceCompone
 
         M_e = Psi^T M Psi - (B M^-1 B^T)^-1
 
-    The interface mass less what moves with the interfaces when the inside is left behind. With a lumped mass,
-    that is the mass of the interface nodes; one factor of M.
+    It is the interface mass less the mass that moves with the interfaces when the interior does not follow.
+    With a lumped mass, the latter is the mass of the interface nodes. The cost is one factor of M.
     """
     B = motion_rows(body.interfaces)
     mobility = B @ factorize_symmetric(body.mass).solve(B.T)

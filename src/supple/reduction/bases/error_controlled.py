@@ -28,7 +28,7 @@ from supple.reduction.stopwatch import timed
 __all__ = ["ErrorControlled", "ErrorControlledModes", "error_controlled_modes"]
 
 SMALLEST_TOLERANCE = 1e-7
-"""Below this, round-off in the eigenvalues of large bodies could decide."""
+"""Smallest tolerance: below it, round-off in the eigenvalues of large bodies could decide."""
 
 
 @dataclass(frozen=True)
@@ -37,20 +37,21 @@ class ErrorControlled:
 
         0 <= chi-bar_n / chi_n - 1 <= tolerance,     n = 1 .. n_modes,  none missed
 
-    Fixed-interface modes join a Craig-Bampton basis until an estimate of every error is within the tolerance;
-    bounds for the eigenvalues of the full body then prove it, and where they object, modes are added. What
-    remains are the n_modes vibrations of that body: M = I, K = diag(chi-bar), so that bodies of different
-    tolerance have the same size.
+    Fixed-interface modes are added to a Craig-Bampton basis until the estimate of every error is within the
+    tolerance; bounds for the eigenvalues of the full body then prove it, and where they do not, modes are
+    added. The result is the n_modes vibrations of that body: M = I, K = diag(chi-bar), so that bodies of
+    different tolerance have the same size.
 
     tolerance : relative error of eigenvalues (squared frequencies), such as 1e-3 for 0.1 %
-    n_modes : how many, besides the six rigid motions, which are exact
-    start : fixed-interface modes to try first
-    most : fixed-interface modes allowed; None: all the body has
+    n_modes : number of elastic modes, besides the six rigid motions, which are exact
+    start : number of fixed-interface modes to try first
+    most : largest number of fixed-interface modes allowed; None: all modes of the body
     estimator : SharperBound(), TwoTermEstimate(), Han2020Bound() or FirstOrderEstimate()
     search : Bisection() or OneByOne()
     progress : called with each SearchStep
     Raises ModelError when a number makes no sense.
-    Source: [Han2020] section 4 and (46)-(49); the sharper estimators, the search and the proof are our own.
+    Source: [Han2020] section 4 and (46)-(49); the sharper estimators, the search and the proof are derived
+        here.
     """
 
     tolerance: float
@@ -70,7 +71,7 @@ class ErrorControlled:
             )
         if self.tolerance < SMALLEST_TOLERANCE:
             raise ModelError(
-                f"the tolerance {self.tolerance:g} is below what round-off leaves of the eigenvalues of a "
+                f"the tolerance {self.tolerance:g} is below the round-off in the eigenvalues of a "
                 f"large body; ask for {SMALLEST_TOLERANCE:g} or more"
             )
         if self.n_modes < 1 or self.start < 0 or (self.most is not None and self.most < self.start):
@@ -101,12 +102,13 @@ class ErrorControlledModes(NamedTuple):
 def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> ErrorControlledModes:
     """The lowest vibrations of a Craig-Bampton body that meets a tolerance, and the proof.
 
-    It is the smallest that the search finds by its estimates; where these are too high, fewer modes would do.
+    The basis is the smallest that the search finds by its estimates; if these are too high, fewer modes
+    suffice.
 
     Raises
     ------
     ModelError      no interface; more modes requested than the body has, or more at the start
-    AccuracyError   the tolerance is not reached with all modes allowed; the proof does not come out
+    AccuracyError   the tolerance is not reached with all modes allowed; the bounds do not prove the accuracy
     """
     family = CraigBamptonFamily(body)
     _check_range(family, control)
@@ -115,7 +117,7 @@ def error_controlled_modes(body: FlexibleBody, control: ErrorControlled) -> Erro
         steps = _search(family, control, control.estimator, control.start)
     with timed(seconds, "enclosure"):
         enclosure = _enclosed(family, control, steps[-1].n_modes)
-    # Estimates are of first order: where they promised too much, the bounds themselves tell what is missing.
+    # The estimates are of first order: where they are too low, the bounds give the missing accuracy.
     with timed(seconds, "modes added"):
         proven = KnownEigenvalues(enclosure.lower)
         if _tried(family, control, proven, steps[-1].n_modes).first_failing:
@@ -175,13 +177,13 @@ def _tried(
 
 
 def _enclosed(family: CraigBamptonFamily, control: ErrorControlled, n_kept: int) -> EigenvalueEnclosure:
-    """Bounds for the full body's eigenvalues; the reduced body, with some more modes, says where to look."""
+    """Bounds for the full body's eigenvalues; trial motions are those of the reduced body with more modes."""
     body = family.body
     n_trial = min(family.n_vibrations, max(control.n_modes + 8, 3 * control.n_modes // 2))
     n_needed = n_trial - (len(family.rigid_motion) - 6)
     trial = family.vibrations(min(max(n_kept, n_needed), family.n_available), n_trial)
     width = max(0.01 * control.tolerance, 0.1 * SMALLEST_TOLERANCE)
-    # Two factors of a large body, gigabytes each, are not held at once.
+    # Two factors of a large body, gigabytes each, are not in memory at once.
     make_room = family.make_room if body.n > LARGEST_WITH_TWO_FACTORS else None
     return enclose_eigenvalues(body, family.vectors(trial), control.n_modes, width, make_room)
 
@@ -194,5 +196,5 @@ def _not_reached(family: CraigBamptonFamily, control: ErrorControlled, step: Sea
     return AccuracyError(
         f"body '{family.body.name}': with {step.n_modes} fixed-interface modes, eigenvalue {worst + 1} of "
         f"{control.n_modes} is within {step.errors[worst]:.1e}, not {control.tolerance:.1e} "
-        f"({step.criterion}); {remedy}, or ask for fewer eigenvalues"
+        f"({step.criterion}); {remedy}, or request fewer eigenvalues"
     )

@@ -20,7 +20,7 @@ __all__ = ["Guyan", "constraint_modes", "interface_shapes"]
 
 @dataclass(frozen=True)
 class Guyan:
-    """The body follows its interfaces statically: constraint modes alone, exact for loads at interfaces."""
+    """Constraint modes alone: the body follows its interfaces statically, exact for loads at interfaces."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """Constraint modes in a frame; see constraint_modes."""
@@ -32,8 +32,8 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
 
         K Psi + B^T mu = 0,   B Psi = (columns of) I
 
-    which is Psi_i = -K_ii^-1 K_ib where B selects freedoms. Six of them, those of the interface that the
-    frame holds (of the first interface, when it holds none), equal a rigid motion less the others: they are
+    which is Psi_i = -K_ii^-1 K_ib where B selects freedoms. Six of them, those of the interface to which the
+    frame is fixed (of the first interface, if there is none), equal a rigid motion minus the others and are
     not formed.
 
     Returns LinearBasis (n, 6 (n_interfaces - 1)), not yet projected on the frame; frequencies nan.
@@ -59,7 +59,7 @@ def constraint_modes(body: FlexibleBody, frame: Frame) -> LinearBasis:
 
 
 def interface_shapes(body: FlexibleBody) -> np.ndarray:
-    """Static shapes due to a unit motion of every interface freedom, rigid motions within their span.
+    """Static shapes due to a unit motion of every interface freedom; their span contains the rigid motions.
 
         K Psi + B^T mu = 0,   B Psi = I
 

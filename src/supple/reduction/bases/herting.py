@@ -24,13 +24,13 @@ class Herting:
         K Phi = M Phi diag(omega^2),  Phi^T M R = 0             free-interface modes
 
     Interface statics are exact, as in Craig-Bampton; the free body's modes are exact, as in Rubin. Herting
-    writes Phi - Psi B Phi for the modes, so that the interface coordinates are the physical ones: the same
-    span. Indeed Psi, Upsilon and the rigid motions are the static responses to all balanced loads of
-    interface forces and rigid inertia, and so are Rubin's attachment modes in a mean-axis frame with the
-    rigid motions: both bases give one and the same body there.
+    uses Phi - Psi B Phi as modes, so that the interface coordinates are the physical ones: the span is the
+    same. Psi, Upsilon and the rigid motions are the static responses to all balanced loads of interface
+    forces and rigid inertia, and so are Rubin's attachment modes in a mean-axis frame with the rigid motions:
+    there both bases give the same body.
 
     n_modes : number of free-interface modes, besides the static columns; or
-    n_columns : number of all columns
+    n_columns : total number of columns
     Raises ModelError when both or none are given, or a number is negative.
     Source: [Herting1985].
     """

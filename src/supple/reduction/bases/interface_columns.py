@@ -1,4 +1,4 @@
-"""Which interface motions a frame leaves free, with a name for each."""
+"""The interface motions that a frame leaves free, with a label for each."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
 
 
 def fixed_interfaces(body: FlexibleBody, frame: Frame) -> tuple[BodyInterface, ...]:
-    """Interfaces whose six motions vanish in the frame: their rows lie in the row space of D."""
+    """Interfaces whose six motions vanish in the frame: their rows are in the row space of D."""
     rows, _ = np.linalg.qr(frame.constraint(body).T)
     return tuple(i for i in body.interfaces if _lies_in(rows, motion_rows([i])))
 
@@ -29,7 +29,7 @@ def column_labels(kind: str, interfaces: Sequence[BodyInterface]) -> tuple[str, 
 
 
 def require_interfaces(body: FlexibleBody, method: str) -> None:
-    """ModelError when a method that needs interfaces gets a body without any."""
+    """ModelError when the body has no interface, for a method that needs one."""
     if not body.interfaces:
         raise ModelError(
             f"{method} needs interfaces, but body '{body.name}' has none; "

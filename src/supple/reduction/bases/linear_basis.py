@@ -1,4 +1,4 @@
-"""A linear reduction basis: columns, their frequencies, and the static problem its derivatives obey."""
+"""A linear reduction basis: columns, their frequencies, and the static problem of their derivatives."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class LinearBasis:
     """Columns of a linear basis: static interface columns first, then modes.
 
     vectors : (n, m)
-    frequencies : (m,)       rad/s; nan for static columns, which vibrate at no frequency of their own
+    frequencies : (m,)       rad/s; nan for static columns, which have no natural frequency
     labels : (m,) str        such as "constraint tip rz" or "fixed-interface mode 3"
     static_solver : solves K x = f with the interfaces and the frame fixed as in this basis;
-                     the derivatives of its columns are static solutions of that same problem
-    dropped : labels of columns not formed because the frame itself carries their motion
-    certificate : what is proven of their eigenvalues; None where nothing is
+                        the derivatives of its columns are static solutions of that same problem
+    dropped : labels of columns not formed because the frame already carries their motion
+    certificate : proven bounds of their eigenvalues; None where nothing is proven
     """
 
     vectors: np.ndarray
@@ -50,22 +50,22 @@ class LinearBasisRecipe(Protocol):
 
 
 def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearBasis:
-    """Columns of the same span that vibrate at frequencies of their own (Rayleigh-Ritz).
+    """Columns of the same span, each with a natural frequency (Rayleigh-Ritz).
 
         X = P raw Q,   X^T M X = I,   X^T K X = diag(omega^2),   D X = 0
 
-    P is the frame's projector. So a static column also has a frequency, needed to weigh its modal
-    derivatives; modes of the frame's own eigenproblem keep theirs. Dependent columns are dropped.
+    P is the frame's projector. A static column thus also has a frequency, which weights its modal
+    derivatives; modes of the frame's own eigenproblem keep their frequencies. Dependent columns are dropped.
 
-    Returns LinearBasis: labels name the raw columns kept (in their order, which is not that of the
-        frequencies, ascending); dropped names the rest.
+    Returns LinearBasis: labels name the raw columns kept (in their own order, not in the ascending order of
+        the frequencies); dropped names the rest.
     Raises AccuracyError when a column stores no energy, ModelError when no column is left.
     """
-    # Measured against the columns before projection: what the frame takes out whole leaves only round-off.
+    # Relative to the columns before projection: of a motion of the frame, projection leaves only round-off.
     norms = np.sqrt(np.sum(raw.vectors * (body.mass @ raw.vectors), axis=0))
     without_frame = frame_projector(body, frame)
     columns, kept, dropped = mass_orthonormalize(without_frame(raw.vectors), body.mass, reference_norms=norms)
-    # Once more: in a column of which little was left, the round-off of the frame's motion has grown with it.
+    # Projected again: a column that is nearly a motion of the frame has amplified round-off of that motion.
     columns = mass_orthonormalize(without_frame(columns), body.mass).vectors
     if columns.shape[1] == 0:
         raise ModelError(
@@ -76,7 +76,7 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
     if squares[0] <= 0.0:
         raise AccuracyError(
             f"a linear column of body '{body.name}' stores no energy (omega^2 = {squares[0]:.3g} of largest "
-            f"{squares[-1]:.3g}): does the frame hold the body, or is part of it a mechanism?"
+            f"{squares[-1]:.3g}): fix the frame to the body, and check that no part of it is a mechanism"
         )
     return LinearBasis(
         vectors=columns @ rotation,
@@ -90,7 +90,7 @@ def rayleigh_ritz(body: FlexibleBody, frame: Frame, raw: LinearBasis) -> LinearB
 
 @dataclass(frozen=True)
 class ModeCount:
-    """How many modes join n_static columns: n_modes of them, or as many as make n_columns in total."""
+    """Number of modes beside n_static columns: n_modes, or as many as give n_columns in total."""
 
     n_modes: int | None
     n_columns: int | None
@@ -120,5 +120,5 @@ def check_mode_count(body: FlexibleBody, n_modes: int, n_fixed: int) -> None:
     if not 0 <= n_modes <= available:
         raise ModelError(
             f"n_modes = {n_modes}, but body '{body.name}' has {available} modes "
-            f"({body.n} freedoms, {n_fixed} of them held)"
+            f"({body.n} freedoms, {n_fixed} of them fixed)"
         )

@@ -15,17 +15,17 @@ __all__ = ["MacNealComponent"]
 
 @dataclass(frozen=True, eq=False)
 class MacNealComponent:
-    """Free-interface modes eta and interface motion q_v, which springs of the residual flexibility join.
+    """Free-interface modes eta and interface motion q_v, joined by springs of the residual flexibility.
 
         q_v = B Phi eta + F f    gives    f = F^-1 (q_v - B Phi eta)
 
         K = [ Lambda + (B Phi)^T F^-1 B Phi    -(B Phi)^T F^-1 ]     M = [ I  0 ]
             [ -F^-1 B Phi                       F^-1           ]         [ 0  0 ]
 
-    The modes left out are there as springs without mass: Rubin's matrices in other coordinates, less the mass
-    H of the residual shapes. That is no congruence, so there is no basis that `reduce` could use. As mass is
-    missing, no eigenvalue is below Rubin's: upper bounds too, and the worse ones; each more mode, given its
-    mass, lowers them.
+    The truncated modes act as springs without mass: Rubin's matrices in other coordinates, less the mass H of
+    the residual shapes. This is not a congruence, so there is no basis for `reduce`. As mass is missing, no
+    eigenvalue is below Rubin's: they are upper bounds too, less sharp than Rubin's; each further mode adds
+    its mass and lowers them.
 
     ingredients : FreeInterfaceComponent
     Raises AccuracyError when the modes leave no residual flexibility.
@@ -38,7 +38,7 @@ class MacNealComponent:
         require_residual(self.ingredients, "MacNeal's method")
 
     def interfaces_free(self) -> ReducedMatrices:
-        """The free modes themselves: without mass or load, q_v follows them, f = 0."""
+        """The free modes alone: without mass or load, q_v follows them, f = 0."""
         values = self.ingredients.eigenvalues
         return ReducedMatrices(np.diag(values), np.eye(values.size))
 

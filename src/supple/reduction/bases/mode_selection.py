@@ -1,4 +1,4 @@
-"""Which fixed-interface modes a Craig-Bampton basis keeps."""
+"""Rules that select the fixed-interface modes of a Craig-Bampton basis."""
 
 from __future__ import annotations
 
@@ -33,26 +33,26 @@ class ModeSelection(Protocol):
     """A rule: LowestFrequency(), EffectiveInterfaceMass(candidates) or CouplingMoment(candidates)."""
 
     def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
-        """The n_modes fixed-interface modes that the rule prefers."""
+        """The n_modes fixed-interface modes that the rule selects."""
         ...
 
 
 class ModeRanking(Protocol):
-    """A rule that gives each mode a number, the larger the better."""
+    """A rule that assigns each mode a score; the largest scores are kept."""
 
     @property
     def candidates(self) -> int:
-        """How many modes, the lowest, there are to choose among."""
+        """Number of lowest modes to choose from."""
         ...
 
     def scores(self, body: FlexibleBody, component: FixedInterfaceComponent) -> np.ndarray:
-        """(m,) one number for each mode of the component."""
+        """(m,) scores, one for each mode of the component."""
         ...
 
 
 @dataclass(frozen=True)
 class LowestFrequency:
-    """The modes of lowest frequency: no regard to their participation at the interfaces, and none missing."""
+    """The modes of lowest frequency, whatever their participation at the interfaces."""
 
     def choose(self, body: FlexibleBody, n_modes: int) -> ChosenModes:
         """The first n_modes modes; ModelError when the body has fewer."""
@@ -61,7 +61,7 @@ class LowestFrequency:
 
 
 def ranked_modes(ranking: ModeRanking, body: FlexibleBody, n_modes: int) -> ChosenModes:
-    """The n_modes best among the lowest candidates of a ranking; ModelError when there are fewer."""
+    """The n_modes of largest score among the lowest candidates; ModelError when there are fewer."""
     if n_modes > ranking.candidates:
         raise ModelError(
             f"{n_modes} modes cannot be chosen among {ranking.candidates} candidates; give more candidates"
@@ -73,5 +73,5 @@ def ranked_modes(ranking: ModeRanking, body: FlexibleBody, n_modes: int) -> Chos
 
 
 def best_first(scores: np.ndarray) -> np.ndarray:
-    """Mode numbers (from 0) by falling score; of equal ones the lower frequency first."""
+    """Mode numbers (from 0) by descending score; among equal scores the lower frequency comes first."""
     return np.argsort(-scores, kind="stable")

@@ -14,7 +14,7 @@ __all__ = ["CompleteBasis", "NormalModes"]
 
 @dataclass(frozen=True)
 class NormalModes:
-    """The n_modes lowest modes with nothing fixed but the frame.
+    """The n_modes lowest modes, constrained by the frame alone.
 
         K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
 
@@ -38,7 +38,7 @@ class NormalModes:
 
 @dataclass(frozen=True)
 class CompleteBasis:
-    """All modes: the reduced body is the full one in other coordinates. For small bodies and for tests."""
+    """All modes: the reduced body is the full one in other coordinates. For small bodies and tests."""
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
         """All n - 6 modes of the body in its frame."""

@@ -26,12 +26,12 @@ class Rubin:
         K Psi + D^T mu = B^T,   D Psi = 0
         K Phi + D^T mu = M Phi diag(omega^2),   D Phi = 0
 
-    Psi is the static response to a unit force (moment) at one interface freedom, fixed by the frame alone; in
-    a mean-axis frame (D = R^T M) the multipliers are inertia forces: inertia relief. An interface that the
-    frame itself fixes has no attachment mode: the frame takes its load.
+    Psi is the static response to a unit force (moment) at one interface freedom, constrained by the frame
+    alone; in a mean-axis frame (D = R^T M) the multipliers are inertia forces: inertia relief. An interface
+    to which the frame is fixed has no attachment mode: the frame carries its load.
 
     n_modes : number of free-interface modes, besides the attachment modes; or
-    n_columns : number of all columns
+    n_columns : total number of columns
     Raises ModelError when both or none are given, or a number is negative.
     Source: [Wu2019] (33)-(38); [Rubin1975].
     """

@@ -1,4 +1,4 @@
-"""Static correction: a basis that also holds the static response to loads known beforehand."""
+"""Static correction: a basis that also contains the static response to given loads."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ __all__ = ["StaticCorrection"]
 
 @dataclass(frozen=True, eq=False)
 class StaticCorrection:
-    """The columns of a recipe and, beside them, the static deflection under each of some loads.
+    """The columns of a recipe, and the static deflection under each given load.
 
-        K x + D^T mu = F,   D x = 0     (and B x = 0 where the recipe holds the interfaces)
+        K x + D^T mu = F,   D x = 0     (and B x = 0 where the recipe fixes the interfaces)
 
-    Under a distributed load the lowest modes converge slowly: a centrifugal load stretches a blade, pulls its
-    walls straight and tilts its sections, mostly in modes far above those that vibrate. One column holds all
-    of it. In a mean-axis frame the multipliers are inertia forces, so that a load need not be balanced.
+    Under a distributed load the lowest modes converge slowly: a centrifugal load stretches a blade,
+    straightens its walls and tilts its sections, mostly in modes far above the vibrating ones. One column
+    contains the whole response. In a mean-axis frame the multipliers are inertia forces, so that a load need
+    not be balanced.
 
     recipe : the basis to correct
-    loads : (n_nodal, k)    on the nodal freedoms; their scale is free
+    loads : (n_nodal, k)    on the nodal freedoms, of any scale
     Source: mode acceleration and modal truncation augmentation, [Dickens1997]
     """
 
@@ -43,7 +44,10 @@ class StaticCorrection:
                 f"give ({body.n_nodal}, k), one column for each load"
             )
         if not (np.isfinite(self.loads).all() and self.loads.any(axis=0).all()):
-            raise ModelError(f"static correction of body '{body.name}': a load is zero or not finite")
+            raise ModelError(
+                f"static correction of body '{body.name}': a load is zero or not finite; "
+                "give finite, nonzero loads"
+            )
         basis = self.recipe.build(body, frame)
         responses = basis.static_solver.solve(body.expansion.T @ self.loads)
         n_loads = self.loads.shape[1]

@@ -1,4 +1,4 @@
-"""Steady loads: a basis that also holds the static answers to the accelerations that a frame can have."""
+"""Steady loads: a basis that also contains the static responses to steady accelerations of the frame."""
 
 from __future__ import annotations
 
@@ -18,38 +18,39 @@ __all__ = ["NoLoads", "SteadyLoads"]
 NAMES = (
     *(f"acceleration {axis}" for axis in "xyz"),
     *(f"angular acceleration {axis}" for axis in "xyz"),
-    *(f"spin about {axis}" for axis in "xyz"),
-    *(f"spin about {first} and {second}" for first, second in combinations("xyz", 2)),
+    *(f"rotation about {axis}" for axis in "xyz"),
+    *(f"rotation about {first} and {second}" for first, second in combinations("xyz", 2)),
 )
 
-# A load whose answer is this much shorter than the longest does nothing: a line that spins about itself.
+# Relative to the longest response: shorter ones are zero, as of a line that rotates about itself.
 SMALLEST_ANSWER = 1e-9
 
 
 @dataclass(frozen=True)
 class SteadyLoads:
-    """The columns of a recipe and, beside them, the static answers to steady motion of the frame.
+    """The columns of a recipe, and the static responses to steady motion of the frame.
 
         K x + B^T mu = M a,   B x = 0
-        a:  e_i (3),   e_i x x (3),   x - e_i (e_i . x) of a spin (3),   e_i (e_j . x) + e_j (e_i . x) (3)
+        a:  e_i (3),   e_i x x (3),   x - e_i (e_i . x) of a rotation (3),   e_i (e_j . x) + e_j (e_i . x) (3)
 
-    A disc that spins stretches in no mode that vibrates slowly, and a body that is accelerated bends in all
-    modes a little. The last three belong to the products of the components of an oblique spin. The interface
-    that the frame holds reacts (the first, where it holds none; the frame where there is none). What other
-    columns hold already is dropped, and reported: of a Rubin basis in a mean-axis frame, all but the spins.
+    Centrifugal load stretches a disc in modes of high frequency only, and an acceleration bends a body a
+    little in all modes. The last three fields are the products of two components of an oblique angular
+    velocity. The reaction acts at the interface to which the frame is fixed (the first interface, if there is
+    none; the frame, if the body has no interface). A response that other columns already contain is dropped
+    and reported: of a Rubin basis in a mean-axis frame, all but those of rotation.
 
-    recipe : the basis to add to
+    recipe : the basis to extend
     Source: modal truncation augmentation with inertia loads, [Dickens1997]
     """
 
     recipe: LinearBasisRecipe
 
     def build(self, body: FlexibleBody, frame: Frame) -> LinearBasis:
-        """The recipe's columns, then up to twelve answers; errors of the recipe."""
+        """The recipe's columns, then up to twelve static responses; errors of the recipe."""
         basis = self.recipe.build(body, frame)
         held = fixed_interfaces(body, frame) or body.interfaces
         solver = body.constrained(held[0].motion) if held else basis.static_solver
-        names = NAMES if held else NAMES[6:]  # a free body only follows when it is accelerated
+        names = NAMES if held else NAMES[6:]  # a free body follows an acceleration rigidly
         answers = solver.solve(_loads(body)[:, -len(names) :])
         lengths = np.sqrt(np.sum(answers * (body.mass @ answers), axis=0))
         kept = np.flatnonzero(lengths > SMALLEST_ANSWER * lengths.max())
@@ -57,7 +58,7 @@ class SteadyLoads:
             basis,
             vectors=np.hstack([basis.vectors, answers[:, kept]]),
             frequencies=np.append(basis.frequencies, np.full(len(kept), np.nan)),
-            labels=basis.labels + tuple(f"static answer to {names[i]}" for i in kept),
+            labels=basis.labels + tuple(f"static response to {names[i]}" for i in kept),
         )
 
 
@@ -73,7 +74,7 @@ class NoLoads:
 
 
 def _loads(body: FlexibleBody) -> NDArray[np.float64]:
-    """Inertia loads (n, 12) on the coordinates, in the order of NAMES, but for their sign."""
+    """Inertia loads (n, 12) on the coordinates, in the order of NAMES, up to sign."""
     of_spin = InertiaPolynomial(body).by_both
     of_both = of_spin + of_spin.swapaxes(0, 1)
     return np.column_stack([body.mass @ body.rigid_modes, *(of_both[pair] for pair in SPIN_PAIRS)])

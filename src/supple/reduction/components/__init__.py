@@ -1,1 +1,1 @@
-"""Substructures as the bases see them: clamped or free at their interfaces."""
+"""Substructures of the bases, with clamped or free interfaces."""

@@ -1,4 +1,4 @@
-"""A body as small matrices that meet others at its interfaces: what a substructuring method hands over."""
+"""A body as small matrices with interface coordinates: the result of a substructuring method."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from supple.errors import AccuracyError, ModelError
 
 __all__ = ["ComponentModel", "ReducedMatrices", "RitzComponent"]
 
-# Squared length, of a column of length one, below which it counts as a combination of the others.
+# Squared length below which a column of unit length counts as a combination of the others.
 DEPENDENT = 1e-13
 
 
@@ -24,8 +24,8 @@ class ReducedMatrices:
 
     stiffness : (r, r)      symmetric
     mass : (r, r)           symmetric, positive definite but for dependent coordinates
-    n_forces : int          how many coordinates are interface forces. Each makes one eigenvalue negative,
-                            which belongs to no vibration
+    n_forces : int          number of coordinates that are interface forces. Each makes one eigenvalue
+                            negative, which belongs to no vibration
     """
 
     stiffness: np.ndarray
@@ -43,9 +43,9 @@ class ReducedMatrices:
 
     @cached_property
     def spectrum(self) -> np.ndarray:
-        """All eigenvalues (rad^2/s^2), ascending, rigid motions included, those of interface forces left out.
+        """All eigenvalues (rad^2/s^2), ascending, with rigid motions, without those of interface forces.
 
-        Dependent coordinates have none.
+        Dependent coordinates contribute none.
         Raises AccuracyError when the mass is indefinite, or where interface forces are dependent.
         """
         columns = self._orthonormal_columns()
@@ -58,20 +58,20 @@ class ReducedMatrices:
         return Eigenpairs(values[self.n_forces :], columns @ vectors[:, self.n_forces :])
 
     def eigenvalues(self, n: int) -> np.ndarray:
-        """The n lowest of the spectrum; ModelError when there are fewer."""
+        """The n lowest eigenvalues of the spectrum; ModelError when there are fewer."""
         if not 1 <= n <= self.spectrum.size:
             raise ModelError(f"{n} eigenvalues requested of a reduced body that has {self.spectrum.size}")
         return self.spectrum[:n]
 
     def _orthonormal_columns(self) -> np.ndarray:
-        """Combinations of the coordinates with unit mass; dependent ones have no part."""
+        """Combinations of the coordinates with unit mass, dependent ones left out."""
         diagonal = np.diag(self.mass)
         scale = 1.0 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
         squares, directions = np.linalg.eigh(scale[:, None] * self.mass * scale)
         if not squares[0] > -DEPENDENT * self.r:
             raise AccuracyError(
                 f"the reduced mass is indefinite: its smallest eigenvalue, diagonal scaled to one, is "
-                f"{squares[0]:.1e}; are modes and static columns those of one body?"
+                f"{squares[0]:.1e}; check that modes and static columns belong to one body"
             )
         kept = squares > DEPENDENT * self.r
         if self.n_forces and not kept.all():
@@ -95,11 +95,11 @@ class ComponentModel(Protocol):
     """A reduced body whose interfaces may be left free, fixed in space, or joined to rigid bodies."""
 
     def interfaces_free(self) -> ReducedMatrices:
-        """Nothing at the interfaces."""
+        """Matrices with no load at the interfaces."""
         ...
 
     def interfaces_fixed(self) -> ReducedMatrices:
-        """All interfaces fixed in space."""
+        """Matrices with all interfaces fixed in space."""
         ...
 
     def interfaces_loaded(self, added_mass: np.ndarray) -> ReducedMatrices:
@@ -128,7 +128,7 @@ class RitzComponent:
         return ReducedMatrices(self.stiffness, self.mass)
 
     def interfaces_fixed(self) -> ReducedMatrices:
-        """The same on the motions that leave the interfaces at rest, B V x = 0."""
+        """The same on the motions that keep the interfaces at rest, B V x = 0."""
         lengths = 1.0 / np.sqrt(np.diag(self.mass))
         motion = self.interface_motion * lengths
         rest = lengths[:, None] * linalg.null_space(motion / np.linalg.norm(motion, axis=1)[:, None])

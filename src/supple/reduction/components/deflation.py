@@ -1,4 +1,4 @@
-"""What truncated modes would have answered to a static load, by deflation."""
+"""Static response of the truncated modes to a load, by deflation."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 
 from supple.algebra import ConstrainedFactor, RitzModes
 
-# Deflating twice leaves round-off of the size of one deflation squared.
+# After two deflations the round-off is that of one deflation squared.
 DEFLATIONS = 2
 
-# Of the flexibility in one direction, the part below which a residual is round-off.
+# Share of the flexibility in one direction below which a residual is round-off.
 SMALLEST_RESIDUAL = 1e-12
 
 
 class ResidualResponse(NamedTuple):
-    """Static response of all modes but those kept."""
+    """Static response of all truncated modes."""
 
     columns: np.ndarray
     """(n, k)  Y = F_r A"""
@@ -33,13 +33,14 @@ def residual_response(
 
         A_r = A - M Phi Phi^T A,   Y = K^-1 A_r,   Y <- Y - Phi Phi^T M Y
 
-    The load is freed of the kept modes before the solve and the response after it, each twice. Subtracting
-    Phi Lambda^-1 Phi^T A from K^-1 A instead would lose every digit once the modes carry nearly all of it.
+    The load is projected off the kept modes before the solve and the response after it, each twice. To
+    subtract Phi Lambda^-1 Phi^T A from K^-1 A instead would lose all digits once the modes carry nearly all
+    of it.
 
     solver : solves K x = b where the modes vibrate: interfaces fixed, or a mean-axis frame (inertia relief)
     modes : RitzModes       Phi, modes of that same problem
     loads : (n, k)          A
-    Source: [Han2020] (36) for what it is used for; the deflation is ours.
+    Source: [Han2020] (36) for its use; the deflation is derived here.
     """
     left = loads
     for _ in range(DEFLATIONS):
@@ -55,7 +56,7 @@ def residual_response(
 
 
 def residual_shares(flexibility: np.ndarray, participation: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Part (k,) of the flexibility under each load that the modes leave to the residual.
+    """Share (k,) of the flexibility under each load that is in the residual, not in the modes.
 
     flexibility : (k, k)        of the residual
     participation : (m, k)      Phi^T A

@@ -1,4 +1,4 @@
-"""A body by its vibrations with interfaces fixed: what Craig-Bampton and its variants are made of."""
+"""A body by its vibrations with fixed interfaces: the quantities of Craig-Bampton and its variants."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class FixedInterfaceComponent:
-    """Fixed-interface modes, constraint modes, and how they and all other modes move one another.
+    """Fixed-interface modes, constraint modes, and their inertia coupling, also to the truncated modes.
 
         u = Psi q_v + Phi eta,   A = M Psi
 
@@ -57,13 +57,13 @@ class FixedInterfaceComponent:
 
     @property
     def residual_shares(self) -> np.ndarray:
-        """Part (b,) of the flexibility under each acceleration that the modes leave to the residual."""
+        """Share (b,) of the flexibility under each acceleration that is in the residual, not in the modes."""
         return residual_shares(self.residual_flexibility, self.participation, self.eigenvalues)
 
     def keeping(self, modes: np.ndarray) -> FixedInterfaceComponent:
-        """The same body with some of its modes (m',) int: the others join the residual, exactly.
+        """The same body with some of its modes (m',) int; the others join the residual, exactly.
 
-        X + sum a a^T / kappa  and  X2 + sum a a^T / kappa^2  over the modes given up, a their participation.
+        X + sum a a^T / kappa  and  X2 + sum a a^T / kappa^2  over the modes removed, a their participation.
         """
         given_up = np.setdiff1d(np.arange(self.n_modes), modes)
         values, motion = self.eigenvalues[given_up], self.participation[given_up].T
@@ -85,14 +85,14 @@ class FixedInterfaceComponent:
 
 def fixed_interface_modes(body: FlexibleBody, n_modes: int) -> RitzModes:
     """The lowest vibrations with every interface fixed; ModelError: no interface, or fewer modes."""
-    require_interfaces(body, "a vibration with held interfaces")
+    require_interfaces(body, "a vibration with fixed interfaces")
     clamped = motion_rows(body.interfaces)
     check_mode_count(body, n_modes, len(clamped))
     return RitzModes.of(body.lowest_modes(n_modes, clamped))
 
 
 def fixed_interface_component(body: FlexibleBody, modes: RitzModes) -> FixedInterfaceComponent:
-    """The ingredients of a body for fixed-interface modes of it, and the residual of the rest.
+    """The component of given fixed-interface modes of a body, with the residual of all other modes.
 
     Raises ModelError when the body has no interface.
     Source: [CraigBampton1968], [Han2020] (11)-(26).
@@ -132,7 +132,7 @@ def residual_component(component: FixedInterfaceComponent) -> RitzComponent:
 
         K = diag(K_b, Lambda, X),   Psi^T M Y = A^T F_rs A = X,   Phi^T M Y = 0,   Y^T M Y = X2
 
-    Residual modes of which the vibrations leave round-off only are no columns.
+    Residual modes that are only round-off beside the vibrations are left out.
     """
     plain = craig_bampton_component(component)
     left = component.residual_shares > SMALLEST_RESIDUAL
@@ -150,9 +150,9 @@ def enhanced_component(component: FixedInterfaceComponent) -> RitzComponent:
 
         u = [Psi Phi] x + Y E M^-1 K x,    E x = q_v
 
-    The omega^2 of Psi + omega^2 Y is replaced by what the Craig-Bampton matrices of the free body say it is.
-    As many coordinates as Craig-Bampton and still a Ritz basis, but one tuned to free interfaces: joined to
-    anything else, those matrices say something else.
+    The omega^2 of Psi + omega^2 Y is replaced by the Craig-Bampton matrices of the free body. There are as
+    many coordinates as in Craig-Bampton, and it is still a Ritz basis, but one for free interfaces: joined to
+    another body, these matrices are different.
     Source: [KimLee2015], [Han2020] (26) and Appendix A.
     """
     plain, wide = craig_bampton_component(component), residual_component(component)

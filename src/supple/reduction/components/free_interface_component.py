@@ -1,4 +1,4 @@
-"""A body by its free vibrations: what Rubin's, MacNeal's and the dual Craig-Bampton method are made of."""
+"""A body by its free vibrations: the quantities of Rubin's, MacNeal's and the dual Craig-Bampton method."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ __all__ = ["FreeInterfaceComponent", "free_interface_component", "free_interface
 
 @dataclass(frozen=True, eq=False)
 class FreeInterfaceComponent:
-    """Free-interface modes at the interfaces, and what all other modes add there.
+    """Free-interface modes at the interfaces, and the contribution of all other modes there.
 
         u = R a + Phi eta + G_r B^T f,    G_r = G - Phi Lambda^-1 Phi^T,   f forces at the interfaces
 
     G gives the response to self-equilibrated loads in the mean-axis frame (inertia relief). The six rigid
-    motions, made M-orthonormal, stand first among the modes, with eigenvalue zero.
+    motions, made M-orthonormal, come first among the modes, with eigenvalue zero.
 
     eigenvalues : (6 + m,)              rad^2/s^2
     interface_motion : (b, 6 + m)       B [R Phi]
@@ -49,13 +49,13 @@ class FreeInterfaceComponent:
 
     @property
     def residual_shares(self) -> np.ndarray:
-        """Part (b,) of the flexibility at each interface freedom that the modes leave to the residual."""
+        """Share (b,) of the flexibility at each interface freedom that the modes leave out."""
         return residual_shares(self.residual_flexibility, self.interface_motion.T[6:], self.eigenvalues[6:])
 
     def leading(self, n_modes: int) -> FreeInterfaceComponent:
-        """The same body with its n_modes lowest elastic modes: the others join the residual, exactly.
+        """The same body with its n_modes lowest elastic modes; the others join the residual, exactly.
 
-        F + (B Phi) Lambda^-1 (B Phi)^T  and  H + (B Phi) Lambda^-2 (B Phi)^T  over the modes given up.
+        F + (B Phi) Lambda^-1 (B Phi)^T  and  H + (B Phi) Lambda^-2 (B Phi)^T  over the modes removed.
         Raises ModelError when there are fewer modes.
         """
         if not 0 <= n_modes <= self.n_modes:
@@ -78,7 +78,7 @@ def free_interface_modes(body: FlexibleBody, n_modes: int) -> RitzModes:
 
 
 def free_interface_component(body: FlexibleBody, modes: RitzModes) -> FreeInterfaceComponent:
-    """The ingredients of a body for its free-interface modes, and the residual of the rest.
+    """The component of given free-interface modes of a body, with the residual of all other modes.
 
     Raises ModelError when the body has no interface.
     Source: [Rubin1975], [Rixen2004].
@@ -98,9 +98,10 @@ def free_interface_component(body: FlexibleBody, modes: RitzModes) -> FreeInterf
 
 
 def require_residual(component: FreeInterfaceComponent, method: str) -> None:
-    """AccuracyError when the modes leave no flexibility at an interface to a method that inverts it.
+    """AccuracyError when a method that inverts the residual flexibility finds it singular.
 
-    Nor may interfaces depend on one another, as two that a rigid part joins.
+    The modes may leave none at an interface, or interfaces depend on one another, as two joined by a rigid
+    part.
     """
     shares = component.residual_shares
     if not np.min(shares) > SMALLEST_RESIDUAL:
@@ -113,8 +114,8 @@ def require_residual(component: FreeInterfaceComponent, method: str) -> None:
     smallest = np.linalg.eigvalsh(component.residual_flexibility / np.outer(lengths, lengths))[0]
     if not smallest > SMALLEST_RESIDUAL:
         raise AccuracyError(
-            f"{method} needs independent interfaces, but forces at some leave others no residual flexibility "
-            f"of their own (share {smallest:.1e}); keep fewer modes, or use Rubin"
+            f"{method} needs independent interfaces, but some have no residual flexibility beside "
+            f"that of others (share {smallest:.1e}); keep fewer modes, or use Rubin"
         )
 
 
@@ -123,7 +124,7 @@ def rubin_component(component: FreeInterfaceComponent) -> RitzComponent:
 
         K = diag(Lambda, F),   M = diag(I, H),   q_v = [B Phi, F] x
 
-    Shapes of which the modes leave round-off only are no columns.
+    Shapes that are only round-off beside the modes are left out.
     """
     left = component.residual_shares > SMALLEST_RESIDUAL
     F, H = component.residual_flexibility[:, left], component.residual_mass[np.ix_(left, left)]

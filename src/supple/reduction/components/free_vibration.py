@@ -1,4 +1,4 @@
-"""Vibrations of a free Craig-Bampton body, found in its interface and modal coordinates."""
+"""Vibrations of a free Craig-Bampton body, computed in its interface and modal coordinates."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def free_vibrations(
 
         K-bar = [[K_b, 0], [0, Lambda]],     M-bar = [[M_b, P^T], [P, 1]],     K-bar x = chi-bar M-bar x
 
-    All interfaces but the first move against it; a rigid motion added to each column makes it M-orthogonal
-    to all of them. Then K-bar is scaled to the unit matrix and M-bar x = (1/chi-bar) K-bar x solved, whose
-    largest eigenvalues, the lowest vibrations, are those that round-off disturbs least.
+    All interfaces but the first move relative to it; a rigid motion added to each column makes it
+    M-orthogonal to all rigid motions. K-bar is then scaled to the unit matrix and M-bar x = (1/chi-bar) K-bar
+    x solved, whose largest eigenvalues, the lowest vibrations, are least disturbed by round-off.
 
     component    : FixedInterfaceComponent   with d modes
     rigid_motion : (b, 6)                    B R, the interfaces in a rigid motion of the body

@@ -1,1 +1,1 @@
-"""Modal derivatives: computed, weighted, picked or compressed."""
+"""Modal derivatives: computation, weights, selection and compression."""

@@ -1,4 +1,4 @@
-"""Compressing modal derivatives: the directions in which the weighted block of all of them moves most."""
+"""Compression of modal derivatives: the leading singular directions of the weighted derivatives."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ ROUND_OFF = 1e-10
 
 @dataclass(frozen=True)
 class CompressedDerivatives:
-    """Add the n leading directions of all derivatives, each weighted by the amplitude its pair will have.
+    """Add the n leading directions of all derivatives, each weighted by the expected amplitude of its pair.
 
-    n : number of columns to add; fewer where all derivatives together span less, as those of a straight beam
-        that bends, which move it along its axis alone: the report then lists it among the dropped columns
+    n : number of columns to add; fewer where all derivatives together span less, as in the bending of a
+        straight beam, where all are axial: the report then lists the missing ones among the dropped columns
     weights : AmplitudeProduct(UnitLoad()) or AmplitudeProduct(StaticLoad(F))
     """
 
@@ -49,7 +49,7 @@ def compress(
 
         Z = (I - X X^T M) [w_jk theta_jk] = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   columns Q U_n
 
-    They are the n columns that miss least of Z, in the sum of squares sum_(i>n) s_i^2.
+    They are the n columns with the smallest remainder of Z, in the sum of squares sum_(i>n) s_i^2.
     """
     directions = leading_directions(
         derivatives.vectors * weights, basis.vectors, body.mass, derivatives.reference_norms(body) * weights
@@ -66,10 +66,10 @@ def compress(
 
 
 def _not_there(n: int, n_kept: int) -> tuple[str, ...]:
-    """Why there are fewer columns than requested, as the label of the missing ones."""
+    """Label of the missing columns, with the reason why there are fewer than requested."""
     if n_kept == n:
         return ()
     return (
-        f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; what is "
-        f"left of them is below {ROUND_OFF:.0e} of the first)",
+        f"compressed derivatives {n_kept + 1} to {n} (all derivatives lie in {n_kept} directions; the "
+        f"remainder is below {ROUND_OFF:.0e} of the first)",
     )

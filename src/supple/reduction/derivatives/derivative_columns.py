@@ -1,4 +1,4 @@
-"""The columns that a choice of modal derivatives adds to a linear basis."""
+"""The columns of modal derivatives that are added to a linear basis."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class DerivativeColumns:
 
     vectors : (n, k)
     labels : (k,) str
-    dropped : labels of candidates met and left out because the columns before them hold their motion
+    dropped : labels of candidates left out because earlier columns already contain their motion
     singular_values_kept, singular_values_dropped : relative to the first; empty unless compressed
     """
 
@@ -37,7 +37,7 @@ class DerivativeColumns:
 
 
 class DerivativeChoice(Protocol):
-    """Which derivatives to add: PickedDerivatives, CompressedDerivatives or NoDerivatives."""
+    """Choice of derivatives to add: PickedDerivatives, CompressedDerivatives or NoDerivatives."""
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
         """Columns to append to a basis made by rayleigh_ritz."""
@@ -46,7 +46,7 @@ class DerivativeChoice(Protocol):
 
 @dataclass(frozen=True)
 class NoDerivatives:
-    """Nothing is added: for linear bodies, or to show what derivatives are good for."""
+    """No derivatives: for linear bodies, or to show the effect of derivatives."""
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:  # noqa: ARG002
         """No columns."""

@@ -1,4 +1,4 @@
-"""The directions that a set of displacement fields takes most outside a basis."""
+"""The leading directions of a set of displacement fields outside a basis."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["LeadingDirections", "leading_directions"]
 
 
 class LeadingDirections(NamedTuple):
-    """Directions by decreasing length."""
+    """Directions in descending order of singular value."""
 
     vectors: np.ndarray
     """(n, k), M-orthonormal to each other and to the basis"""
@@ -28,11 +28,11 @@ def leading_directions(
 
         Z = (I - X X^T M) fields = Q R,   Q^T M Q = I,   R = U diag(s) W^T,   directions Q U
 
-    The first k of them miss least of Z among all sets of k: sum_(i>k) s_i^2 in the sum of squares.
+    The first k of them leave the smallest remainder of Z, sum_(i>k) s_i^2, of all sets of k.
 
     fields : (n, m)
     basis : (n, r)              X, M-orthonormal
-    reference_norms : (m,)      M-norms against which what is left of a field counts as round-off
+    reference_norms : (m,)      M-norms; a field's remainder that is small relative to its norm is round-off
     """
     outside = fields - basis @ (basis.T @ (mass @ fields))
     r = basis.shape[1]

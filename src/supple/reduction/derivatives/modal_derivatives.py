@@ -40,7 +40,7 @@ class ModalDerivatives:
         return np.where(self.pairs[:, 0] == self.pairs[:, 1], 1.0, 2.0)
 
     def reference_norms(self, body: FlexibleBody) -> np.ndarray:
-        """Lengths (M-norm) beside which a derivative counts as nothing: its own, or 1/100 of the longest.
+        """Reference lengths (M-norm) for zero derivatives: the derivative's own, or 1/100 of the longest.
 
         Where symmetry makes a derivative vanish, the solve leaves round-off whose own length is meaningless.
         """
@@ -54,9 +54,10 @@ def modal_derivatives(body: FlexibleBody, frame: Frame, basis: LinearBasis) -> M
         f(q) + D^T mu = K X zeta,  D q = 0   gives   d2q/dzeta_j dzeta_k = theta_jk at 0:
         K theta_jk + D^T mu = -f''(X_j, X_k),  D theta_jk = 0
 
-    Exact: f'' comes from the quadratic strains, not from differences. All m(m+1)/2 pairs take one factor and
-    one block of solves. The interfaces are fixed where the basis fixes them (all for Craig-Bampton, none
-    but the frame's for Rubin); the result is projected on the frame, which stores no energy.
+    Exact: f'' comes from the quadratic strains, not from differences. All m(m+1)/2 pairs need one
+    factorisation and one block of solves. The interfaces are fixed where the basis fixes them (all for
+    Craig-Bampton, only that of the frame for Rubin). A rigid motion, which stores no energy, is then added so
+    that the result satisfies the conditions of the frame.
 
     Returns ModalDerivatives, symmetric in j and k.
     Raises ModelError when the body has no quadratic strains (a superelement, or a linearised body).

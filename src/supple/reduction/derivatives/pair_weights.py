@@ -1,4 +1,4 @@
-"""How much each modal derivative is expected to move: the weights for picking and compression."""
+"""Expected amplitude of each modal derivative: the weights for picking and compression."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ class ModalAmplitudes(Protocol):
 
 
 class PairCriterion(Protocol):
-    """Rank of each pair: AmplitudeProduct or ModalVirtualWork."""
+    """Ranking of pairs: AmplitudeProduct or ModalVirtualWork."""
 
     def rank(self, body: FlexibleBody, basis: LinearBasis, derivatives: ModalDerivatives) -> np.ndarray:
-        """(n_pairs,) values >= 0, the largest the most wanted."""
+        """(n_pairs,) values >= 0; pairs of larger value are preferred."""
         ...
 
 
 @dataclass(frozen=True)
 class UnitLoad:
-    """A load of which nothing is known works on each mode alike: p_j = 1/omega_j^2."""
+    """An unknown load, which does equal work on each mode: p_j = 1/omega_j^2."""
 
     def amplitudes(self, body: FlexibleBody, basis: LinearBasis) -> np.ndarray:  # noqa: ARG002 (protocol)
         """(m,) 1/omega^2."""
@@ -97,8 +97,8 @@ class ModalVirtualWork:
 
         W_jk = |(w_jk theta_jk)^T w_jk f''(X_j, X_k)| = w_jk^2 theta_jk^T K theta_jk
 
-    with w_jk = p_j p_k, twice for j < k: the multipliers do no work, as D theta = 0. So the rank is twice the
-    energy that the derivative releases, and derivatives that cannot move are passed over.
+    with w_jk = p_j p_k, twice for j < k: the multipliers do no work, as D theta = 0. The rank is thus twice
+    the energy that the derivative releases; derivatives that cannot move have rank zero.
     Source: after the modal virtual work of [Jain2017], here at static amplitudes instead of simulated ones.
     """
 

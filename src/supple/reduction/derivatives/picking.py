@@ -1,4 +1,4 @@
-"""Picking modal derivatives: the most wanted pairs, in order."""
+"""Selection of modal derivatives: the pairs of highest rank, in order."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ __all__ = ["PickedDerivatives", "pick"]
 class PickedDerivatives:
     """Add the n derivatives that a criterion ranks highest.
 
-    A derivative whose motion the linear basis and the derivatives before it already hold is passed over, and
-    the next one taken; fewer than n columns result only when no independent one is left.
+    A derivative whose motion the linear basis and earlier derivatives already contain is skipped, and the
+    next one taken; fewer than n columns result only when no independent one is left.
 
     n : number of columns to add
     criterion : AmplitudeProduct(...) or ModalVirtualWork(...)
@@ -36,7 +36,7 @@ class PickedDerivatives:
         check_fields(self)
 
     def columns(self, body: FlexibleBody, frame: Frame, basis: LinearBasis) -> DerivativeColumns:
-        """Picked columns, most wanted first; ModelError when there are fewer than n pairs."""
+        """Selected columns, highest rank first; ModelError when there are fewer than n pairs."""
         check_derivative_count(self.n, len(basis.frequencies))
         derivatives = modal_derivatives(body, frame, basis)
         return pick(body, basis, derivatives, self.n, self.criterion.rank(body, basis, derivatives))

@@ -1,1 +1,1 @@
-"""How far the eigenvalues of a reduced body are from those of the whole one."""
+"""Errors of the eigenvalues of a reduced body relative to the full body."""

@@ -1,4 +1,4 @@
-"""What is proven of the eigenvalues of a reduced body, and how its size was found."""
+"""Proven accuracy of the eigenvalues of a reduced body, and the search for its size."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ __all__ = ["EigenvalueCertificate"]
 
 @dataclass(frozen=True, eq=False)
 class EigenvalueCertificate:
-    """The elastic eigenvalues of a free reduced body, next to bounds for those of the full one.
+    """The elastic eigenvalues of a free reduced body, with bounds for those of the full body.
 
     tolerance : relative error allowed in each eigenvalue
     values : (N,)                chi-bar, of the reduced body, rad^2/s^2, ascending
     enclosure : EigenvalueEnclosure     of the full body
-    n_fixed_interface_modes : how many the reduced body is made of
-    estimated : (N,)             errors by the estimator that chose them
+    n_fixed_interface_modes : number of fixed-interface modes in the reduced body
+    estimated : (N,)             errors by the estimator that selected them
     steps : every number of modes tried, in order
     seconds : wall time of modes, search and proof
     """
@@ -41,7 +41,7 @@ class EigenvalueCertificate:
 
     @property
     def errors(self) -> np.ndarray:
-        """(N,) proven: no eigenvalue is further above that of the full body than this, relatively."""
+        """(N,) proven relative bounds: no eigenvalue exceeds that of the full body by more."""
         return self.values / self.enclosure.lower - 1.0
 
     @property

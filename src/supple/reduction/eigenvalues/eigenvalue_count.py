@@ -1,4 +1,4 @@
-"""Proof by counting alone that the eigenvalues of a reduced body are within a tolerance."""
+"""Proof by Sturm counts alone that the eigenvalues of a reduced body are within a tolerance."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ __all__ = ["CountedGroup", "count_eigenvalues"]
 
 N_RIGID = 6
 
-# Modes closer than this part of the tolerance are counted together first.
+# Modes closer than this fraction of the tolerance first share one count.
 CLOSE = 0.5
 
 
 @dataclass(frozen=True)
 class CountedGroup:
-    """Elastic eigenvalues first .. last (from 1) of a reduced body, and one count in the full one.
+    """Elastic eigenvalues first .. last (from 1) of a reduced body, and one count for the full body.
 
     shift   : sigma = chi-bar_last / (1 + tolerance), rad^2/s^2
     counted : elastic eigenvalues of the full body below it
@@ -34,16 +34,16 @@ class CountedGroup:
 
     @property
     def proven(self) -> bool:
-        """No more than first - 1 lie below, so the group's own are above: chi-bar_n <= (1 + e) chi_n."""
+        """At most first - 1 lie below the shift, so the group lies above it: chi-bar_n <= (1 + e) chi_n."""
         return self.counted < self.first
 
 
 def count_eigenvalues(body: FlexibleBody, values: ArrayLike, tolerance: float) -> tuple[CountedGroup, ...]:
-    """Prove chi-bar_n <= (1 + tolerance) chi_n for every n by the inertia of K - sigma M, and nothing else.
+    """Prove chi-bar_n <= (1 + tolerance) chi_n for every n by the inertia of K - sigma M alone.
 
     Where at most n - 1 elastic eigenvalues lie below sigma_n = chi-bar_n / (1 + tolerance), chi_n >= sigma_n.
-    Close eigenvalues share a count, the strictest; where that objects, each gets its own. A sparse factor for
-    each count: slower than `enclose_eigenvalues`, but its only ingredient is Sylvester's law.
+    Close eigenvalues share a count, the strictest; where it fails, each gets its own. Each count needs a
+    sparse factorisation: slower than `enclose_eigenvalues`, but based on Sylvester's law alone.
 
     values : (N,)     chi-bar, elastic eigenvalues of a reduced body, ascending
     Returns CountedGroup, in the order of the eigenvalues; the claim holds where all are proven.

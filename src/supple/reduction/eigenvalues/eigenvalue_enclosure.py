@@ -14,17 +14,17 @@ from supple.errors import AccuracyError
 
 __all__ = ["EigenvalueEnclosure", "enclose_eigenvalues"]
 
-# Of subspace iteration; those that halve the distance of the bounds do not count.
+# Subspace iterations that do not halve the width of the bounds before the iteration stops.
 ROUNDS = 12
 RIGID_MOTIONS = 6
 
-# Relative, where the shift stands. A cluster larger than the trial motions shows no wider one.
+# Relative gap at the shift. A cluster larger than the set of trial motions has no wider one.
 SMALLEST_GAP = 1e-3
 
-# Of the largest, of energies and inverse eigenvalues: what is less may be round-off.
+# Share of the largest energy or inverse eigenvalue below which a value may be round-off.
 SMALLEST_PART = 1e-13
 
-# How often as many random motions join the trial motions.
+# Number of times that random motions, as many as the trial motions, are added.
 MOST_WIDENED = 4
 
 
@@ -56,28 +56,28 @@ def enclose_eigenvalues(
 ) -> EigenvalueEnclosure:
     """Enclose the lowest n_values elastic eigenvalues of a free body by Lehmann and Goerisch's theorem.
 
-    With trial motions U, K W = M U, and a shift rho that the inertia of K - rho M proves to have just the p
-    lowest elastic eigenvalues below it, the p negative eigenvalues mu of
+    With trial motions U, K W = M U, and a shift rho below which the inertia of K - rho M proves exactly the p
+    lowest elastic eigenvalues, the p negative eigenvalues mu of
 
         (A0 - rho A1) x = mu (A0 - 2 rho A1 + rho^2 A2) x
         A0 = U^T K U,    A1 = U^T M U,    A2 = W^T K W
 
     are lower bounds chi_n >= rho mu / (mu - 1), the most negative mu that of the highest; the Rayleigh-Ritz
-    values of U are upper bounds. Subspace iteration from the trial motions brings the bounds together,
-    multiple eigenvalues or not. Random motions join them where a cluster is larger than they are, or where
-    the count shows that they lack a mode. These are exact theorems, evaluated in floating point: nothing is
-    proven beyond its round-off.
+    values of U are upper bounds. Subspace iteration from the trial motions narrows the bounds, also for
+    multiple eigenvalues. Random motions are added where a cluster is larger than the set of trial motions, or
+    where the count shows that a mode is missing. The theorems are exact and evaluated in floating point: the
+    proof holds up to round-off.
 
     trial : (n, p)          approximations of the lowest elastic modes, somewhat more than n_values of them
     largest_width : float   of upper / lower - 1
-    make_room : called before K - rho M is factored, to give back memory
-    Raises AccuracyError when the bounds do not come that close, or the count and the modes found disagree.
+    make_room : called before K - rho M is factored, to release memory
+    Raises AccuracyError when the bounds are wider than that, or the count and the modes found disagree.
     Source: [Lehmann1963] in the form of [GoerischHaunhorst1985]; with one trial motion it is Temple's and
         Kato's bound.
     """
     mean_axis = body.constrained(MeanAxisFrame().constraint(body))
     W = mean_axis.solve(body.mass @ trial)
-    del trial  # a large body has no room for what is used no more
+    del trial  # releases memory, which a large body needs
     width = narrowest = np.inf
     count, inside, rounds, widened = None, 0, 0, 0
     while rounds < ROUNDS:
@@ -89,7 +89,7 @@ def enclose_eigenvalues(
         W = mean_axis.solve(body.mass @ U)
         n_left = body.n - RIGID_MOTIONS - upper.size
         n_more = min(upper.size, n_left) if widened < MOST_WIDENED else 0
-        # The upper half of those to spare is less exact, unless they are all there are.
+        # The less accurate upper half of the spare motions is left out, unless it completes the spectrum.
         n_exact = max(n_values + 2, (n_values + upper.size) // 2 + 1) if n_left else upper.size
         inside, gap = _last_before_gap(upper[:n_exact], n_values)
         if gap >= SMALLEST_GAP or n_more == 0:
@@ -107,8 +107,8 @@ def enclose_eigenvalues(
                 if rounds < ROUNDS or widened:
                     continue
         if n_more:
-            # A cluster does not end among the trial motions, or they lack a mode: one of a symmetric
-            # body without motion at the interfaces, say.
+            # A cluster extends beyond the trial motions, or a mode is missing from them, such as one of a
+            # symmetric body without motion at the interfaces.
             W = np.hstack([W, mean_axis.solve(_random_loads(body, n_more))])
             rounds, narrowest, widened = 0, np.inf, widened + 1
     found = f"bounds {width:.1e} apart" if count is None else f"{inside} found, {count} counted"
@@ -120,9 +120,9 @@ def enclose_eigenvalues(
 
 
 def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """M-orthonormal Ritz vectors of the span of the columns, which are used up; their values, ascending.
+    """M-orthonormal Ritz vectors of the span of the columns, which are overwritten; their values, ascending.
 
-    Columns that depend on others are left out, and values so high that they are round-off next to the lowest.
+    Dependent columns are left out, and values so high that they are round-off next to the lowest.
     """
     columns /= np.sqrt(np.einsum("ij,ij->j", columns, body.stiffness @ columns))
     energies, directions = linalg.eigh(columns.T @ (body.stiffness @ columns))
@@ -135,7 +135,7 @@ def _ritz(body: FlexibleBody, columns: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _last_before_gap(values: np.ndarray, n_values: int) -> tuple[int, float]:
-    """How many values lie below the widest relative gap after the first n_values, and how wide it is."""
+    """Number of values below the widest relative gap after the first n_values, and the width of the gap."""
     near = values[n_values - 1 :]
     widths = np.diff(near) / near[:-1]
     widest = int(np.argmax(widths))
@@ -153,7 +153,7 @@ def _bounds(upper: np.ndarray, A2: np.ndarray, inside: int) -> tuple[float, np.n
     lower = _lehmann_goerisch(upper, A2, shift)
     if lower.size != inside:
         return shift, lower, np.inf
-    # Of either sign: lower bounds above the upper ones are round-off, which proves nothing.
+    # The absolute width: lower bounds above the upper ones are round-off, which proves nothing.
     return shift, lower, float(np.max(np.abs(upper[:inside] / lower - 1)))
 
 

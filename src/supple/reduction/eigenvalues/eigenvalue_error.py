@@ -1,4 +1,4 @@
-"""Estimates of the eigenvalue errors of a Craig-Bampton body, from what its modes left out."""
+"""Estimates of the eigenvalue errors of a Craig-Bampton body, from the residual of its truncated modes."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class ErrorTerms:
-    """What the estimators are made of; n counts the elastic vibrations of the free reduced body.
+    """The terms of the estimators; n counts the elastic vibrations of the free reduced body.
 
     values : (N,)   chi-bar, eigenvalues of the reduced body, rad^2/s^2
     first  : (N,)   xi^T X xi,  xi the interface part of each vibration
     second : (N,)   xi^T X2 xi
     fixed  : (m,)   kappa, eigenvalues of the fixed-interface modes that are known, m > d, rad^2/s^2
-    next_fixed : kappa of the first mode not kept, rad^2/s^2; infinite when all modes are
+    next_fixed : kappa of the first truncated mode, rad^2/s^2; infinite when all are kept
     """
 
     values: np.ndarray
@@ -46,11 +46,11 @@ class ErrorTerms:
 
 
 def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) -> ErrorTerms:
-    """The terms of each vibration that keeps fewer modes than the component has.
+    """The terms of each vibration of a body with fewer modes than the component.
 
-    The residual flexibility of the modes not kept is that of the unknown ones, by deflation, plus
-    a a^T / kappa for each known one: rank-one updates that only add, where Phi Lambda^-1 Phi^T subtracted
-    from K^-1 would cancel nearly all digits.
+    The residual flexibility of the truncated modes is that of the unknown ones, by deflation, plus a a^T /
+    kappa for each known one: rank-one updates that only add. To subtract Phi Lambda^-1 Phi^T from K^-1
+    instead would cancel nearly all digits.
     """
     n_kept, xi = len(vibrations.modal), vibrations.interfaces
     kept = component.leading(n_kept)
@@ -64,10 +64,10 @@ def error_terms(component: FixedInterfaceComponent, vibrations: FreeVibrations) 
 
 
 class EigenvalueErrorEstimator(Protocol):
-    """An estimate of zeta_n = chi-bar_n / chi_n - 1, by how much the reduced eigenvalues are too high.
+    """An estimate of zeta_n = chi-bar_n / chi_n - 1, the relative error of a reduced eigenvalue.
 
-    Above or below are meant to first order, for errors of a few per cent and less. None of them sees a
-    vibration without motion or force at the interfaces while its mode is left out: that takes a count.
+    Upper and lower are meant to first order, for errors of a few per cent and less. No estimate detects a
+    truncated mode without motion or force at the interfaces: that needs a count.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
@@ -77,7 +77,7 @@ class EigenvalueErrorEstimator(Protocol):
 
 @dataclass(frozen=True)
 class FirstOrderEstimate:
-    """The first term alone, eta_n = chi-bar xi^T X xi: to first order below the truth. [Han2020] (45)"""
+    """The first term alone, eta_n = chi-bar xi^T X xi: to first order a lower estimate. [Han2020] (45)"""
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """eta_n."""
@@ -88,10 +88,10 @@ class FirstOrderEstimate:
 class Han2020Bound:
     """(chi-bar + chi-bar^2 / kappa_n) xi^T X xi, n the number of the elastic vibration. [Han2020] (42)
 
-    With n modes or more kept, every mode left out is faster than the n-th fixed-interface mode, so its share
-    is bounded. With many kept the bound is two or three times the truth, and tens of times where chi-bar_n is
-    far above kappa_n. With fewer, as bodies of several interfaces allow, it bounds nothing; where the body
-    has no n-th mode, the last one stands for it.
+    With n modes or more kept, every truncated mode is above the n-th fixed-interface mode, so its share is
+    bounded. With many kept the bound is two or three times the true error, and tens of times where chi-bar_n
+    is far above kappa_n. With fewer, as bodies of several interfaces allow, it is no bound; where the body
+    has no n-th mode, the last one replaces it.
     """
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
@@ -103,7 +103,7 @@ class Han2020Bound:
 
 @dataclass(frozen=True)
 class SharperBound:
-    """(chi-bar + chi-bar^2 / kappa_(d+1)) xi^T X xi: the first mode left out bounds all of them."""
+    """(chi-bar + chi-bar^2 / kappa_(d+1)) xi^T X xi: the first truncated mode bounds all of them."""
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """Upper estimate."""
@@ -112,7 +112,7 @@ class SharperBound:
 
 @dataclass(frozen=True)
 class TwoTermEstimate:
-    """chi-bar xi^T X xi + chi-bar^2 xi^T X2 xi: to first order the error itself, neither above nor below."""
+    """chi-bar xi^T X xi + chi-bar^2 xi^T X2 xi: the error itself to first order, neither upper nor lower."""
 
     def errors(self, terms: ErrorTerms) -> np.ndarray:
         """Estimate."""
@@ -121,7 +121,7 @@ class TwoTermEstimate:
 
 @dataclass(frozen=True, eq=False)
 class KnownEigenvalues:
-    """No estimate: chi-bar_n / chi_n - 1 with the eigenvalues of the full body, or lower bounds to them.
+    """Errors without an estimate: chi-bar_n / chi_n - 1 with the full body's eigenvalues, or lower bounds.
 
     values : (N,)   chi, rad^2/s^2, of the free elastic body
     """

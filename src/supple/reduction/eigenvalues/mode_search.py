@@ -1,4 +1,4 @@
-"""Looking for the fewest fixed-interface modes that meet a tolerance."""
+"""Search for the fewest fixed-interface modes that meet a tolerance."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ __all__ = ["Bisection", "ModeSearch", "OneByOne", "SearchStep"]
 LARGEST_GROWTH = 2.0
 SMALLEST_GROWTH = 1.05
 
-# What is promised is exceeded by this, so that one more step upwards is seldom needed.
+# Safety factor on the predicted number, so that a further step upwards is seldom needed.
 ALLOWANCE = 1.03
 
-# Of an estimate below its neighbours, before the search for an earlier one ends.
+# Ratio of an estimate to the tolerance at which the search for a smaller number ends.
 DEEPEST_DIP = 1.1
 
 
 @dataclass(frozen=True, eq=False)
 class SearchStep:
-    """One number of modes tried.
+    """One trial number of modes.
 
     n_modes : fixed-interface modes kept
     errors : (N,)            of each elastic eigenvalue; infinite where the reduced body has no such vibration
     tolerance : largest error allowed
-    criterion : what the errors are: the estimator's name
+    criterion : name of the estimator of the errors
     seconds : wall time, that of new fixed-interface modes included
     """
 
@@ -57,7 +57,7 @@ class SearchStep:
 
 
 def search_words(n_modes: int, largest_error: float) -> str:
-    """So many fixed-interface modes, and the largest error; infinite with too few for all vibrations."""
+    """The number of fixed-interface modes and the largest error; "too few" where it is infinite."""
     error = f"error {100 * largest_error:.2g} %" if np.isfinite(largest_error) else "too few"
     return f"{n_modes} modes, {error}"
 
@@ -69,13 +69,13 @@ class ModeSearch(Protocol):
     """OneByOne() or Bisection()."""
 
     def run(self, trial: Trial, first: int, last: int) -> tuple[SearchStep, ...]:
-        """All steps tried between first and last modes; the last one passes unless nothing did."""
+        """All steps tried between first and last modes; the last step passes unless none does."""
         ...
 
 
 @dataclass(frozen=True)
 class OneByOne:
-    """One mode more at a time until every vibration passes. [Han2020] Fig. 1"""
+    """One more mode at a time until every vibration passes. [Han2020] Fig. 1"""
 
     def run(self, trial: Trial, first: int, last: int) -> tuple[SearchStep, ...]:
         """Steps first, first + 1, .. in order."""
@@ -87,11 +87,11 @@ class OneByOne:
 
 @dataclass(frozen=True)
 class Bisection:
-    """Upwards as the errors so far predict, at most doubling, then bisection.
+    """Upward steps as the errors predict, at most doubling, then bisection.
 
-    Estimates may cross the tolerance more than once, so the numbers below the one found are tried too, down
-    to where the largest error is 1.1 times the tolerance: the result is that of OneByOne, for a fraction of
-    its eigen-solves, unless an estimate dips deeper than that.
+    Estimates may cross the tolerance more than once, so smaller numbers than the one found are tried too,
+    down to where the largest error is 1.1 times the tolerance. The result is that of OneByOne, for a fraction
+    of its eigensolutions, unless an estimate dips deeper than that.
     """
 
     def run(self, trial: Trial, first: int, last: int) -> tuple[SearchStep, ...]:
@@ -118,7 +118,7 @@ class Bisection:
 
 
 def _promising(steps: list[SearchStep]) -> int:
-    """Where the power law through the last two steps, error ~ d^-p with p >= 1, meets the tolerance."""
+    """Number at which the power law through the last two steps, error ~ d^-p, p >= 1, meets the tolerance."""
     last = steps[-1]
     rate = 1.0
     if len(steps) > 1 and steps[-2].n_modes and np.isfinite(steps[-2].largest):

@@ -1,4 +1,4 @@
-// The arrays of the page: one deflated block, from which each is read by where it stands.
+// The arrays of the page: one deflated block, from which each is read by its position.
 
 const head = JSON.parse(document.getElementById("head").textContent);
 const KINDS = { f4: Float32Array, f8: Float64Array, i2: Int16Array, i4: Int32Array };
@@ -10,7 +10,7 @@ async function inflated() {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Bytes stand plane by plane; whole numbers are differences along the last axis.
+// Bytes are stored plane by plane; whole numbers are differences along the last axis.
 function arrayOf(block, { start, shape, kind }) {
   const values = new KINDS[kind](shape.reduce((product, n) => product * n, 1));
   const number = values.length,
@@ -25,7 +25,7 @@ function arrayOf(block, { start, shape, kind }) {
   return values;
 }
 
-// Numbers as people read them: four digits, no exponent where it can be avoided.
+// Numbers for display: four digits, without exponent if possible.
 function shownNumber(value, digits = 4) {
   const rounded = +value.toPrecision(digits),
     size = Math.abs(rounded);

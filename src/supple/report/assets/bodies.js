@@ -92,7 +92,7 @@ class NodalField {
     this.now = new Float32Array(Math.max(1, this.count));
   }
 
-  // Many shapes share a layer of the texture, for layers are few.
+  // Many shapes share a layer of the texture, as the number of layers is limited.
   textures() {
     const across = Math.min(1024, this.nodes),
       rows = Math.ceil(this.nodes / across);
@@ -120,7 +120,7 @@ class NodalField {
     if (this.texture) this.texture.needsUpdate = true;
   }
 
-  // Component c at a node, by amplitudes as they are now, or at an instant.
+  // Component c at a node, for the present amplitudes, or those of a given time.
   at(node, c, instant = -1) {
     let sum = 0;
     for (let k = 0; k < this.count; k++)
@@ -130,7 +130,7 @@ class NodalField {
     return sum;
   }
 
-  // Components of all nodes, as they are now.
+  // Components of all nodes at the present time.
   all() {
     const found = new Float32Array(this.components * this.nodes);
     for (let k = 0; k < this.count; k++) {
@@ -148,7 +148,7 @@ class Body {
     this.rest = arrayOf(block, data.nodes);
     this.number = data.nodes.shape[0];
     this.ids = arrayOf(block, data.ids);
-    // Points of a beam's skin hang on the node that carries them; of some a field may have no value.
+    // Points of a beam's skin are attached to a node; a field may have no value at some of them.
     this.carriers = data.carriers && arrayOf(block, data.carriers);
     this.unknown = data.unknown && arrayOf(block, data.unknown);
     this.triangles = interleaved(arrayOf(block, data.triangles), 3);
@@ -170,7 +170,7 @@ class Body {
     const pose = (row, at) => this.poses[row * this.instants + at];
     const blended = (row) => pose(row, frame.before) * (1 - frame.share) + pose(row, frame.after) * frame.share;
     this.position.set(blended(0), blended(1), blended(2));
-    // The wrap from the last instant to the first may meet a quaternion of the other sign.
+    // At the wrap from the last time to the first the quaternion may change sign.
     const one = [3, 4, 5, 6].map((row) => pose(row, frame.before)),
       other = [3, 4, 5, 6].map((row) => pose(row, frame.after));
     const sign = one.reduce((sum, x, i) => sum + x * other[i], 0) < 0 ? -1 : 1;
@@ -234,7 +234,7 @@ class Body {
     lines.setIndex(new BufferAttribute(new Uint32Array(this.edges), 1));
     this.outline = new LineSegments(lines, material({}));
     this.ghost = new LineSegments(lines, material({ gain: { value: 0 } }));
-    // Drawn first: where nothing deflects, the edges stand over it.
+    // Drawn first: without deflection the edges coincide with it and must be on top.
     this.ghost.renderOrder = -1;
     this.group = new Group();
     this.group.matrixAutoUpdate = false;
@@ -257,7 +257,7 @@ class Body {
     this.faces.geometry.setDrawRange(0, seen.length);
   }
 
-  // Corners of the triangles that are there at an instant.
+  // Corners of the triangles that exist at a given time.
   trianglesAt(instant) {
     if (!this.lifetimes) return this.triangles;
     const number = this.triangles.length / 3,
@@ -286,7 +286,7 @@ class Body {
         each.material.uniforms[key].value = this.uniforms[key].value;
   }
 
-  // The node that carries a point of the surface.
+  // The node to which a point of the surface is attached.
   carrierOf(point) {
     return this.carriers ? this.carriers[point] : point;
   }

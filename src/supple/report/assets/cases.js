@@ -11,14 +11,14 @@ class Cases {
     this.choose();
   }
 
-  // A value in words, "" where there is none.
+  // A value as text, "" if missing.
   text(column, row) {
     const value = column.values[row];
     if (Number.isNaN(value)) return "";
     return column.words ? column.words[value] : column.whole ? String(value) : shownNumber(value, 6);
   }
 
-  // False where the text is no filter of the column.
+  // False if the text is not a valid filter of the column.
   filter(place, text) {
     const test = text.trim() ? filterOf(this.columns[place], text.trim()) : null;
     if (test === undefined) return false;
@@ -33,7 +33,7 @@ class Cases {
     this.choose();
   }
 
-  // Rows that pass all filters, in order; cases without a value stand last.
+  // Rows that pass all filters, in order; cases without a value come last.
   choose() {
     const tests = [...this.filters].map(([place, test]) => [this.columns[place].values, test]);
     const rows = [];
@@ -58,7 +58,7 @@ const NUMBER = String.raw`[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?`;
 const COMPARED = new RegExp(`^(>=|<=|>|<|=)\\s*(${NUMBER})$`, "i");
 const BETWEEN = new RegExp(`^(${NUMBER})\\s*\\.\\.\\s*(${NUMBER})$`, "i");
 const ALONE = new RegExp(`^${NUMBER}$`, "i");
-// Equal is what reads alike, but for whole numbers.
+// Values with equal display are equal, except for integers.
 const alike = (column, bound) => {
   const text = shownNumber(bound, 6);
   return (x) => x === bound || (!column.whole && shownNumber(x, 6) === text);
@@ -70,7 +70,7 @@ const COMPARISONS = {
   "<=": (bound) => (x) => x <= bound,
 };
 
-// A test of values; undefined where the text means nothing.
+// A test of values; undefined if the text is invalid.
 function filterOf(column, text) {
   if (column.words) {
     const sought = text.toLowerCase();

@@ -1,6 +1,6 @@
-// Colours of values and of things, in light and dark.
+// Colours of values and of objects, in light and dark mode.
 
-// Viridis at nine places, whose brightness rises steadily.
+// Viridis at nine points, with monotonic brightness.
 const RAMP = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"];
 const CURVES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a8a8a"];
 

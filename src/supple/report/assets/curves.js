@@ -1,6 +1,6 @@
 // Curves: a chart is drawn when it is opened. Those over time show the time of the player, and set it by a click.
 
-// A curve that stays at one value stands in the middle of its axis.
+// A constant curve is drawn in the middle of its axis.
 function valueRange(_, low, high) {
   const around = low === high ? Math.abs(low) || 1 : 0;
   return uPlot.rangeNum(low - around, high + around, 0.1, true);

@@ -1,4 +1,4 @@
-// The page: its controls, and what other scripts may call (`window.report`).
+// The page: its controls, and the functions for other scripts (`window.report`).
 
 const element = (id) => document.getElementById(id);
 
@@ -101,10 +101,10 @@ function showClip(player) {
   element("clip-note").textContent = player.clip.note;
 }
 
-// What a value of a field may be off by, where that is to be seen.
+// Error of a field value, if it is visible.
 const within = ({ error }) => (error ? ` \u00b1 ${shownNumber(error, 2)}` : "");
 
-// What is known of the picked node, in words; its history as a chart.
+// Description of the selected node; its history as a chart.
 function showPicked(player, curves, anew) {
   const reading = player.reading(),
     box = element("picked");
@@ -181,7 +181,7 @@ function keys(player) {
   });
 }
 
-// The instant that an address ends with, such as report.html#t=4.2, from the start of the motion.
+// The time at the end of an address, such as report.html#t=4.2, from the start of the motion.
 function instantOf(hash, player) {
   const instant = parseFloat(hash.replace(/^#t=/, ""));
   return Number.isNaN(instant) ? 0 : instant - player.scene.start - player.times[player.clip.first];

@@ -1,6 +1,6 @@
-// Marks: joints, springs, loads, contact forces, axes of joints. They are few, so that they are placed here, frame by frame.
+// Marks: joints, springs, loads, contact forces, axes of joints. They are few, and positioned here for each frame.
 
-// How a kind of joint is drawn: a shape, filled or hollow, and whether its motion is prescribed.
+// Style of each kind of joint: shape, filled or hollow, prescribed motion or not.
 const JOINT_LOOKS = {
   fixed: [0, 1],
   ball: [1, 1],
@@ -13,7 +13,7 @@ const JOINT_LOOKS = {
 };
 const GROUND_LOOK = [4, 0];
 
-// What is shown together, and the colours of arrows; each kind is as long as it is of its largest.
+// Groups of marks, and the colours of arrows; lengths are relative to the largest of each kind.
 const ARROWS = { loads: ["force", "moment"], contacts: ["contact"] };
 const ARROW_COLOURS = { force: "#d55e00", moment: "#cc79a7", contact: "#e5484d" };
 
@@ -47,7 +47,7 @@ void main() {
   colour = vec4(rim || vFilled > 0.5 ? vColour : page, 1.0);
 }`;
 
-// A place that moves with a body, or stands on the ground.
+// A point that moves with a body, or is fixed to the ground.
 class Place {
   constructor(data, block, bodies) {
     this.body = bodies[data.body];
@@ -68,7 +68,7 @@ class Place {
   }
 }
 
-// Columns (c, t) as a function of the frame; a single instant stands for all.
+// Columns (c, t) as a function of the frame; a single time is constant.
 function series(block, packing) {
   const values = arrayOf(block, packing),
     [columns, instants] = packing.shape;
@@ -146,7 +146,7 @@ class Marks {
     fillLines(this.lines.loads, loads);
   }
 
-  // An arrow that ends at its place, as long as its force is of the largest; a moment has two heads.
+  // An arrow with its head at the point, of length relative to the largest; a moment has two heads.
   addArrow(lines, arrow, frame, gain) {
     const value = new Vector3(...arrow.values(frame)),
       size = value.length(),

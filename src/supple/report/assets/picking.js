@@ -19,7 +19,7 @@ function pointUnder(bodies, camera, root, frame, gain, x, y) {
       );
       offer(body, corners[nearest], depth);
     }
-    // Of a body without faces: the nearest node within a few pixels.
+    // For a body without faces, the nearest node within a few pixels.
     if (!triangles.length)
       for (let node = 0; node < body.number; node++)
         if (distance(screen, node, x, y) < 0.02) offer(body, node, screen[3 * node + 2]);
@@ -43,11 +43,11 @@ function projected(body, camera, root, gain) {
   return found;
 }
 
-// Shares of the corners of a triangle at a point within it, null outside.
+// Barycentric coordinates of a point in a triangle, null outside.
 function weightsIn(screen, [a, b, c], x, y) {
   const [ax, ay, bx, by, cx, cy] = [a, b, c].flatMap((node) => [screen[3 * node] - x, screen[3 * node + 1] - y]);
   const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
-  // What is behind the camera is projected, too, beyond the depth of all that is seen.
+  // Points behind the camera are projected, too, beyond the depth of all visible ones.
   if (!area || Math.max(screen[3 * a + 2], screen[3 * b + 2], screen[3 * c + 2]) > 1) return null;
   const weights = [(bx * cy - by * cx) / area, (cx * ay - cy * ax) / area, (ax * by - ay * bx) / area];
   return weights.every((w) => w >= 0) ? weights : null;

@@ -1,4 +1,4 @@
-// The player: which instant is shown of which clip, and how.
+// The player: clip, time and display settings.
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5];
 const SECONDS = [2, 5, 10, 20, 60];
@@ -42,7 +42,7 @@ class Player {
       const geometry = new BufferGeometry();
       geometry.setAttribute("position", new BufferAttribute(points, 3));
       geometry.setIndex(new BufferAttribute(triangles, 1));
-      // A wall that nodes enter a little, as penalties let them, is drawn behind them.
+      // A wall with penetrating nodes (penalty contact) is drawn behind them.
       const wall = new Mesh(
         geometry,
         new ShaderMaterial({
@@ -75,11 +75,11 @@ class Player {
   get clip() {
     return this.clips[this.number];
   }
-  // Of one instant of a clip, from its start.
+  // One time of a clip, from its start.
   timeOf(row) {
     return this.times[this.clip.first + row] - this.times[this.clip.first];
   }
-  // A motion that repeats itself leads from its last instant on to its first.
+  // In a periodic motion the last time is followed by the first.
   get length() {
     const { number, repeats } = this.clip,
       last = this.timeOf(number - 1);
@@ -128,7 +128,7 @@ class Player {
     this.onplay?.();
   }
 
-  // Rows before and after the time, and how far it is between them.
+  // Rows before and after the time, and its fraction between them.
   place() {
     const { first, number, repeats } = this.clip;
     let low = 0,
@@ -188,7 +188,7 @@ class Player {
     this.view.draw();
   }
 
-  // The node under a point of the canvas, in pixels from its corner; null beside the machine.
+  // The node under a point of the canvas, in pixels from its corner; null outside the machine.
   pick(x, y) {
     const { clientWidth, clientHeight } = this.view.canvas;
     const found = pointUnder(
@@ -207,7 +207,7 @@ class Player {
     return this.reading();
   }
 
-  // What is known of the node that was picked, now.
+  // Data of the selected node at the present time.
   reading() {
     if (!this.picked) return null;
     const { body, node, point } = this.picked;
@@ -227,13 +227,13 @@ class Player {
     };
   }
 
-  // Of a field, now or at an instant; shapes that were left out leave small values below the lowest.
+  // Value of a field, at present or at a given time; omitted shapes can cause small values below the lowest.
   valueAt(body, name, point, instant) {
     const { factor, low } = this.scene.scales[name];
     return Math.max(low, factor * body.fields[name].at(point, 0, instant));
   }
 
-  // Displacements of the picked node over the clip, or the field that colours, as a chart.
+  // Chart of the displacements of the selected node over the clip, or of the colour field.
   history() {
     if (!this.picked) return null;
     const { body, node, point } = this.picked,

@@ -36,7 +36,7 @@ class Plot {
     this.graph = null;
   }
 
-  // Draws anew: plots of a sweep change as a whole.
+  // Redraws: plots of a sweep change as a whole.
   draw(options, data) {
     this.graph?.destroy();
     this.graph = new uPlot(

@@ -7,7 +7,7 @@ function cell(text, kind = "", tag = "td") {
   return Object.assign(document.createElement(tag), { textContent: text, className: kind });
 }
 
-// A cell with the number of a case, which leads to its report at an instant where it has one.
+// A cell with the number of a case, linked to a time of its report if there is one.
 function caseCell(cases, row, instant, text) {
   const found = cell("", "number"),
     label = text ?? String(cases.columns[0].values[row]);
@@ -139,7 +139,7 @@ class CaseTable {
   }
 }
 
-// Of each channel the smallest and the largest value over the cases shown.
+// Smallest and largest value of each channel over the displayed cases.
 function drawExtremes(cases, channels) {
   const extreme = ({ column, instant }, sign) => {
     const { values } = cases.columns[column];

@@ -21,7 +21,7 @@ class View {
     this.look("fit");
   }
 
-  // From where the widest motion is seen from left to right, a little from the side and above; or along an axis.
+  // Default view: the widest motion from left to right, slightly from the side and above; or along an axis.
   look(which) {
     this.looksBy = which;
     const from = new Vector3();
@@ -34,7 +34,7 @@ class View {
       from.addScaledVector(thin, side).addScaledVector(wide, 0.4).addScaledVector(this.up, 0.28);
     } else {
       from.setComponent("xyz".indexOf(which[1]), which[0] === "-" ? -1 : 1);
-      // Exactly from above there is no up: a hair beside.
+      // Exactly from above the upward direction is undefined: a slight offset.
       if (Math.abs(from.dot(this.up)) > 0.99) from.add(new Vector3(1e-4, 2e-4, 3e-4));
     }
     this.controls.target.set(0, 0, 0);
@@ -44,7 +44,7 @@ class View {
     this.controls.update();
   }
 
-  // From the middle, at which all corners of what moves are in the picture, with a margin.
+  // Distance from the centre at which all moving corners are in the picture, with a margin.
   distance() {
     const upright = Math.tan((this.camera.fov * Math.PI) / 360) / 1.12,
       level = upright * this.camera.aspect,
@@ -59,7 +59,7 @@ class View {
     return farthest || 1;
   }
 
-  // The body stays where it was at first, and all else moves about it; null: the ground does.
+  // The body that stays fixed in the view, while all else moves relative to it; null: the ground.
   follow(body, still) {
     this.root.matrix.identity();
     if (body)
@@ -78,7 +78,7 @@ class View {
     if (this.camera.aspect === width / height) return;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    // Until the user turns the view, all stays in the picture.
+    // Until the user rotates the view, everything remains in the picture.
     if (this.looksBy) this.look(this.looksBy);
   }
 

@@ -355,7 +355,7 @@ def test_what_a_controller_cannot_do_is_refused():
         arm(replace(FOLLOWING, reads={"elbow": m.JointReading("elbo")}))
     with pytest.raises(ModelError, match="controller name 'controller' is used more than once"):
         replace(arm(FOLLOWING), controllers=[FOLLOWING, SAMPLED])
-    with pytest.raises(ModelError, match="leave it out, replace"):
+    with pytest.raises(ModelError, match="remove it, replace"):
         equilibrium(replace(arm(FOLLOWING), controllers=[SAMPLED]))
 
 
@@ -403,7 +403,7 @@ def test_the_scripts_of_the_page_run():
 @pytest.mark.parametrize(
     ("outputs", "message"),
     [
-        (lambda _t, reads, _z: {"motor": reads["hing"].angle}, r"asks for 'hing'; it reads \['hinge'\]"),
+        (lambda _t, reads, _z: {"motor": reads["hing"].angle}, r"uses 'hing'; available are \['hinge'\]"),
         (
             lambda _t, reads, _z: {"motor": 1.0 if reads["hinge"].angle > 0 else 2.0},
             "write jnp.where instead of",
@@ -426,7 +426,7 @@ def test_a_law_that_gives_no_number_ends_the_run_in_words():
         return {"motor": jnp.where(time > 0.05, jnp.nan, 1.0)}
 
     system = wheel([m.Controller(reads=HINGE, drives=MOTOR, outputs=broken)])
-    with pytest.raises(ConvergenceError, match=r"at t = 0.05 .* A controller, a law or a load of one's own"):
+    with pytest.raises(ConvergenceError, match=r"at t = 0.05 .* A user-defined controller, law or load"):
         simulate(system, Run(duration=0.1, output_step=0.1, **options(0.01)))
 
 

@@ -333,7 +333,7 @@ def test_a_controller_that_sees_the_angle_of_the_turn_is_refused():
     seeing = controller(
         lambda _t, reads, z: watching(reads, z), lambda _t, _reads, z: {"motor": 0.0 * z[0]}, [0.0]
     )
-    with pytest.raises(ModelError, match=r"the linear equations change as the machine turns .* controllers"):
+    with pytest.raises(ModelError, match=r"equations change as the machine rotates .* controllers"):
         linearize(rotor([seeing]), spin=m.Spin(2.0, AXIS))
 
 
@@ -380,9 +380,7 @@ def test_sampled_controllers_have_no_rest():
         reads=HINGE, drives=motor(), law=lambda *_: ({"motor": 0.0}, {}), every=0.1, name="clock"
     )
     for looked_at in (equilibrium, linearize):
-        with pytest.raises(
-            ModelError, match=r"controller 'clock' is sampled: .* Write its law as a Controller"
-        ):
+        with pytest.raises(ModelError, match=r"controller 'clock' is sampled: .* Write it as a Controller"):
             looked_at(pendulum([sampled]))
 
 
