@@ -131,7 +131,7 @@ def test_a_tie_of_a_system_uses_it():
     own = body.shapes @ built.frames["modal"].turned
     assert np.asarray(arrays.shapes) == pytest.approx(np.einsum("nc,ncik->nik", shares, own[corners]))
     tie = Tie(At("next", "root"), "end", transfer=Mortar())
-    with pytest.raises(ModelError, match="a mortar needs a modal part"):
+    with pytest.raises(ModelError, match="a mortar tie needs a modal part"):
         ExplicitEngine(System([parts[1], explicit_subdomain(end, name="next")], ties=[tie]), Run(1.0, 1.0))
 
 
