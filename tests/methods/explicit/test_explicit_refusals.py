@@ -76,7 +76,7 @@ def modal():
     ],
 )
 def test_what_is_not_asked_of_explicit_elements_is_refused_in_one_place(ask):
-    with pytest.raises(ModelError, match="is of explicit finite elements, which `simulate` alone takes"):
+    with pytest.raises(ModelError, match="has explicit finite elements, which only `simulate` supports"):
         ask(System([explicit_bar(CellType.HEXA8)]))
 
 
@@ -112,7 +112,7 @@ def test_ties_contacts_and_supports_are_not_of_rigid_bodies():
         {"contacts": [Contact(END, WALL)]},
         {"ties": [Tie(END, "ball")]},
     ):
-        with pytest.raises(ModelError, match="acts on parts of an explicit march, and body 'ball' is rigid"):
+        with pytest.raises(ModelError, match="acts on explicit parts, but body 'ball' is rigid"):
             System([ball()], **item)
 
 

@@ -314,7 +314,7 @@ def test_what_intrinsic_bodies_cannot_do_is_refused_with_the_remedy():
 
 def test_bodies_in_floating_frames_refuse_rules_of_first_order():
     stone = RigidBody("stone", 1.0, np.zeros(3), np.eye(3))
-    refused(System([stone]), "RungeKutta4 steps machines of intrinsic bodies only", kind=ValueError)
+    refused(System([stone]), "RungeKutta4 supports machines of intrinsic bodies only", kind=ValueError)
 
 
 @pytest.mark.slow

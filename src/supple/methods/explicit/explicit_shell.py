@@ -127,7 +127,7 @@ class ExplicitShell(ElementPart):
     def elements(self) -> tuple[ShellElements, ...]:
         """The triangles of each section.
 
-        Each corner has the inertia m (t^2/12 + A/8). With that of the section alone, the rotations would
+        Each corner has the inertia m (t^2/12 + A/8). With that of the section alone, rotations would
         limit the step; the added inertia vanishes with the square of the element (Hughes, Cohen and Haroun
         1978).
         """

@@ -25,9 +25,9 @@ class FramePoints:
 
         x = sum_a w_a(X) x_a,     w = (1 - X - Y - Z, X, Y, Z),     X = (x - origin) / arm
 
-    origin : (3,)       position of O in the undeformed body, m arm : float         length of OA, OB and OC,
-    m: about a radius of gyration, for a well-conditioned 4 x 4 mass
-                        matrix of the points
+    origin : (3,)       position of O in the undeformed body, m
+    arm : float         length of OA, OB and OC, m: about a radius of gyration, for a well-conditioned
+                        4 x 4 mass matrix of the points
     """
 
     origin: FloatArray

@@ -21,8 +21,7 @@ class Explicit(ExplicitRule):
     safety : fraction of the step limit that is used, where the run has no FixedStep
     largest_ratio : largest number of element steps in one step of the frames; 1: one step for all
     interface_loss : largest relative energy lost or gained between parts with different steps, from one
-    output
-        time to the next; above it the ratio is halved, and the interval repeated
+        output time to the next; above it the ratio is halved, and the interval repeated
     """
 
     scheme: ProjectedDifference | PublishedScheme = field(default_factory=ProjectedDifference)

@@ -73,8 +73,8 @@ class ProjectedDifference:
     ) -> tuple[tuple[FrameState, ...], tuple[Array, ...], Array]:
         """Frames tied or joined to each other, and the multipliers of links (6,) and of what joins them (R,).
 
-        rows : for each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () without ties and
-        joints gaps : (R,) of the states at t_n+1, to be closed
+        rows : for each frame at t_n, (R, 4, 3) on the points and (R, k) on the modes; () without ties
+        gaps : (R,) of the states at t_n+1, to be closed
         """
         h, mean = steps.after, steps.mean
         frozen, guesses = [], []

@@ -88,8 +88,7 @@ def line_model(modes: IntrinsicModes, damping: Damping | None = None) -> LineMod
     """Arrays of the equations of motion for some modes of a line.
 
     damping : None, ModalDamping of the elastic modes, or RayleighDamping; the modal ratios and beta act on
-    strain
-        rates, for any rotation, alpha on the velocities of the elastic modes
+        strain rates, for any rotation, alpha on the velocities of the elastic modes
     Raises ModelError for damping defined in a floating frame.
     """
     line, m = modes.line, modes.n_modes

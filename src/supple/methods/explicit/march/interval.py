@@ -32,8 +32,7 @@ class Recorded(NamedTuple):
     frames : points and modes of each, their rates and accelerations;   pulls : (m,) multipliers of joints
     contacts : (c, 6) see `contact_forces`
     trouble : 0, or 1 an element inverted, 2 not finite, 3 the energy drifts, 4 spurious energy, 5 the
-    interface
-        energy drifts
+        interface energy drifts
     """
 
     x: Array

@@ -121,10 +121,12 @@ class Energies(NamedTuple):
 
     kinetic + internal + plastic + hourglass + contact + damping + interface - external   is constant
 
-    internal : work of stresses that is neither plastic nor viscous, and of springs hourglass : work of the
-    hourglass control contact : stored in penalties; interface : lost between parts with different steps, and
-    by frames that rotate by a finite angle in a step external : work of loads, gravity, driven obstacles and
-    joints, and of force elements without stored energy
+    internal : work of stresses that is neither plastic nor viscous, and of springs
+    hourglass : work of the hourglass control
+    contact : stored in penalties; interface : lost between parts with different steps, and by frames that
+        rotate by a finite angle in a step
+    external : work of loads, gravity, driven obstacles and joints, and of force elements without stored
+        energy
     """
 
     kinetic: Array
