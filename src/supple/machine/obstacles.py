@@ -25,7 +25,7 @@ class Obstacle(Protocol):
 
     @property
     def velocity(self) -> Vector:
-        """At the start, m/s."""
+        """Initial velocity, m/s."""
         ...
 
     @property

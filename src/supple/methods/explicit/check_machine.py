@@ -30,7 +30,7 @@ __all__ = ["check_machine", "check_run", "check_spun"]
 _APART = 1e-9
 """Largest initial velocity difference of two tied modal parts, relative to the fastest point."""
 _ROUNDED = 1e-6
-"""The same for explicit nodes, whose velocity is that of the modal part they are tied to."""
+"""Largest initial velocity difference of explicit nodes and their modal part, likewise relative."""
 
 
 def check_spun(system: System) -> None:

@@ -78,7 +78,7 @@ class ModalFrame:
         return self.material_motion(self.weights(nodes), self.shapes[nodes])
 
     def material_motion(self, weights: FloatArray, shapes: FloatArray) -> FloatArray:
-        """The same for material points of weights (n, 4) and shapes (n, 3, k)."""
+        """(n, 3, 6 + k): motion of material points of weights (n, 4) and shapes (n, 3, k)."""
         on_points = np.einsum("na,aic->nic", weights, self.rigid_rates)
         return np.concatenate([on_points, self.body.points.arm * shapes], axis=2)
 

@@ -201,7 +201,7 @@ class JoinedEngine:
         return jax.tree.map(lambda leaf: leaf[:n], _outputs(self._arrays, *both))
 
     def _at(self, now: JoinedInstant, control: ControlState | None) -> tuple[Any, JoinedRates, Any]:
-        """The same at one instant."""
+        """`_outputs` at one instant."""
         found = self._outputs(*jax.tree.map(lambda leaf: np.asarray(leaf)[None], (now, control)))
         return jax.tree.map(lambda leaf: leaf[0], found)
 

@@ -74,7 +74,7 @@ class MachineOfLines:
     def joint_forces(self, reactions: Array, motions: Mapping[str, IntrinsicMotion]) -> Mapping[str, Array]:
         """Force and moment (t, 6) of each joint on its second end, along the joint axes on its first.
 
-        Components along free directions are zero; the balance differs from that by the error of the stations.
+        Components along free directions are set to zero; in the balance they are errors of discretisation.
         """
         found = {}
         for number, (placed, root) in enumerate(zip(self.system.bodies, self.roots, strict=True)):
@@ -113,8 +113,8 @@ def check_held_by_ground(system: System) -> None:
         body_of(placed)
     if is_joined(system):
         raise ModelError(
-            "joints hold released bodies, or connect intrinsic bodies: without a time integration, only "
-            "bodies are supported whose roots the ground alone holds, by the support of their modes. "
+            "joints hold released bodies, or connect intrinsic bodies: without a time integration, intrinsic "
+            "bodies may only be joined to the ground at their roots, by the support of their modes. "
             "Simulate, with damping to reach equilibrium"
         )
 

@@ -83,8 +83,8 @@ def _warn(system: System, run: Run, name: str, error: TruncationError, where: st
     )
     warn_or_raise(
         f"{where}body '{name}': {body.n_coordinates} modes are too few: {why}, which is {error.largest:.1%} "
-        "of its deflection. Keep more modes, or omit their number: then all are kept, or as many as an "
-        "accuracy needs",
+        "of its deflection. Keep more modes, or omit their number, to keep all modes, or as many as a "
+        "given accuracy needs",
         ValidityWarning,
         run.validity,
     )
@@ -95,6 +95,6 @@ def _part(error: TruncationError) -> ErrorPart:
         max(error.drift, *error.places),
         "drift of the centre of mass"
         if error.drifts
-        else "all modes, static in the motion, at a few instants",
+        else "omitted modes follow the motion statically, at a few instants",
         "keep more modes",
     )

@@ -46,7 +46,7 @@ class Modified(NamedTuple):
     """State of an iteration with a frozen tangent."""
 
     inverse: jax.Array
-    """As in `FrozenTangent`"""
+    """As in `FrozenInverse`"""
     own: jax.Array
     """Whether the last correction used the tangent of its own iterate"""
     made: jax.Array
@@ -118,7 +118,7 @@ def _correction_where_needed(
 def _correction_in_turn(
     elimination: DenseElimination, model: Model, rule: StepRule, start: State, *evaluated: Any
 ) -> tuple[jax.Array, jax.Array]:
-    """The same, case after case; each case copies its arguments, so the model comes without load tables."""
+    """`_correction_where_needed` case after case; a case copies its arguments, so without load tables."""
     held = model.loads_at(start.time + rule.h)
     return sequential_vmap(partial(_correction_where_needed, elimination), held, rule, start, *evaluated)
 

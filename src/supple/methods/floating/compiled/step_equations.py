@@ -180,7 +180,7 @@ def step_matrix(model: Model, step: LinearizedStep) -> jax.Array:
 
 
 def step_fronts(layout: TreeLayout, model: Model, step: LinearizedStep) -> jax.Array:
-    """The same matrix as fronts, (nb + 1, T, T)."""
+    """The matrix of `step_matrix` as fronts, (nb + 1, T, T)."""
     blocks = tangent_blocks(model, *step)
     joints = step.linearization.joints
     for block in constraint_blocks(model, joints):

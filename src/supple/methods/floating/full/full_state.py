@@ -66,7 +66,7 @@ class Evaluation(NamedTuple):
         return -self.constraint_residual / by_position, frames
 
     def left_with(self, border: np.ndarray, interiors: tuple[np.ndarray, ...]) -> Evaluation:
-        """The same with other residuals: (n,) of the border, and (6 + n,) of each full body."""
+        """The evaluation with other residuals: (n,) of the border, and (6 + n,) of each full body."""
         none = np.zeros_like(self.border.inertia)
         return self._replace(
             border=self.border._replace(inertia=none, internal=none, applied=border, joint=none),

@@ -115,7 +115,7 @@ class FullSystem:
         return tuple(known[index] for index in range(len(self.system.bodies)))
 
     def _seen_slices(self) -> tuple[slice, ...]:
-        """The same, with the own velocities of bodies with stations instead of those of the stations."""
+        """`_border_slices` with own velocities of bodies with stations instead of the stations'."""
         parts = list(self.border_slices)
         first = max((parts[index].stop for index in self._others), default=0)
         for line in self.lines:
