@@ -79,10 +79,8 @@ class Run(Summarized):
         if ratio > MOST_OUTPUT_TIMES:
             raise ValueError(
                 f"a duration of {self.duration:g} with an output step of {self.output_step:g} has "
-                f"{ratio:.3g} "
-                f"output times; at most {MOST_OUTPUT_TIMES} are stored: give a longer output step (the "
-                "time step "
-                "may stay)"
+                f"{ratio:.3g} output times; at most {MOST_OUTPUT_TIMES} are stored: give a longer output "
+                "step (the time step may stay)"
             )
         n = round(ratio)
         if n < 1 or abs(n * self.output_step - self.duration) > 1e-6 * self.output_step:

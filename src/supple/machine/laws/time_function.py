@@ -47,17 +47,15 @@ def traced(function: Callable[[Any], Any], name: str, time: ArrayLike) -> jax.Ar
         ) from error
     except (jax.errors.TracerBoolConversionError, jax.errors.NonConcreteBooleanIndexError) as error:
         raise ModelError(
-            f"its function of time ({name}) branches on a condition of the time (if, while, and, "
-            "or, max, "
+            f"its function of time ({name}) branches on a condition of the time (if, while, and, or, max, "
             "min of Python), which has no value yet when JAX compiles it; write jnp.where(condition, this, "
             "that)"
         ) from error
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError) as error:
         raise ModelError(
             f"its function of time ({name}) converts the time to a Python number (math.sin, float, int, "
-            "range, an "
-            "index), which has no value yet when JAX compiles it; write jnp.sin for math.sin, and jnp.where("
-            "condition, this, that) for a choice"
+            "range, an index), which has no value yet when JAX compiles it; write jnp.sin for math.sin, and "
+            "jnp.where(condition, this, that) for a choice"
         ) from error
     except SuppleError:
         raise

@@ -47,11 +47,9 @@ def on_faces(points: FloatArray, mesh: Mesh, within: float, what: str) -> tuple[
         best = int(np.argmin(gaps))
         if gaps[best] > within:
             raise ModelError(
-                f"{what}: the node at {np.array2string(point, precision=6)} does not match the other "
-                f"part; the "
-                f"nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Check the positions of "
-                f"the parts; "
-                "`within` allows a larger distance"
+                f"{what}: the node at {np.array2string(point, precision=6)} does not match the other part; "
+                f"the nearest face is {gaps[best]:.3g} away, allowed are {within:.3g}. Check the positions "
+                "of the parts; `within` allows a larger distance"
             )
         found[number], weights[number] = triangles[near[best]], own[best]
     return found, weights

@@ -218,9 +218,8 @@ class ExplicitEngine:
         match int(row.trouble):
             case 1:
                 return (
-                    f"an element inverted (det F <= 0) before {when}: refine the mesh there, delete elements "
-                    f"at a plastic "
-                    "strain, or use a law that resists it (NeoHookean)"
+                    f"an element inverted (det F <= 0) before {when}: refine the mesh there, delete "
+                    "elements at a plastic strain, or use a law that resists it (NeoHookean)"
                 )
             case 2:
                 return (
@@ -231,14 +230,12 @@ class ExplicitEngine:
                 drift = sum(e.values()) - 2 * e["external"] - initial
                 worst = max((name for name in e if name != "external"), key=lambda name: abs(e[name]))
                 return (
-                    f"the energy balance has an error of {drift:.3g} J at {when}, more than 1 %; the largest "
-                    f"term is "
-                    f"{worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} J: take "
-                    f"shorter steps, or "
-                    "a smaller ratio between them"
+                    f"the energy balance has an error of {drift:.3g} J at {when}, more than 1 %; the "
+                    f"largest term is {worst} ({e[worst]:.3g} J), the interface lost {e['interface']:.3g} "
+                    "J: take shorter steps, or a smaller ratio between them"
                 )
             case 5:
-                verb = "lost" if e["interface"] > 0 else "won"
+                verb = "lost" if e["interface"] > 0 else "gained"
                 return (
                     f"the interface energy drifts: {abs(e['interface']):.3g} J were {verb} between parts "
                     f"with different steps until {when}, more than 1 %; take a smaller ratio"
@@ -246,8 +243,7 @@ class ExplicitEngine:
             case _:
                 worst = min(("internal", "hourglass"), key=lambda name: e[name])
                 return (
-                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: spurious energy, "
-                    f"because "
+                    f"the {worst} energy is negative ({e[worst]:.3g} J) at {when}: spurious energy, because "
                     "the step is above the stability limit; take a smaller safety"
                 )
 

@@ -145,9 +145,8 @@ def explicit_subdomain(
     own = {section.property for section in model.sections}
     if len(own) != 1:
         raise ModelError(
-            f"explicit sub-domain '{name}' has {len(own)} materials; make one sub-domain for each: they "
-            f"are tied "
-            "where they share nodes"
+            f"explicit sub-domain '{name}' has {len(own)} materials; make one sub-domain for each: they are "
+            "tied where they share nodes"
         )
     (constants,) = own
     if material is None:

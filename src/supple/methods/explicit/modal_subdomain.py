@@ -71,11 +71,10 @@ class ModalSubdomain(FloatingForm):
         shared = self.vectors.T @ (M @ R) / np.sqrt(np.einsum("ij,ij->j", R, M @ R))
         if (worst := float(np.abs(shared).max(initial=0.0))) > LARGEST_RIGID_PART:
             raise ModelError(
-                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' "
-                f"contains rigid "
-                f"motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}), which its frame already "
-                "has, and the step limit would be wrong; make the modes M-orthogonal to rigid motion, as "
-                "modal_subdomain does"
+                f"mode {int(np.abs(shared).max(axis=1).argmax()) + 1} of body '{self.body.name}' contains "
+                f"rigid motion (product {worst:.1e}, allowed {LARGEST_RIGID_PART:.0e}), which its frame "
+                "already has, and the step limit would be wrong; make the modes M-orthogonal to rigid "
+                "motion, as modal_subdomain does"
             )
 
     @property

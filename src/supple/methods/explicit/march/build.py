@@ -222,9 +222,8 @@ def _met(tie: Tie, points: FloatArray, nodes: FloatArray, numbers: IntArray) -> 
     if (found < 0).any():
         lost = points[found < 0][0]
         raise ModelError(
-            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} "
-            f"matches no node "
-            "of the other part; explicit parts are tied node to node: use matching meshes there"
+            f"tie of '{tie.nodes}' on '{tie.on}': the node at {np.array2string(lost, precision=6)} matches "
+            "no node of the other part; explicit parts are tied node to node: use matching meshes there"
         )
     return numbers[found]
 
